@@ -90,7 +90,7 @@ def run(job: Job) -> list[Seen]:
         limits = options_for(nest, profile, work=work)
         began_s = time.process_time()
         if job.zones:
-            _, solution, _ = planned_by_zones(asked, profile, limits)
+            solution = planned_by_zones(asked, profile, limits).solution
         else:
             solution = solve(asked.facts, asked.stated.statements, limits, None, afterthoughts(asked.facts, profile))
         found.append(

@@ -1,26 +1,36 @@
 """What zones cost: plans by the zones of geometry, by zones that have moved, and the best plan known without any.
 
-Usage: python benchmarks/zones.py [--contours 115 308 1000] [--seeds 1 11 12] [--apart 21 22 23] [--work 30]
-       [--without 30] > docs/zones.md
+Usage: python benchmarks/zones.py [--contours 115 308 1000] [--default 115] [--sizes 308:40,50] [--seeds 1 11]
+       [--apart 21] [--work 30] [--without 0.03] [--kept rows.json] > docs/zones.md
 
-Made plates (examples/gen_sheet.py) under the default profile without no-tip-travel, which looks at every single move.
-Work is in deterministic seconds, so that other programs on the machine change no plan. Of plates of a thousand contours
-and more one seed of each kind is planned.
+Made plates (examples/gen_sheet.py) under the default profile without no-tip-travel, which looks at every single move;
+those of `--default` contours with it. `--sizes` are plates on which geometry makes zones of so many contours, which do
+not move. Work is in deterministic seconds, so that other programs on the machine change no plan; that of `--without`,
+for plans without zones, is for every contour. Of plates of a thousand contours and more one seed of each kind is
+planned. Every row is made in a process of its own; those that the file `--kept` has already are not made again.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
+import multiprocessing
 import platform
 import sys
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 import kerfwise
 from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
 from kerfwise.jobs.ask import Asked, ask, facts_of
+from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_cost import zoned_by, zones_cost
+from kerfwise.jobs.zones_cost import zoned_by
 from kerfwise.jobs.zones_moved import better_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution, SolveOptions
@@ -34,20 +44,38 @@ PAGE = """\
 # What zones cost
 
 Made by `python benchmarks/zones.py {given} > docs/zones.md` with kerfwise {kerfwise}, Python {python}, plates of
-`examples/gen_sheet.py` under the default profile without no-tip-travel. Costs are in m: idle travel and what soft rules
-cost, with the number of excuses beside it. The first zones are those of geometry, the second have moved.
+`examples/gen_sheet.py`. Costs are in m: idle travel and what soft rules cost, with the number of excuses beside it.
 
-| plate | zones | by geometry | zones | moved | proven | processor, s | best without | more | the plan says |
-|---|---:|---:|---:|---:|---|---:|---:|---:|---|
+## Zones that move
+
+Under the default profile without no-tip-travel, which looks at every single move, and where it says so with it. The
+first zones are those of geometry, the second have moved; `largest` is how many contours the largest of these has.
+
+| plate | zones | by geometry | zones | largest | moved | proven | s | MB | best without | more | the plan says |
+|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---:|---|
 {rows}
 
-{seen} were looked at while this was made; {apart} were not.
+{seen} were looked at while this was made; {apart} was not.
 
 Proven is that no order within the zones that have moved is better, with the ways to cut that are offered. Seconds of
-the processor are those of the plan with zones and of all that was done to move them. `best without` is the best plan
-known that need not keep to zones: that which a solve finds on its way, or what {without:g} of work for searches beside
-it find, half of it from the plan with zones on, half from nothing. It is not proven, and a better one may exist. What
-`the plan says` is what it tells of its zones, from the shorter look that a solve has.
+the processor (s) and memory (MB) are those of the plan with zones and of all that was done to move them. `best without`
+is the best plan known that need not keep to zones: that which a solve finds on its way, or what {without:g} of work a
+contour for searches beside it find, half of it from the plan with zones on, half from nothing. It is not proven, and a
+better one may exist. What `the plan says` is what it tells of its zones, from the shorter look that a solve has.
+
+## Zones of so many contours
+
+Where a plant gives a number, geometry makes zones of about so many contours, and they stay where they are. The default
+profile without no-tip-travel, within {work:g} of work.
+
+| plate | zone_contours | zones | largest | plan | bound | proven | processor, s | memory, MB |
+|---|---:|---:|---:|---:|---:|---|---:|---:|
+{sizes}
+
+A proof goes through the sets of contours that may be out while a zone is cut. It looks for plans that cost little more
+than its bound first, then for such that cost more, until there is one: so it goes through few sets that no good plan
+has. Where memory (2 GB) or work end before that, the limit that no plan kept to is a bound of all plans within these
+zones.
 
 ## Where the extra comes from
 
@@ -56,55 +84,131 @@ not the size of zones, nor their order: where the runs of a plan without zones a
 than that plan.
 
 So runs of the best plan known without zones take the place of the zones. They must be zones still: no more of them
-than geometry has made, or than a proof bears; what is left after each about as square, on an average; each lying about
-as much together; the first at the start side. Borders along a plan can lie in many places. First those are
-tried that lie as far on as a proof bears; then, of all places, those that leave the rest squarest and the zones most
-together, by a shortest way over the places between parts. Where a proof takes too long, zones that are more come next.
+than geometry has made, or than a proof bears; what is left after each about as square, on an average, where sides that
+differ by no more than `square_ratio` are square; each lying about as much together; the first at the start side.
+Borders along a plan can lie in many places. First those are tried that lie as far on as a proof bears; then, of all
+places, those that leave the rest squarest and the zones most together, by a shortest way over the places between parts.
+Where a plan goes to and fro between parts for longer than a proof bears, borders lie between those parts all the same,
+in the order of their middles. Where a proof takes too long, zones that are more come next, with what is left of the
+work. Of all plans that were found so the one that costs least is taken, proven or not; where it is not proven, the plan
+says what is proven within other zones.
 """
 
 
 @dataclass(frozen=True)
+class Job:
+    """A plate to plan: under the `whole` default profile, or with zones of `size` contours, None for such that move."""
+
+    contours: int
+    seed: int
+    work: float
+    without: float
+    whole: bool = False
+    size: int | None = None
+
+    @property
+    def profile(self) -> Profile:
+        """What it is planned under."""
+        profile = default_without(*(() if self.whole else ("no-tip-travel",)))
+        rule = profile.rules["zone-order"]
+        options = replace(rule.options, zone_contours=self.size)
+        return replace(profile, rules={**profile.rules, "zone-order": replace(rule, options=options)})
+
+
+@dataclass(frozen=True)
 class Row:
-    """One plate: zones and costs, mm, with the weight of excuses."""
+    """One plate whose zones have moved: zones and costs, mm, with the weight of excuses."""
 
     plate: str
     zones: tuple[int, int]
+    largest: int
     by_geometry_mm: float
     moved_mm: float
     proven: bool
     processor_s: float
+    memory_mb: float
     without_mm: float
     told: str
 
     def __str__(self) -> str:
         more = (rest_mm(self.moved_mm) - rest_mm(self.without_mm)) / rest_mm(self.without_mm)
-        cells = [self.plate, str(self.zones[0]), cost(self.by_geometry_mm), str(self.zones[1]), cost(self.moved_mm)]
-        cells += ["yes" if self.proven else "no", f"{self.processor_s:.0f}"]
+        cells = [self.plate, str(self.zones[0]), cost(self.by_geometry_mm), str(self.zones[1]), str(self.largest)]
+        cells += [cost(self.moved_mm), _yes(self.proven), f"{self.processor_s:.0f}", f"{self.memory_mb:.0f}"]
         return f"| {' | '.join([*cells, cost(self.without_mm), f'{more:.1%}', self.told])} |"
 
 
-def row(contours: int, seed: int, work: float, without: float) -> Row:
+@dataclass(frozen=True)
+class Sized:
+    """One plate whose zones have about so many contours: costs in mm, with the weight of excuses."""
+
+    plate: str
+    size: int
+    zones: int
+    largest: int
+    cost_mm: float
+    bound_mm: float | None
+    proven: bool
+    processor_s: float
+    memory_mb: float
+
+    def __str__(self) -> str:
+        bound = "" if self.bound_mm is None else cost(self.bound_mm)
+        cells = [self.plate, str(self.size), str(self.zones), str(self.largest), cost(self.cost_mm), bound]
+        return f"| {' | '.join([*cells, _yes(self.proven), f'{self.processor_s:.0f}', f'{self.memory_mb:.0f}'])} |"
+
+
+def _yes(said: bool) -> str:
+    return "yes" if said else "no"
+
+
+def run(job: Job) -> Row | Sized:
+    """Plan a plate."""
+    return moved(job) if job.size is None else sized(job)
+
+
+def moved(job: Job) -> Row:
     """Plan one plate with zones that stay, with zones that move, and without any."""
-    profile, nest = default_without("no-tip-travel"), made_plate(contours, seed)
-    asked, limits = ask(facts_of(nest, profile), profile), options_for(nest, profile, work=work)
+    profile, nest = job.profile, made_plate(job.contours, job.seed)
+    asked, limits = ask(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
     began_s = time.process_time()
     looks = afterthoughts(asked.facts, profile)
     stayed = solve(asked.facts, asked.stated.statements, limits, None, looks)
     further = afterthoughts(asked.facts, profile)([asked.facts.candidates[c].contour for c in stayed.route])
-    by, moved, free = better_zones(asked, further, profile, stayed, limits)
-    took_s = time.process_time() - began_s
-    known = [] if free is None else [free.solution.objective]
-    known += [found.objective for found in searched(by, profile, moved, limits, without)]
+    best = better_zones(asked, further, profile, stayed, limits)
+    took_s, memory_mb = time.process_time() - began_s, peak_mb()
+    known = [] if best.free is None or best.free.aside else [best.free.solution.objective]
+    work = job.without * job.contours
+    known += [found.objective for found in searched(best.asked, profile, best.solution, limits, work)]
+    told = best.cost(limits)
+    zone = best.asked.facts.zone
     return Row(
-        f"{len(nest.contours)} contours, seed {seed}",
-        (int(asked.facts.zone.max()), int(by.facts.zone.max())),
+        _plate(asked.facts.n, job),
+        (int(asked.facts.zone.max()), int(zone.max())),
+        int(np.bincount(zone).max()),
         stayed.objective,
-        moved.objective,
-        moved.status == "optimal",
+        best.solution.objective,
+        best.solution.status == "optimal",
         took_s,
+        memory_mb,
         min(known),
-        "" if free is None else zones_cost(by, moved, free, limits).sentence,
+        "" if told is None else told.sentence,
     )
+
+
+def sized(job: Job) -> Sized:
+    """Plan one plate with zones of so many contours."""
+    profile, nest = job.profile, made_plate(job.contours, job.seed)
+    asked, limits = ask(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
+    began_s = time.process_time()
+    found = solve(asked.facts, asked.stated.statements, limits, None, afterthoughts(asked.facts, profile))
+    took_s, zone = time.process_time() - began_s, asked.facts.zone
+    zones, largest = int(zone.max()), int(np.bincount(zone).max())
+    proven, plate, size = found.status == "optimal", _plate(asked.facts.n, job), job.size or 0
+    return Sized(plate, size, zones, largest, found.objective, found.bound, proven, took_s, peak_mb())
+
+
+def _plate(contours: int, job: Job) -> str:
+    return f"{contours} contours, seed {job.seed}{', no-tip-travel' if job.whole else ''}"
 
 
 def searched(
@@ -121,32 +225,62 @@ def searched(
     return from_here, from_nothing
 
 
+def jobs_of(given: argparse.Namespace) -> Iterator[Job]:
+    """What to plan, in the order of the page."""
+    for whole, plates in ((False, given.contours), (True, given.default)):
+        for contours in plates:
+            for seeds in (given.seeds, given.apart):
+                for seed in seeds[: 1 if contours >= LARGE else None]:
+                    yield Job(contours, seed, given.work, given.without, whole)
+    for named in given.sizes:
+        contours, sizes = named.split(":")
+        for size in sizes.split(","):
+            for seed in (*given.seeds, *given.apart):
+                yield Job(int(contours), seed, given.work, given.without, size=int(size))
+
+
+def row_of(job: Job, kept: dict[str, Any], into: Path | None) -> Row | Sized:
+    """The row of a plate, made in a process of its own unless it was kept."""
+    name = json.dumps(asdict(job))
+    if name not in kept:
+        with multiprocessing.get_context("spawn").Pool(1) as pool:
+            kept[name] = asdict(pool.apply(run, (job,)))
+        if into is not None:
+            into.write_text(json.dumps(kept), encoding="utf-8")
+    return (Row if job.size is None else Sized)(**kept[name])
+
+
 def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--contours", type=int, nargs="+", default=[115, 308, 1000])
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 11, 12], help="looked at while this was made")
-    parser.add_argument("--apart", type=int, nargs="+", default=[21, 22, 23], help="not looked at")
+    parser.add_argument("--default", type=int, nargs="*", default=[115], help="such with no-tip-travel")
+    parser.add_argument("--sizes", nargs="*", default=["308:40,50"], help="contours:size,size…")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 11], help="looked at while this was made")
+    parser.add_argument("--apart", type=int, nargs="+", default=[21], help="not looked at")
     parser.add_argument("--work", type=float, default=30.0)
-    parser.add_argument("--without", type=float, default=30.0, help="work for plans without zones")
+    parser.add_argument("--without", type=float, default=0.03, help="work for plans without zones, a contour")
+    parser.add_argument("--kept", type=Path, help="a file of rows that are made, and of those made before")
     given = parser.parse_args()
     load_kernels()
-    rows = []
-    for contours in given.contours:
-        for seeds in (given.seeds, given.apart):
-            for seed in seeds[: 1 if contours >= LARGE else None]:
-                rows.append(str(row(contours, seed, given.work, given.without)))
-                print(rows[-1], file=sys.stderr, flush=True)
-    listed = {name: " ".join(map(str, getattr(given, name))) for name in ("contours", "seeds", "apart")}
+    kept = json.loads(given.kept.read_text(encoding="utf-8")) if given.kept and given.kept.exists() else {}
+    rows: list[Row | Sized] = []
+    for job in jobs_of(given):
+        rows.append(row_of(job, kept, given.kept))
+        print(rows[-1], file=sys.stderr, flush=True)
+    names = ("contours", "default", "sizes", "seeds", "apart")
+    listed = {name: " ".join(map(str, getattr(given, name))) for name in names}
     page = PAGE.format(
         given=" ".join(f"--{name} {values}" for name, values in listed.items())
         + f" --work {given.work:g} --without {given.without:g}",
         seen=f"Seeds {listed['seeds'].replace(' ', ', ')}",
         apart=listed["apart"].replace(" ", ", "),
+        work=given.work,
         without=given.without,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
-        rows="\n".join(rows),
+        rows="\n".join(str(row) for row in rows if isinstance(row, Row)),
+        sizes="\n".join(str(row) for row in rows if isinstance(row, Sized)),
     )
     print(page, end="")
 

@@ -29,7 +29,7 @@ from .ask import Asked
 from .costs import cost_of_plan
 from .pierce_pass import with_pierces
 from .torches import with_further_torches
-from .zones_cost import SHARE, zoned_by, zones_cost
+from .zones_cost import SHARE, zoned_by
 from .zones_moved import better_zones
 
 if TYPE_CHECKING:
@@ -136,14 +136,14 @@ def produce(
     if and_zones:
         ends_s = None if whole.time_s is None else started_s + whole.time_s
         stays, first = limit is not None or cool is not None, solution
-        asked, solution, free = better_zones(
+        best = better_zones(
             asked, seen_in(solution.route), profile, solution, whole, ends_s, progress, may_move=not stays
         )
+        asked, solution = best.asked, best.solution
         if solution is not first:
             facts = asked.facts
             plan = planned(solution)
-        if free is not None:
-            plan = replace(plan, zones_cost=zones_cost(asked, solution, free, limits))
+        plan = replace(plan, zones_cost=best.cost(limits))
     began_s = running_s()
     program = (write or write_program)(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile, trusted)

@@ -25,10 +25,10 @@ from .ask import Asked
 
 SHARE = 0.15
 """Share of a limit in which a plan without zones is looked for, at the most: of one in seconds, of which it is left so
-much, or of the work, beside it. As much again is there for a plan by other zones."""
+much, or of the work, beside it. As much again is there for a plan by other zones, and what the first plan has left."""
 LEAST, A_CONTOUR = 0.5, 0.02
 """Work that it takes at the least, and for every contour."""
-MOST_CONTOURS, MOST_MOVES = 2500, 60
+MOST_CONTOURS, MOST_MOVES = 2500, 150
 """With more, a plan without zones takes too long to get anywhere; and looking at every single move takes too long."""
 
 
@@ -62,10 +62,10 @@ def look_for(facts: Facts, limits: SolveOptions, ends_s: float | None) -> SolveO
     return replace(limits, time_s=max(min(SHARE * limits.time_s, left_s), SHARE * LEAST))
 
 
-def once_more(limits: SolveOptions, ends_s: float | None) -> SolveOptions:
-    """How long a plan by other zones may take."""
+def once_more(limits: SolveOptions, ends_s: float | None, spent: float) -> SolveOptions:
+    """How long a plan by other zones may take: as long as the limit leaves, where so much work of it is spent."""
     if limits.time_s is None or ends_s is None:
-        return replace(limits, work=SHARE * limits.work)
+        return replace(limits, work=max(limits.work - spent, SHARE * limits.work))
     return replace(limits, time_s=max(ends_s - running_s(), SHARE * LEAST))
 
 

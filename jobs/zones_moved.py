@@ -8,23 +8,47 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.zone_runs import movable, zones_along
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.kernels import running_s
+from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Precede, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
 from kerfwise.rules.stating.state_rules import state_rules
 
 from .ask import Asked
-from .zones_cost import Free, look_for, once_more, without_zones, zoned_by
+from .zones_cost import Free, look_for, once_more, without_zones, zoned_by, zones_cost
 
 TRIES = 2
 """Ways to make zones along a plan that are tried."""
+A_TRY = 0.6
+"""Share of what is left that one of them may take, but for the last."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ByZones:
+    """A plan by zones: what was asked of it, its solution, and the best plan known without zones, if one was asked for.
+
+    `proven_elsewhere` is the objective of a plan that is proven within other zones and dearer, mm, where this one is
+    not proven.
+    """
+
+    asked: Asked
+    solution: Solution
+    free: Free | None
+    proven_elsewhere: float | None = None
+
+    def cost(self, limits: SolveOptions) -> ZonesCost | None:
+        """What its zones cost; None where no plan without zones is known."""
+        if self.free is None:
+            return None
+        cost = zones_cost(self.asked, self.solution, self.free, limits)
+        return replace(cost, proven_elsewhere_mm=self.proven_elsewhere)
 
 
 def better_zones(
@@ -37,8 +61,11 @@ def better_zones(
     progress: Progress | None = None,
     *,
     may_move: bool = True,
-) -> tuple[Asked, Solution, Free | None]:
-    """The plan by the best zones that are found, and the best plan known without zones (None where none is asked for).
+) -> ByZones:
+    """The best plan by any zones that are tried, proven or not, and the best plan known without zones.
+
+    Of plans that cost the same, one that is proven is better. So more time makes no worse plan only because it is
+    enough for a proof within worse zones.
 
     Parameters
     ----------
@@ -56,61 +83,82 @@ def better_zones(
     began_s, looked = running_s(), look_for(asked.facts, limits, ends_s)
     free = without_zones(asked, further, profile, solution, looked, progress)
     if free is None or not may_move or not movable(asked.facts):
-        return asked, solution, free
+        return ByZones(asked, solution, free)
+    if free.cost_mm(asked, solution, limits) <= free.solution.objective:
+        return ByZones(asked, solution, free)
     beside_s = running_s() - began_s - (looked.time_s or 0.0)  # other zones take as long to be stated, at least
 
-    def in_time() -> bool:
-        return ends_s is None or running_s() + beside_s < ends_s
+    def left(spent: float) -> SolveOptions | None:
+        in_time = ends_s is None or running_s() + beside_s < ends_s
+        return once_more(limits, ends_s, solution.seconds + spent) if in_time else None
 
-    def left() -> SolveOptions | None:
-        return once_more(limits, ends_s) if in_time() else None
-
-    def along_it(found: Free) -> tuple[Asked, Solution] | None:
-        return along(asked, profile, solution, found, left, progress)
-
-    if free.cost_mm(asked, solution, limits) <= free.solution.objective:
-        return asked, solution, free
-    better = along_it(free)
-    if better is None and in_time():
+    found = list(along(asked.facts, profile, solution, free, left, progress))
+    spent = sum(other.seconds for _, other in found)
+    if not any(_better(other, solution) for _, other in found) and left(spent) is not None:
         borders = tuple(of_neighbours(asked.facts, zoned_by(asked, profile)))
         looked = look_for(asked.facts, limits, ends_s)
         mixed = without_zones(asked, further, profile, solution, looked, progress, borders)
-        better = None if mixed is None else along_it(mixed)
-    return (asked, solution, free) if better is None else (*better, free)
+        if mixed is not None and mixed.solution.route != free.solution.route:
+            found += along(asked.facts, profile, solution, mixed, lambda more: left(spent + more), progress)
+    by, best = asked, solution
+    for by_other, other in found:
+        if _better(other, best):
+            by, best = by_other, other
+    if best is solution:
+        return ByZones(asked, solution, free, _proven(solution, [other for _, other in found]))
+    spent = solution.seconds + free.seconds + sum(other.seconds for _, other in found)
+    notes = (*solution.notes, "zones: moved along the best plan known without them", *best.notes)
+    elsewhere = _proven(best, [solution, *(other for _, other in found)])
+    return ByZones(by, replace(best, seconds=spent, notes=notes), free, elsewhere)
+
+
+def _better(one: Solution, other: Solution) -> bool:
+    """Whether a plan costs less than another, or the same and is proven."""
+    return (one.objective, one.status != "optimal") < (other.objective, other.status != "optimal")
+
+
+def _proven(best: Solution, others: Sequence[Solution]) -> float | None:
+    """What the cheapest of the others costs that is proven, where the best one is not."""
+    if best.status == "optimal":
+        return None
+    return min((other.objective for other in others if other.status == "optimal"), default=None)
 
 
 def along(
-    asked: Asked,
+    facts: Facts,
     profile: Profile,
     solution: Solution,
     free: Free,
-    limits: Callable[[], SolveOptions | None],
+    limits: Callable[[float], SolveOptions | None],
     progress: Progress | None = None,
-) -> tuple[Asked, Solution] | None:
-    """A better plan, by zones along another one; None where its runs are no zones, or none better is proven.
+) -> Iterator[tuple[Asked, Solution]]:
+    """Plans by zones along another plan, until one is proven and costs less than `solution` by the zones of `facts`.
 
-    They are as large as a proof bears, so a proof alone is tried, within `limits` as they are when it begins (None: no
-    more); where it fails, by smaller ones. A plan that is proven gives way to none that is not.
+    The zones are as large as a proof bears, so a proof alone is tried; where it fails, by smaller ones. `limits` are
+    what is left after so much more is spent (None: no more).
     """
-    facts = asked.facts
-    tried, unproven = 0, 0
+    tried, unproven, spent = 0, 0, 0.0
     for zone in zones_along(facts, [facts.candidates[c].contour for c in free.solution.route]):
         if int(zone.max()) <= unproven:  # as large as zones of which a proof took too long
             continue
-        if tried == TRIES or (left := limits()) is None:
-            break
         tried += 1
+        if tried > TRIES or (left := limits(spent)) is None:
+            break
+        if tried < TRIES:
+            left = replace(left, work=A_TRY * left.work, time_s=left.time_s and A_TRY * left.time_s)
         found = _by_zones(replace(facts, zone=zone), profile, free.solution, left, progress)
-        if found is None or found[1].left_out != solution.left_out:  # the one is not asked for what the other pays for
+        if found is None:
+            spent, unproven = spent + left.work, int(zone.max())
             continue
         by, moved = found
+        spent += moved.seconds
+        if moved.left_out != solution.left_out:  # the one is not asked for what the other pays for
+            continue
+        yield by, moved
         if moved.status != "optimal":
             unproven = int(zone.max())
-        if moved.objective < solution.objective and (moved.status == "optimal" or solution.status != "optimal"):
-            spent = solution.seconds + free.seconds + moved.seconds
-            notes = (*solution.notes, "zones: moved along the best plan known without them", *moved.notes)
-            return by, replace(moved, seconds=spent, notes=notes)
-    return None
+        elif moved.objective < solution.objective:
+            break
 
 
 def _by_zones(
@@ -148,7 +196,7 @@ def of_neighbours(facts: Facts, rules: frozenset[str]) -> Iterator[Precede]:
                     yield Precede(before, after, About(rule, names, sentence))
 
 
-def planned_by_zones(asked: Asked, profile: Profile, limits: SolveOptions) -> tuple[Asked, Solution, Free | None]:
+def planned_by_zones(asked: Asked, profile: Profile, limits: SolveOptions) -> ByZones:
     """A plan by zones, moved where that pays, without its program: for benchmarks."""
     from kerfwise.models.engines.rounds import solve
 

@@ -13,7 +13,7 @@ from functools import cache
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 
 from .facts import Facts
 from .outlines import outlines_of
@@ -21,11 +21,11 @@ from .sides import AWAY, AXIS
 from .zone_blocks import Blocks, blocks_of, locked_pairs
 from .zone_borders import Bears, divisions
 from .zone_joined import Bearing, joined_while
-from .zone_sets import units_of
+from .zone_sets import Units, units_of
 from .zone_strips import side_ratio
-from .zones import most_sets, respected_orders
+from .zones import most_sets, raised, respected_orders
 
-MOST_CONTOURS = 45
+MOST_CONTOURS = 60
 """Contours in a zone, about: with more of them some order that was dropped, and does not hold, makes many sets."""
 LESS_SQUARE, LESS_TOGETHER = 1.05, 1.5
 """How many times as long and narrow what is left may be, on an average, and how many times as large the rectangles
@@ -57,18 +57,41 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     orders = np.concatenate([respected, locked_pairs(facts.nest, options)])
     kept = orders[place[orders[:, 0]] < place[orders[:, 1]]]  # the others were dropped, as they go round in a circle
     units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
-    small = _of_whole_blocks(blocks.of, np.array(order, dtype=np.int64))
-    sizes = np.bincount(small - 1).astype(np.float64)  # here the number of contours is what joined zones must not pass
-    bears = cache(Bearing(small, units, most_sets(facts.n), sizes, MOST_CONTOURS))
+    cut = np.array([k for k in order if not outlines.is_mark[k]], dtype=np.int64)  # marks are made before all
+    small = _of_whole_blocks(blocks.of, cut)
+    bears, count = _bearing(small, cut, units)
+    too_large = [k for k in range(1, count + 1) if not bears(k - 1, k)]
+    if too_large:
+        small = _taken_apart(small, np.isin(small, too_large), cut, blocks.of, kept)
+        bears, count = _bearing(small, cut, units)
     given = _by_block(facts.zone, blocks)
-    most = LESS_SQUARE * _ratio(given, blocks), LESS_TOGETHER * _around_mm2(given, blocks)
-    one_by_one = joined_while(bears, small, len(sizes))
+    square = options.square_ratio
+    most = LESS_SQUARE * _ratio(given, blocks, square), LESS_TOGETHER * _around_mm2(given, blocks)
+    one_by_one = joined_while(bears, small, count)
     if _do_what_zones_do(one_by_one, facts, blocks, most):
         yield one_by_one
     found = np.unique([zone[small - 1] for zone in _drawn(small, blocks, facts, bears, most)], axis=0)
     for zone in sorted(found[(found != one_by_one).any(axis=1)], key=lambda zone: int(zone.max())):
         if _do_what_zones_do(zone, facts, blocks, most):
             yield zone
+
+
+def _bearing(small: Ints, order: Ints, units: Units) -> tuple[Bears, int]:
+    """Whether runs that follow each other may be one zone, and how many runs there are."""
+    sizes = np.bincount(small[order] - 1).astype(np.float64)  # joined zones must not pass a number of contours here
+    return cache(Bearing(small, units, most_sets(len(small)), sizes, MOST_CONTOURS)), len(sizes)
+
+
+def _taken_apart(small: Ints, chosen: Bools, order: Ints, block: Ints, before: Ints) -> Ints:
+    """The runs `small` (n,) with those `chosen` (n,) by block (n,): each lies where its contours do on an average.
+
+    A block that goes before another by the orders `before` (k, 2) of contours comes no later than it.
+    """
+    middle = np.bincount(block[order], np.arange(len(order))) / np.bincount(block[order])
+    rank = raised(np.unique(middle, return_inverse=True)[1], block[before])
+    apart = np.column_stack([small, np.where(chosen, rank[block], -1)])
+    number: Ints = np.unique(apart, axis=0, return_inverse=True)[1].ravel() + 1
+    return number
 
 
 def _drawn(small: Ints, blocks: Blocks, facts: Facts, bears: Bears, most: tuple[float, float]) -> Iterator[Ints]:
@@ -119,14 +142,17 @@ def _around(bounds_mm: Floats) -> Floats:
 
 
 def _of_whole_blocks(block: Ints, order: Ints) -> Ints:
-    """The shortest runs of an order in which blocks are whole: the number of each contour's, from 1."""
+    """The shortest runs of an order in which blocks (n,) are whole: the number of each contour's, from 1.
+
+    Of every block there is one contour in the order, at the least.
+    """
     last = np.zeros(int(block.max(initial=0)) + 1, dtype=np.int64)
     at = np.arange(len(order))
     np.maximum.at(last, block[order], at)
     ends = np.maximum.accumulate(last[block[order]]) == at
-    number = np.empty(len(order), dtype=np.int64)
-    number[order] = np.append(0, np.cumsum(ends)[:-1]) + 1
-    return number
+    number = np.empty(len(last), dtype=np.int64)
+    number[block[order]] = np.append(0, np.cumsum(ends)[:-1]) + 1
+    return number[block]
 
 
 def _do_what_zones_do(zone: Ints, facts: Facts, blocks: Blocks, most: tuple[float, float]) -> bool:
@@ -135,7 +161,7 @@ def _do_what_zones_do(zone: Ints, facts: Facts, blocks: Blocks, most: tuple[floa
     depth_mm = away * blocks.centroid[:, axis]
     near_mm = depth_mm.min() + (depth_mm.max() - depth_mm.min()) / 2
     return bool(
-        _ratio(found, blocks) <= most_ratio
+        _ratio(found, blocks, facts.options.square_ratio) <= most_ratio
         and _around_mm2(found, blocks) <= most_mm2
         and depth_mm[found == 1].mean() <= near_mm
     )
@@ -147,10 +173,13 @@ def _by_block(zone: Ints, blocks: Blocks) -> Ints:
     return of_block
 
 
-def _ratio(zone: Ints, blocks: Blocks) -> float:
-    """Long side by short side of the rectangle around what is left after each zone, on an average over the contours."""
+def _ratio(zone: Ints, blocks: Blocks, square: float) -> float:
+    """Long side by short side of the rectangle around what is left after each zone, on an average over the contours.
+
+    What is left is as good as square up to the ratio `square`.
+    """
     sizes = np.bincount(zone, blocks.contours)[1:]
-    ratios = [side_ratio(blocks.bounds_mm[zone > k]) for k in range(1, len(sizes) + 1)]
+    ratios = [max(square, side_ratio(blocks.bounds_mm[zone > k])) for k in range(1, len(sizes) + 1)]
     return float(np.average(ratios, weights=np.maximum(sizes, 1e-9)))
 
 

@@ -113,7 +113,7 @@ def _divided(
     in_turn = np.concatenate(strips)
     zone[in_turn] = np.repeat(np.arange(len(strips)), [len(strip) for strip in strips])
     rank[in_turn] = np.arange(len(in_turn))
-    zone = _closed_up(_raised(zone, pairs))
+    zone = _closed_up(raised(zone, pairs))
     if options.zone_heat_kj is not None:
         zone = _closed_up(divided(zone, rank, blocks, options.zone_heat_kj))
         pairs = pairs[zone[pairs[:, 0]] <= zone[pairs[:, 1]]]  # without circles that were too hot for one zone
@@ -145,16 +145,16 @@ def _placed(nest: Nest, block_of: Ints, options: FactOptions) -> dict[int, int]:
     return found
 
 
-def _raised(zone: Ints, pairs: Ints, kept: Ints | None = None) -> Ints:
-    """Raise zones until no pair points backwards; blocks in `kept` stay where they are."""
+def raised(zone: Ints, pairs: Ints, kept: Ints | None = None) -> Ints:
+    """Raise the zones of blocks until no pair points backwards; blocks in `kept` stay where they are."""
     while True:
-        raised = zone.copy()
-        np.maximum.at(raised, pairs[:, 1], zone[pairs[:, 0]])
+        higher = zone.copy()
+        np.maximum.at(higher, pairs[:, 1], zone[pairs[:, 0]])
         if kept is not None:
-            raised[kept] = zone[kept]
-        if np.array_equal(raised, zone):
+            higher[kept] = zone[kept]
+        if np.array_equal(higher, zone):
             return zone
-        zone = raised
+        zone = higher
 
 
 def _with_fixed(zone: Ints, pairs: Ints, fixed: Mapping[int, int]) -> Ints:
@@ -167,10 +167,10 @@ def _with_fixed(zone: Ints, pairs: Ints, fixed: Mapping[int, int]) -> Ints:
     # Seen from the end, lowering a zone is raising its negative along the pairs turned round.
     latest = np.full(len(zone), np.iinfo(np.int64).max)
     latest[kept] = zone[kept]
-    latest = -_raised(-latest, pairs[:, ::-1])
+    latest = -raised(-latest, pairs[:, ::-1])
     movable = np.setdiff1d(np.arange(len(zone)), kept)
     zone[movable] = np.minimum(zone, latest)[movable]
-    return _raised(zone, pairs, kept)
+    return raised(zone, pairs, kept)
 
 
 def _closed_up(zone: Ints) -> Ints:

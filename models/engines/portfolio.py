@@ -300,6 +300,9 @@ class _Run:
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
+        elif proof.least is not None:
+            self.known.notes.append("ideals: too many sets for the limit, a bound is proven")
+            self.known.raise_bound(proof.least, "ideals")
         elif proof.incumbent is None:
             self.known.infeasible = True
         else:

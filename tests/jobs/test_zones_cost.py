@@ -112,7 +112,8 @@ def test_it_is_printed_and_read_back(tmp_path: object) -> None:
     made = planned(zoned(1))
     assert made.plan.zones_cost is not None
     assert made.plan.zones_cost.sentence in summary(made.plan, made.verdict)
-    told = ZonesCost(-3.5, 2, (("A.outer", "part-rigidity"),), 1.0, ("no-tip-travel",))
+    told = ZonesCost(-3.5, 2, (("A.outer", "part-rigidity"),), 1.0, ("no-tip-travel",), EXEMPTION_MM + 18_634.0)
+    assert told.sentence.endswith("not proven, but within other zones 18.634 m with 1 excuse is")
     file = tmp_path / "plan.json"  # type: ignore[operator]
     file.write_text(replace(made.plan, zones_cost=told).to_json())
     assert read_plan(file).zones_cost == told

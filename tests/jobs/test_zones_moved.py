@@ -17,9 +17,12 @@ from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import zones_moved
-from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_moved import of_neighbours, planned_by_zones
+from kerfwise.jobs.zones_cost import Free
+from kerfwise.jobs.zones_moved import ByZones, better_zones, of_neighbours, planned_by_zones
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.problem.closure import transitive
 from kerfwise.rules.profile.profile import load_profile
 
@@ -40,6 +43,71 @@ def test_neighbours_may_be_mixed_and_no_others() -> None:
     assert (0, 4) not in found, "it follows from the others"
 
 
+ROW = nest(600, 100, *(part(str(k), rect(10 + 100 * k, 10, 80, 80)) for k in range(6)))
+"""Six plates in a row."""
+
+
+def chosen(
+    monkeypatch: pytest.MonkeyPatch, first: tuple[float, Status], others: Sequence[tuple[float, Status]]
+) -> tuple[ByZones, list[float]]:
+    """What becomes of a first plan of that cost where other zones, one more each time, make such plans; and the work
+    that each of those was given."""
+    profile = load_profile()
+    facts = replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2]))
+    asked = ask(facts, profile)
+    left, works = list(others), list[float]()
+
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, progress: object) -> object:
+        works.append(limits.work)
+        cost, status = left.pop(0)
+        return Asked(facts, asked.stated), replace(solution, objective=cost, status=status, seconds=1.0)
+
+    def along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
+        yield from (np.minimum(np.arange(1, 7), count) for count in range(2, 2 + len(others)))
+
+    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0))
+    solution = replace(solution, objective=first[0], status=first[1], seconds=2.0)
+    free = Free(asked.stated, replace(solution, objective=90.0), 0.5)
+    monkeypatch.setattr(zones_moved, "without_zones", lambda *given: free)
+    monkeypatch.setattr(zones_moved, "zones_along", along)
+    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    return better_zones(asked, (), profile, solution, SolveOptions(work=10.0)), works
+
+
+@pytest.mark.parametrize(
+    ("first", "others", "cost", "elsewhere"),
+    [
+        ((100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")], 95.0, 97.0),
+        ((100.0, "optimal"), [(95.0, "feasible"), (96.0, "feasible")], 95.0, 100.0),
+        ((100.0, "feasible"), [(95.0, "feasible"), (97.0, "feasible")], 95.0, None),
+        ((100.0, "feasible"), [(101.0, "optimal"), (102.0, "optimal")], 100.0, 101.0),
+        ((100.0, "optimal"), [(95.0, "feasible"), (95.0, "optimal")], 95.0, None),
+        ((100.0, "optimal"), [(95.0, "optimal")], 95.0, None),
+        ((100.0, "feasible"), [(100.0, "optimal")], 100.0, None),
+    ],
+)
+def test_the_best_plan_is_taken_proven_or_not(
+    first: tuple[float, Status],
+    others: list[tuple[float, Status]],
+    cost: float,
+    elsewhere: float | None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found, _ = chosen(monkeypatch, first, others)
+    assert found.solution.objective == cost
+    assert found.proven_elsewhere == elsewhere
+    told = found.cost(SolveOptions(work=10.0))
+    assert told is not None
+    assert told.proven_elsewhere_mm == elsewhere
+    proven = [status for other, status in (first, *others) if other == cost and status == "optimal"]
+    assert (found.solution.status == "optimal") == bool(proven)
+
+
+def test_what_the_first_plan_has_left_is_for_other_zones(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")])
+    assert works == pytest.approx([zones_moved.A_TRY * 8.0, 7.0])
+
+
 @pytest.mark.slow
 def test_where_runs_are_no_zones_neighbouring_zones_are_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
@@ -55,8 +123,9 @@ def test_where_runs_are_no_zones_neighbouring_zones_are_mixed(monkeypatch: pytes
         yield from () if len(orders) == 1 else zones_along(facts, order)
 
     monkeypatch.setattr(zones_moved, "zones_along", none_at_first)
-    by, moved, free = planned_by_zones(asked, profile, limits)
-    assert free is not None
+    found = planned_by_zones(asked, profile, limits)
+    by, moved = found.asked, found.solution
+    assert found.free is not None
     assert len(orders) == 2
     place = {k: at for at, k in enumerate(orders[1])}
     for statement in of_neighbours(asked.facts, frozenset({"zone-order"})):

@@ -18,12 +18,15 @@ import numpy as np
 from kerfwise.models.problem.problem import Problem
 
 from .ahead import FAR, Ahead
-from .budget import SweepBudget
+from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
 from .kernels import RestBound
 from .lattice import SweptStretch, sweep_layers
 from .local import Local, in_line, localise
 from .stretches import entrance_of, make_moves, never
+
+SHARES = 0.1, 0.25, 0.5, 1.0
+"""Shares of what a known plan misses in a stretch, within which the cheapest way through it is looked for."""
 
 
 def missed_in(
@@ -37,7 +40,7 @@ def missed_in(
     Raises
     ------
     TooLarge
-        If a stretch has too many sets that may be on a route that misses less.
+        If there is no work left.
     """
     if known >= FAR:
         return [0] * len(ahead)
@@ -52,7 +55,7 @@ def missed_in(
         through = _Through(inside, before, here, earlier, promised, budget, threads)
         most = through.least(stays, _nothing(stays), promised + known)
         local = localise(inside, here.group, earlier)
-        missed.append(max(0, through.least(local, here.rests(local, 0), most) - promised))
+        missed.append(max(0, through.rising(local, here.rests(local, 0), most) - promised))
     return missed
 
 
@@ -65,17 +68,40 @@ class _Through:
     ) -> None:  # fmt: skip
         passable = before.onward < FAR
         self._ways, self._entrance = before.out_of[passable], (promised - before.onward[passable]).tolist()
+        self._promised = promised
         self._problem, self._here, self._earlier = problem, here, earlier
         self._budget, self._threads = budget, threads
 
+    def rising(self, local: Local, rests: Callable[[int], RestBound], most: int) -> int:
+        """What the cheapest of them costs at least, `most` at the most: little more than promised is tried first.
+
+        Raises
+        ------
+        TooLarge
+            If there is no work left.
+        """
+        above = self._promised
+        try:
+            for share in SHARES:
+                limit = self._promised + int(share * (most - self._promised))
+                if (found := self.least(local, rests, limit)) <= limit:
+                    return found
+                above = limit + 1
+        except TooLarge:
+            self._budget.check()
+            if self._budget.work.left < 0:
+                raise
+        return above
+
     def least(self, local: Local, rests: Callable[[int], RestBound], limit: int) -> int:
-        """What the cheapest of them costs, of those up to `limit`; there must be one."""
+        """What the cheapest of them costs, of those up to `limit`; more than that where there is none."""
         moves = make_moves(self._problem, local, self._earlier, self._ways, limit)
         stretch = SweptStretch(local, moves, rests, limit, never(limit))
         budget = replace(self._budget)  # nothing is kept of the layers
         end = sweep_layers(stretch, entrance_of(self._entrance, limit), budget, self._threads)[-1]
         at = np.searchsorted(self._here.out_of, local.sites_of(end.contour))
-        return int((end.values + self._here.onward[at]).min())
+        whole = end.values + self._here.onward[at]
+        return int(whole.min(initial=stretch.never))
 
 
 def _nothing(local: Local) -> Callable[[int], RestBound]:

@@ -1,10 +1,18 @@
-"""Proves the best plan wherever the sets that can occur are few, stretch after stretch."""
+"""Proves the best plan wherever the sets that can occur are few, stretch after stretch.
+
+With a bound on what is still to come, far fewer states are gone through the less a plan may cost. So plans are looked
+for that cost little more than the bound, then such that cost more, until there is one: it is the best (as A* by rising
+limits does, Korf 1985). How good the plan is that was known before hardly matters then, and where the budget ends too
+soon, every limit that no plan kept to is a bound.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +24,9 @@ from kerfwise.models.problem.problem import Problem
 
 from .ahead import Ahead, look_ahead
 from .budget import TABLE_BYTES, SweepBudget, TooLarge
+from .kernels import RestBound
 from .lattice import THREADS
+from .local import Local
 from .missed import missed_in
 from .prune import least_in, least_rest, walked_rest
 from .series import series
@@ -29,6 +39,9 @@ STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
+NEAR, WIDER, FAR_OVER = 0.005, 1.6, 0.1
+"""By what share of the bound a plan may be dearer that is looked for first, how many times as much next, and from what
+share on a limit drops next to no states."""
 MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 """Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
@@ -37,11 +50,13 @@ MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 class Proof:
     """The best route there is; `incumbent` is None where no lawful route exists at all.
 
-    `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each).
+    `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each). Where it did not
+    suffice, `least` is what every route costs at least, µm, and there is no incumbent.
     """
 
     incumbent: Incumbent | None
     work: float = field(default=0.0, compare=False)
+    least: int | None = None
 
 
 def applies(problem: Problem) -> bool:
@@ -69,14 +84,14 @@ def prove(
     time_s: float | None = None,
     most_bytes: float = TABLE_BYTES,
 ) -> Proof | None:
-    """Solve exactly, or return None if the budget does not suffice.
+    """Solve exactly, or say what is proven if the budget does not suffice; None if nothing is.
 
     Parameters
     ----------
     problem
         Anything; where a state cannot hold what is asked, the answer is None.
     incumbent
-        Makes it faster, never different: states that cannot lead to a plan as cheap are dropped.
+        Makes it faster, never different: no plan is looked for that costs more.
     work
         Deterministic limit, in seconds or so.
     progress
@@ -114,8 +129,8 @@ def prove(
         last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
         proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
         if proof is not None or last or not go():
-            return proof
-    return None
+            return proof or rounds.proven
+    return rounds.proven
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -130,15 +145,25 @@ class _Apart:
         """Deterministic seconds that they took."""
         return sum(stretch.bound.work for stretch in self.ahead)
 
-    def rests(self, problem: Problem, budget: SweepBudget, threads: Executor) -> Rests:
-        """What a sweep of all stretches needs of them, sharpened by what they miss; `TooLarge` over the budget."""
+    def rests(self, problem: Problem, budget: SweepBudget, threads: Executor) -> tuple[Rests, float]:
+        """What a sweep of all stretches needs of them, sharpened by what they miss, and what plans cost at least.
+
+        Raises
+        ------
+        TooLarge
+            Over the budget.
+        """
         missed = missed_in(problem, self.ahead, self.plan.route, self.plan.cost, budget, threads)
-        return lambda number, local, earlier: self.ahead[number].rests(local, sum(missed[number + 1 :]))
+
+        def rests(number: int, local: Local, earlier: frozenset[int]) -> Callable[[int], RestBound]:
+            return self.ahead[number].rests(local, sum(missed[number + 1 :]))
+
+        return rests, self.ahead[0].bound.root + sum(missed)
 
 
 @dataclass(slots=True)
 class _Rounds:
-    """Sweeps of a problem, paid from `work` seconds of which `left` are left."""
+    """Sweeps of a problem, paid from `work` seconds of which `left` are left; all plans cost `least` or more."""
 
     problem: Problem
     known: int | None
@@ -146,31 +171,56 @@ class _Rounds:
     go: Callable[[], bool]
     most_bytes: float
     left: float = field(init=False)
+    least: int = 0
 
     def __post_init__(self) -> None:
         self.left = self.work
 
+    @property
+    def proven(self) -> Proof | None:
+        """What is proven where no sweep came to its end."""
+        return Proof(None, self.work - self.left, self.least) if self.least > 0 else None
+
     def sweep(self, bound: Completion | _Apart | None, most: float) -> Proof | None:
-        """What a sweep of no more than so many seconds proves."""
+        """What sweeps of no more than so many seconds prove."""
         budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - _held(bound))
         best: Incumbent | None = None
-        with ThreadPoolExecutor(THREADS) as threads:
-            try:
-                rests = self._rests(bound, budget, threads)
-                best = sweep_through(self.problem, self.known, rests, budget, threads)
-                swept = True
-            except TooLarge:
-                swept = False
+        swept = False
+        with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
+            rests, least = self._rests(bound, budget, threads)
+            for limit in rising(least, self.known):
+                if limit is not None and limit < self.least:
+                    continue
+                best = sweep_through(self.problem, limit, rests, replace(budget), threads)  # layers are kept for once
+                if best is not None or limit is None:
+                    break
+                self.least = max(self.least, limit + 1)
+            swept = True
         self.left -= most - max(0.0, budget.work.left)
         return Proof(best, self.work - self.left) if swept else None
 
-    def _rests(self, bound: Completion | _Apart | None, budget: SweepBudget, threads: Executor) -> Rests:
+    def _rests(self, bound: Completion | _Apart | None, budget: SweepBudget, threads: Executor) -> tuple[Rests, float]:
         if isinstance(bound, _Apart):
             return bound.rests(self.problem, budget, threads)
         if bound is not None:
-            return lambda number, local, earlier: walked_rest(local, earlier, bound)
+            return (lambda number, local, earlier: walked_rest(local, earlier, bound)), bound.root
         least = least_in(self.problem)
-        return lambda number, local, earlier: least_rest(local, earlier, least)
+        return (lambda number, local, earlier: least_rest(local, earlier, least)), inf
+
+
+def rising(least: float, known: int | None) -> Iterator[int | None]:
+    """What plans that are looked for may cost, from little more than the `least` on; at last as much as a known one.
+
+    Examples
+    --------
+    >>> list(rising(1000.0, 1020)), list(rising(1000.0, 1002)), list(rising(inf, None))
+    ([1005, 1008, 1012, 1020], [1002], [None])
+    """
+    over = NEAR * least
+    while known is not None and 1 <= over < FAR_OVER * least and least + over < known:
+        yield int(least + over)
+        over *= WIDER
+    yield known
 
 
 def _held(bound: Completion | _Apart | None) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -79,3 +80,61 @@ def test_zones_that_the_plant_decides_on_do_not_move(decided: dict[str, object])
     facts = grid(4, 2)
     assert movable(facts)
     assert not movable(replace(facts, options=replace(facts.options, **decided)))  # type: ignore[arg-type]
+
+
+def test_parts_that_an_order_goes_to_and_fro_between_are_in_several_zones() -> None:
+    """Each part has a hole, and all holes of a column are cut before its first part: the column is one long run."""
+    columns, rows = 8, 6
+    places = [(c, r) for c in range(columns) for r in range(rows)]
+    holed = (
+        part(f"{c}{r}", rect(10 + 100 * c, 10 + 100 * r, 80, 80), [rect(40 + 100 * c, 40 + 100 * r, 20, 20)])
+        for c, r in places
+    )
+    options = FactOptions(zone_respects=frozenset({"contains"}), parts_in_one_go=False, square_ratio=10.0)
+    facts = compute_facts(nest(100 * columns, 100 * rows, *holed), options)
+    index = facts.nest.index
+    order = [
+        k for c in range(columns) for what in ("hole1", "outer") for k in (index[f"{c}{r}.{what}"] for r in range(rows))
+    ]
+    several = list(zones_along(facts, order))
+    assert several
+    for found in several:
+        assert all(found[index[f"{c}{r}.hole1"]] == found[index[f"{c}{r}.outer"]] for c, r in places)
+        column = [{int(found[index[f"{c}{r}.outer"]]) for r in range(rows)} for c in range(columns)]
+        assert max(map(len, column)) > 1, "a column has too many sets for one zone"
+        assert all(max(one) <= min(next_) for one, next_ in pairwise(column))
+
+
+def test_marks_do_not_keep_zones_from_being_runs() -> None:
+    """All marks are made before anything is cut; they are in the zone of their part."""
+    places = [(c, r) for c in range(12) for r in range(3)]
+    corners = {f"{c}{r}": (10 + 100 * c, 10 + 100 * r) for c, r in places}
+    plates = (
+        part(name, rect(x, y, 80, 80), marks=[[(x + 10, y + 10), (x + 50, y + 10)]]) for name, (x, y) in corners.items()
+    )
+    facts = compute_facts(nest(1200, 300, *plates), FactOptions(square_ratio=10.0))
+    contours, index = facts.nest.contours, facts.nest.index
+    marks = [k for k, c in enumerate(contours) if c.kind == "mark"]
+    several = list(zones_along(facts, [*marks, *(index[f"{name}.outer"] for name in corners)]))
+    assert several
+    for found in several:
+        assert found.max() > 2
+        assert all(found[k] == found[index[f"{contours[k].part}.outer"]] for k in marks)
+
+
+def test_what_is_left_is_square_up_to_the_ratio_of_the_rule() -> None:
+    """An order that goes around what is left leaves it less square than strips do, and square enough by the option."""
+    facts = grid(6, 6)
+    order = to_and_fro(facts, 6)
+    strict = replace(facts, options=replace(facts.options, square_ratio=1.0))
+    lenient = replace(facts, options=replace(facts.options, square_ratio=100.0))
+    assert len(list(zones_along(strict, order))) <= len(list(zones_along(lenient, order)))
+    far = replace(facts, zone=_in_squares(facts))
+    assert not list(zones_along(replace(far, options=strict.options), order))
+    assert list(zones_along(replace(far, options=lenient.options), order))
+
+
+def _in_squares(facts: Facts) -> np.ndarray:
+    """Zones of rings around a square that shrinks from two sides: what is left is a square after every one."""
+    middle = [c.polygon.centroid for c in facts.nest.contours]
+    return np.array([1 + min(round(m.x - 50) // 100, round(m.y - 50) // 100) for m in middle])
