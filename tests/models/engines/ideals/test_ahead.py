@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,11 +17,14 @@ from kerfwise.models.engines.ideals.ahead import FAR, Ahead, look_ahead
 from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
 from kerfwise.models.engines.ideals.missed import missed_in
 from kerfwise.models.engines.ideals.series import series
+from kerfwise.models.engines.ideals.sweep import sweep_through
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import problem, problems, scattered
+
+PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
 
 
 @st.composite
@@ -60,6 +65,9 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem) -> None:
     assert [here.group for here in ahead] == series(tiny)
     with ThreadPoolExecutor(1) as thread:
         missed = missed_in(tiny, ahead, best.route, best.cost, SweepBudget.of(1.0, lambda: True), thread)
+        worst = max(lawful(tiny), key=lambda route: route_cost(tiny, route))
+        from_worst = missed_in(tiny, ahead, worst, route_cost(tiny, worst), SweepBudget.of(1.0, lambda: True), thread)
+    assert from_worst == missed  # whatever plan is known
     assert min(missed) >= 0
     assert ahead[0].bound.root + sum(missed) <= best.cost
     for number, route in enumerate(lawful(tiny)):
@@ -87,6 +95,37 @@ def test_the_best_plan_zone_after_zone_is_found_with_bounds_and_without(tiny: Pr
     assert bounded is not None
     assert bounded.incumbent is not None
     assert bounded.incumbent.cost == best.cost
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@given(in_zones(), st.integers(1, 6))
+def test_where_the_budget_ends_at_a_limit_what_is_proven_is_a_bound(tiny: Problem, ends_at: int) -> None:
+    best = cheapest(tiny)
+    if best is None:
+        return
+    worst = max(lawful(tiny), key=lambda route: route_cost(tiny, route))
+    limits: list[int] = []
+
+    def ends(problem: Problem, limit: int, *given: Any) -> Incumbent | None:
+        limits.append(limit)
+        if len(limits) == ends_at:
+            raise TooLarge
+        return sweep_through(problem, limit, *given)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(PROVING, "sweep_through", ends)
+        proof = prove(tiny, Incumbent(worst, route_cost(tiny, worst)), work=10, stages=(1.0,))
+    assert limits == sorted(limits)
+    if len(limits) < ends_at:
+        assert proof is not None
+        assert proof.incumbent is not None
+        assert proof.incumbent.cost == best.cost
+        assert proof.least is None
+    elif proof is not None:
+        assert proof.incumbent is None
+        assert proof.least is not None
+        assert 0 < proof.least <= best.cost
 
 
 def rows(zones: int, contours: int, sites: int) -> Problem:
