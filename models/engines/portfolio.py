@@ -73,7 +73,7 @@ GLANCE, GLANCED, GLANCED_FROM = 0.05, 200, 500_000
 """Work of a first glance while sets are counted, contours up to which it takes less than a second, and entries that are
 counted before: a plan is shown while many are counted, and where they are few the search need not be compiled. It is no
 part of what a plan takes, so that a plan is the same whoever looks on."""
-LONGEST, LONGEST_ZONE = 36, 63
+LONGEST, LONGEST_ZONE = 36, 80
 """Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
 all."""
 
