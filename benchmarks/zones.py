@@ -246,7 +246,7 @@ def row_of(job: Job, kept: dict[str, Any], into: Path | None) -> Row | Sized:
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             kept[name] = asdict(pool.apply(run, (job,)))
         if into is not None:
-            into.write_text(json.dumps(kept), encoding="utf-8")
+            into.write_text(json.dumps(kept), encoding="utf-8", newline="\n")
     return (Row if job.size is None else Sized)(**kept[name])
 
 

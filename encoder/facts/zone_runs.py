@@ -25,8 +25,9 @@ from .zone_sets import Units, units_of
 from .zone_strips import side_ratio
 from .zones import most_sets, raised, respected_orders
 
-MOST_CONTOURS = 60
-"""Contours in a zone, about: with more of them some order that was dropped, and does not hold, makes many sets."""
+MOST_CONTOURS = 60, 45
+"""Contours in a zone, about: with more of them some order that was dropped, and does not hold, makes many sets. Larger
+zones are made first, and then smaller ones, of which there may be more."""
 LESS_SQUARE, LESS_TOGETHER = 1.05, 1.5
 """How many times as long and narrow what is left may be, on an average, and how many times as large the rectangles
 around all zones, as they are with zones made by geometry."""
@@ -46,9 +47,19 @@ def movable(facts: Facts) -> bool:
 def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     """Zones of all contours (n,) as runs of an order (n,) of them that keeps the hard orders, but for those of zones.
 
-    Those come first that join runs one after the other while a proof bears them. Then come those that do best what
-    zones are for, the fewest first. Each does what zones are for.
+    Large zones come first. Of those that are about as large, first come those that join runs one after the other while
+    a proof bears them, then those that do best what zones are for, the fewest first. Each does what zones are for.
     """
+    found = list[Ints]()
+    for contours in MOST_CONTOURS:
+        for zone in _zones_of(facts, order, contours):
+            if not any(np.array_equal(zone, other) for other in found):
+                found.append(zone)
+                yield zone
+
+
+def _zones_of(facts: Facts, order: Sequence[int], most_contours: int) -> Iterator[Ints]:
+    """The same where a zone has no more than so many contours, unless they cannot be divided."""
     outlines, options = outlines_of(facts.nest), facts.options
     respected = respected_orders(facts.contains, facts.level_ahead, facts.in_hull, options)
     blocks = blocks_of(facts.nest, outlines, facts.parent, respected, options, np.zeros(facts.n))
@@ -59,11 +70,11 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
     cut = np.array([k for k in order if not outlines.is_mark[k]], dtype=np.int64)  # marks are made before all
     small = _of_whole_blocks(blocks.of, cut)
-    bears, count = _bearing(small, cut, units)
+    bears, count = _bearing(small, cut, units, most_contours)
     too_large = [k for k in range(1, count + 1) if not bears(k - 1, k)]
     if too_large:
         small = _taken_apart(small, np.isin(small, too_large), cut, blocks.of, kept)
-        bears, count = _bearing(small, cut, units)
+        bears, count = _bearing(small, cut, units, most_contours)
     given = _by_block(facts.zone, blocks)
     square = options.square_ratio
     most = LESS_SQUARE * _ratio(given, blocks, square), LESS_TOGETHER * _around_mm2(given, blocks)
@@ -76,10 +87,10 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
             yield zone
 
 
-def _bearing(small: Ints, order: Ints, units: Units) -> tuple[Bears, int]:
+def _bearing(small: Ints, order: Ints, units: Units, most: int) -> tuple[Bears, int]:
     """Whether runs that follow each other may be one zone, and how many runs there are."""
     sizes = np.bincount(small[order] - 1).astype(np.float64)  # joined zones must not pass a number of contours here
-    return cache(Bearing(small, units, most_sets(len(small)), sizes, MOST_CONTOURS)), len(sizes)
+    return cache(Bearing(small, units, most_sets(len(small)), sizes, most)), len(sizes)
 
 
 def _taken_apart(small: Ints, chosen: Bools, order: Ints, block: Ints, before: Ints) -> Ints:

@@ -25,7 +25,7 @@ from .lattice import SweptStretch, sweep_layers
 from .local import Local, in_line, localise
 from .stretches import entrance_of, make_moves, never
 
-SHARES = 0.1, 0.25, 0.5, 1.0
+SHARES = 0.25, 0.5, 0.75, 1.0
 """Shares of what a known plan misses in a stretch, within which the cheapest way through it is looked for."""
 
 

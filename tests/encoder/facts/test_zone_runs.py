@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zones
+from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zone_runs, zones
 from kerfwise.encoder.facts.zone_runs import movable, zones_along
 
 
@@ -53,6 +53,22 @@ def test_runs_of_an_order_are_zones() -> None:
         assert found[hole] == found[facts.nest.index["00.outer"]]
     assert np.diff([found.max() for found in several]).min(initial=0) >= 0  # the fewest first
     assert len(np.unique(several, axis=0)) == len(several)
+
+
+def test_large_zones_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then come smaller ones: where large ones do not do what zones are for, or are not proven, these may."""
+    monkeypatch.setattr(zones, "MOST_OF_ONE", 1_000_000)
+    facts = grid(12, 3, square_ratio=10.0)
+    order = to_and_fro(facts, 3)
+    by_size = {}
+    for sizes in ((18,), (9,), (18, 9)):
+        monkeypatch.setattr(zone_runs, "MOST_CONTOURS", sizes)
+        by_size[sizes] = [found.tolist() for found in zones_along(facts, order)]
+    large, small = by_size[18,], by_size[9,]
+    assert large
+    assert small
+    assert max(map(max, large)) < max(map(max, small))
+    assert by_size[18, 9] == [*large, *(zone for zone in small if zone not in large)]
 
 
 def test_an_order_that_leaves_the_start_side_to_the_end_makes_none() -> None:
