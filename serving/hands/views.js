@@ -29,6 +29,7 @@ export function planViews(app, work) {
     if (data.comparison) app.set({ tab: "compared" });
     else if (tab === "compared") app.set({ tab: "plans" });
     markDrawn(work);
+    if (work.compared) work.say(`plans ${work.compared.join(" and ")} stand side by side`);
     work.hear("drawn");
   });
 }

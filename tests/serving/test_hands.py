@@ -45,6 +45,14 @@ def test_a_row_is_dragged_and_the_nest_planned_again(look: Look, opened: Open, w
 
 
 @WIDTHS
+def test_a_page_that_begins_with_a_plan_has_grips(look: Look, planned: Tab, wide: int) -> None:
+    """They are what a finger drags a row by."""
+    at = look(planned, wide)
+    rows = "[...document.querySelectorAll('#orders .row')]"
+    assert at.ask(f"{rows}.map(row => row.querySelectorAll('.grip').length)") == [1] * len(FIRST)
+
+
+@WIDTHS
 def test_a_drag_is_given_up_with_escape(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     at.panel("order")

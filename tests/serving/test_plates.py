@@ -1,4 +1,4 @@
-"""The page with hands on made plates of 16 to 1,000 contours: drag and re-plan, zoomed hits, keyboard, paper."""
+"""The page with hands on made plates of 16 to 1,000 contours: every gesture, re-plan, zoomed hits, keyboard, paper."""
 
 from __future__ import annotations
 
@@ -14,15 +14,19 @@ from playwright.sync_api import Browser
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.serving.at_page import AtPage
-from kerfwise.tests.serving.conftest import TOKEN, Served, Tab, serving
+from kerfwise.tests.serving.served import TOKEN, Served, Tab, serving
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 ROW_PX = 27
 LONG_S = 600.0
 """A thousand contours take half a minute of the processor, which others may have."""
-WORK = 0.01
+WORK = 0.05
 """Of a plan: nothing is proven by it, and what takes time is all the rest."""
+JOB = "set:\n  rules.hold-small-parts.strength: hard\n  rules.hold-small-parts.tabs: nest\n"
+"""Parts may be held by tabs where somebody draws them."""
+CONFLICTS = 115
+"""Contours up to which a conflict is looked for, too: it takes as long as a plan."""
 PAGES = {16: 1, 115: 3, 308: 7, 1000: 22}
 """Pages of A4 with a drawing and a row a cut."""
 
@@ -45,6 +49,7 @@ class Plates:
     def _opened(self, contours: int) -> Tab:
         path = self.served.server.folder.path / f"{contours}.json"
         path.write_text(json.dumps(make_sheet(1, contours)), encoding="utf-8")
+        path.with_suffix(".job.yaml").write_text(JOB, encoding="utf-8")
         told = self._client.post("/api/open", json={"nest": path.name}).json()
         tab = Tab(self._client, told["id"], told["version"], path, LONG_S)
         tab.solved()
@@ -70,8 +75,12 @@ def test_a_plate(browser: Browser, plates: Plates, contours: int, wide: int) -> 
     on_paper(at, contours)
     if contours > 100:
         scrolled_by_a_drag(at)
-    if contours < 1000:  # half a minute of the processor each
-        planned_again(at, tab)
+    with plates.served.planner_taken():
+        every_lock(at, tab)
+    if contours <= CONFLICTS:
+        a_conflict(at, tab)
+    planned_again(at, tab)
+    two_plans(at, tab)
     assert at.page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
     at.close()
     assert at.wrong == []
@@ -138,11 +147,99 @@ def scrolled_by_a_drag(at: AtPage) -> None:
     at.ask("document.getElementById('orders').scrollTop = 0")
 
 
+def every_lock(at: AtPage, tab: Tab) -> None:
+    """Each gesture locks what it is about and asks for a plan, which waits here; it is cancelled and taken back."""
+    at.panel("order")
+    row = swapped(at, tab)
+    contour = at.order[row]
+    show_row(at, row)
+    assert f" as number {row + 2}" in at.drag_row(contour, at.order[row + 1])
+    at.let_go()
+    taken_back(at, tab, f"{contour} position {row + 2}")
+
+    part, over = two_parts(at)
+    said = at.drag_part(part, over)
+    assert " be cut as number " in said or "cannot be cut as number " in said
+    at.let_go()
+    to = int(said.split(" as number ")[1].split(":")[0])
+    names = [one for one in at.order if one.rpartition(".")[0] == part.rpartition(".")[0]]
+    taken_back(at, tab, *(f"{name} position {k}" for k, name in enumerate(names, to)))
+
+    at.choose(contour)
+    pressed = {
+        "start here": f"{contour.rpartition('.')[0]} first",
+        f"pin as {row + 1}": f"{contour} position {row + 1}",
+        "pin the entry": f"{contour} entry (",
+        "other way round": f"{contour} c",
+        "no link": f"no link {contour}",
+    }
+    for title, lock in pressed.items():
+        at.press(title)
+        at.page.wait_for_selector(f"#hands-locks li:has-text('{lock}')", state="attached")
+    taken_back(at, tab, *list(pressed.values())[1:])  # the first gives way to the second
+
+    at.choose(part)
+    number = at.order.index(part) + 1
+    at.press(f"cut up to here ({number})")
+    at.page.wait_for_selector(f"#hands-reached:has-text('cuts 1 to {number} are made')")
+    at.press("nothing is cut yet")
+    at.until("document.getElementById('hands-reached').textContent === ''")
+
+    at.choose(part)
+    at.press("draw a tab")
+    (x0, y0), (x1, y1) = at.entry(part), at.inside(part)
+    at.drag([(x0, y0), (x0 + 0.1 * (x1 - x0), y0 + 0.1 * (y1 - y0))])
+    at.let_go()
+    taken_back(at, tab, f"{part} tab (")
+
+    at.panel("rules")
+    at.page.click("#hands-weights summary")
+    at.page.locator("[aria-label='weight of heat-lag']").press("ArrowRight")
+    at.page.wait_for_selector("#hands-plan.wanted")
+    assert "rules.heat-lag.weight" in tab.state()["settings"]
+    at.page.click("#hands-undo")
+    at.page.wait_for_selector("#hands-plan:not(.wanted)")
+
+
+def two_parts(at: AtPage) -> tuple[str, str]:
+    """Outlines of two parts that are hit in their middle, seen from near: the view is moved there."""
+    script = """(() => {
+      const stage = app.stages[0], { contours } = app.data.nest, found = [];
+      for (const { contour } of app.side.cuts) {
+        const [x0, y0, x1, y1] = stage.scenery.outlines.bounds[contour];
+        const hit = contours[stage.pick(...stage.toScreen((x0 + x1) / 2, (y0 + y1) / 2))];
+        const { id, kind, part } = contours[contour];
+        if (hit && kind === "outer" && hit.part === part) found.push(id);
+      }
+      return found; })()"""
+    at.page.click("#fit")
+    at.sharp()
+    over, part = at.ask(script)[:2]
+    return part, over
+
+
+def show_row(at: AtPage, row: int) -> None:
+    """Scroll the list so that a row is away from its ends, where a drag would scroll it on."""
+    at.ask("document.getElementById('orders').scrollTop = given[0]", ROW_PX * (row - 3))
+
+
+def taken_back(at: AtPage, tab: Tab, *locks: str) -> None:
+    """What a gesture has locked waits to be planned; then it is cancelled, and all is as it was."""
+    at.page.wait_for_selector("#hands-reached:has-text('another nest is being planned')")
+    locked = tab.state()["locked"]
+    assert [lock for lock in locks if not any(line.startswith(lock) for line in locked)] == [], locked
+    at.page.click("#hands-cancel")
+    at.page.wait_for_selector("#hands-cancel", state="hidden")
+    at.page.click("#hands-undo")
+    at.page.wait_for_selector("#hands-plan:not(.wanted)")
+    assert (tab.state()["locked"], tab.state()["shown"]) == ([], 1)
+
+
 def planned_again(at: AtPage, tab: Tab) -> None:
     """A row is dragged to another place: the lock is there, and the next plan goes by it."""
     at.panel("order")
     row = swapped(at, tab)
-    at.ask("document.getElementById('orders').scrollTop = given[0]", ROW_PX * (row - 3))  # not where the list scrolls
+    show_row(at, row)
     contour, over, plans = at.order[row], at.order[row + 1], at.plans
     said = at.drag_row(contour, over)
     assert f" as number {row + 2}" in said
@@ -153,6 +250,43 @@ def planned_again(at: AtPage, tab: Tab) -> None:
     at.planned(plans + 1)
     assert at.order[row + 1] == contour
     assert f"{contour} position {row + 2}" in tab.state()["locked"]
+
+
+def a_conflict(at: AtPage, tab: Tab) -> None:
+    """An outline is to be cut before the hole in it: both are shown, and undoing the lock leads to a plan."""
+    outer = next(one for one in at.order if one.endswith(".hole1")).replace(".hole1", ".outer")
+    plans = at.plans
+    at.panel("locks")
+    at.page.fill("#hands-lock-line", f"{outer} first")
+    at.page.press("#hands-lock-line", "Enter")
+    at.page.wait_for_selector(f"#hands-locks li:has-text('{outer} first')")
+    at.page.click("#hands-plan")
+    at.page.wait_for_selector("#hands-conflict .said")
+    said = at.page.locator("#hands-conflict").inner_text()
+    assert "These cannot all hold" in said
+    assert f"is cut before {outer}: it lies inside it" in said
+    at.page.click(f"#hands-conflict button:has-text('undo: {outer} first')")
+    at.planned(plans + 1)
+    assert at.page.locator("#hands-conflict").is_hidden()
+    assert tab.state()["locked"] == []
+
+
+def two_plans(at: AtPage, tab: Tab) -> None:
+    """The new plan is compared with the one before, and saved; then that one is gone back to."""
+    new = at.plans
+    at.panel("plans")
+    at.page.click(f"[aria-label='compare plan 1 with plan {new}']")
+    at.page.wait_for_selector("figure[data-side='1']")
+    assert "differ" in at.page.locator("#compared-said").inner_text()
+    at.panel("plans")
+    at.page.click(f"[aria-label='compare plan 1 with plan {new}']")
+    at.page.wait_for_selector("figure[data-side='1']", state="detached")
+    at.page.click("#hands-save")
+    at.page.wait_for_selector(f"#hands-said:has-text('saved {tab.nest.stem}.nc')")
+    assert tab.nest.with_suffix(".nc").is_file()
+    at.page.click("#hands-undo")
+    at.until("document.documentElement.dataset.plan !== given[0]", str(new))
+    assert tab.state()["shown"] < new
 
 
 def swapped(at: AtPage, tab: Tab) -> int:

@@ -26,6 +26,8 @@ export class App {
     this.recolourers = [];
     /** @type {((row: HTMLElement, cut: CutData) => void)[]} */
     this.rowMakers = [];
+    /** Draws the seen rows of the order again. */
+    this.rowsAnew = () => {};
     /** @type {((event: PointerEvent, stage: Stage) => boolean)[]} */
     this.gestures = [];
     /** @type {{name: string, fn: () => void, text: string}[]} */

@@ -69,6 +69,7 @@ export function orderList(app) {
   };
   renew();
   app.renewed(renew);
+  app.rowsAnew = () => list.refresh();
   app.on((state, changes) => {
     if (changes.side !== undefined) renew();
     const now = app.cutNow();

@@ -112,6 +112,6 @@ function handle(app, tabs) {
     layer: (/** @type {any} */ fn) => { for (const stage of app.stages) stage.layers = [...stage.layers, fn]; app.draw(); },
     gesture: (/** @type {any} */ fn) => { app.gestures.push(fn); },
     key: (/** @type {string} */ name, /** @type {() => void} */ fn, /** @type {string} */ text) => { app.keys.push({ name, fn, text }); },
-    row: (/** @type {any} */ fn) => { app.rowMakers.push(fn); },
+    row: (/** @type {any} */ fn) => { app.rowMakers.push(fn); app.rowsAnew(); },
   };
 }
