@@ -25,6 +25,8 @@ WORK = 0.05
 """Of a plan: nothing is proven by it, and what takes time is all the rest."""
 JOB = "set:\n  rules.hold-small-parts.strength: hard\n  rules.hold-small-parts.tabs: nest\n"
 """Parts may be held by tabs where somebody draws them."""
+LARGE_JOB = f"{JOB}  rules.zone-order: off\n"
+"""Without zones the largest plate is planned in half the time."""
 CONFLICTS = 115
 """Contours up to which a conflict is looked for, too: it takes as long as a plan."""
 PAGES = {16: 1, 115: 3, 308: 7, 1000: 22}
@@ -49,7 +51,7 @@ class Plates:
     def _opened(self, contours: int) -> Tab:
         path = self.served.server.folder.path / f"{contours}.json"
         path.write_text(json.dumps(make_sheet(1, contours)), encoding="utf-8")
-        path.with_suffix(".job.yaml").write_text(JOB, encoding="utf-8")
+        path.with_suffix(".job.yaml").write_text(JOB if contours < 1000 else LARGE_JOB, encoding="utf-8")
         told = self._client.post("/api/open", json={"nest": path.name}).json()
         tab = Tab(self._client, told["id"], told["version"], path, LONG_S)
         tab.solved()
