@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,8 @@ from kerfwise.encoder.tolerance import tolerance_mm
 
 CHORD_MM = 0.002
 """Contours are judged by chords that lie this close to them."""
+COARSE_MM = 0.05
+"""What coarse chords of two contours may make of a distance, and more."""
 SLACK_MM = 0.004
 """What the chords of two contours may make of a distance."""
 
@@ -36,14 +38,17 @@ def burnt_parts(nest: Nest, cut: Collection[str], kerf_mm: float) -> list[Burnt]
     cutting = [c for c in nest.contours if c.id in cut and c.encloses]
     if reach_mm <= 0 or not cutting or len(nest.parts) < 2:
         return []
-    metal = np.array([metal_of(part) for part in nest.parts], dtype=object)
+    cutting, beside = _nearly(nest, cutting, reach_mm + COARSE_MM)
+    if not cutting:
+        return []
+    metal = np.array([metal_of(part) for part in beside], dtype=object)
     inside = shapely.point_on_surface(metal)
     areas = np.array([_area(c) for c in cutting], dtype=object)
     lines = np.array([c.curve.line(CHORD_MM) for c in cutting], dtype=object)
     rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=reach_mm)
     found: dict[tuple[str, str], Burnt] = {}
     for k, p in sorted(zip(rows.tolist(), parts.tolist(), strict=True)):
-        contour, part = cutting[k], nest.parts[p]
+        contour, part = cutting[k], beside[p]
         if part.id == contour.part:
             continue
         if shapely.intersects(areas[k], inside[p]) != (contour.kind == "hole"):
@@ -59,6 +64,19 @@ def burnt_parts(nest: Nest, cut: Collection[str], kerf_mm: float) -> list[Burnt]
         if known is None or gap_mm < known.gap_mm:
             found[one, two] = Burnt((one, two), gap_mm, (middle.x, middle.y))
     return sorted(found.values(), key=lambda b: tuple(nest.index[name] for name in b.contours))
+
+
+def _nearly(nest: Nest, cutting: Sequence[Contour], reach_mm: float) -> tuple[list[Contour], list[Part]]:
+    """The contours, and the parts of other contours, that are within reach in coarse chords; all where these cross."""
+    metal = np.array([part.polygon for part in nest.parts], dtype=object)
+    if not shapely.is_valid(metal).all():
+        return list(cutting), list(nest.parts)
+    lines = np.array([contour.line for contour in cutting], dtype=object)
+    rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=reach_mm)
+    number = {part.id: k for k, part in enumerate(nest.parts)}
+    others = parts != np.array([number[contour.part] for contour in cutting])[rows]
+    near, beside = np.unique(rows[others]).tolist(), np.unique(parts[others]).tolist()
+    return [cutting[k] for k in near], [nest.parts[k] for k in beside]
 
 
 def metal_of(part: Part) -> shapely.Geometry:

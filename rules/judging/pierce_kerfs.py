@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -78,7 +78,7 @@ def over_older_kerfs(
             text = f"{contour.id} (cut {k}) is pierced {where}, at {spot(cut)}"
             yield (burn.position, k), (contour.id, burn.contour.id), text
     before = {k: nest.contour(cuts[k - 2].contour) for k, cut, _ in through if cut.linked and k > 1}
-    leads = [lead for row in through if row[0] not in let for lead in _leads_of(*row, kerf_mm, before.get(row[0]))]
+    leads = list(_leads_of([row for row in through if row[0] not in let], kerf_mm, before))
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, b in pairs_found(tree.query(free, "dwithin", distance=kerf_mm - SLACK_MM)):
         lead, burn = leads[row], burns[b]
@@ -102,7 +102,7 @@ def over_holes(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: float) 
         return
     tree = shapely.STRtree(shapely.points(np.array([hole.at for hole in holes])))
     through = [(k, cut, nest.contour(cut.contour)) for k, cut in cuts.burns if _burns(nest, cut)]
-    leads = [lead for row in through for lead in _leads_of(*row, kerf_mm)]
+    leads = list(_leads_of(through, kerf_mm, {}))
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, h in pairs_found(tree.query(free, "dwithin", distance=kerf_mm / 2 - SLACK_MM)):
         lead, hole = leads[row], holes[h]
@@ -148,23 +148,34 @@ def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterat
 
 
 def _leads_of(
-    position: int, cut: Cut, contour: Contour, kerf_mm: float, before: Contour | None = None
+    through: Sequence[tuple[int, Cut, Contour]], kerf_mm: float, before: Mapping[int, Contour]
 ) -> Iterator[_Lead]:
-    """The leads of a cut, each without its half a kerf at the contour; a lead-out without its overcut.
+    """The leads of cuts, each without its half a kerf at the contour; a lead-out without its overcut.
 
-    A link is also without what lies in the kerf of the contour `before`, which it comes from, and its first kerf.
+    A link is also without what lies in the kerf of the contour it comes from, `before` by position, and its first kerf.
     """
-    for name, lead in _named_leads(cut):
-        if name != "lead-out":
-            free_mm = lead.length_mm - kerf_mm / 2
-            free = lead.between(0.0, free_mm).line() if free_mm > SLACK_MM / 100 else None  # else none but rounding
+    named = [(*row, name, lead) for row in through for name, lead in _named_leads(row[1])]
+    free: list[Any] = []
+    for _, _, _, name, lead in named:
+        free_mm = lead.length_mm - kerf_mm / 2
+        if name == "lead-out":
+            free.append(lead.line())
         else:
-            free = shapely.difference(lead.line(), shapely.buffer(contour.line, kerf_mm + SLACK_MM))
-        if free is not None and before is not None and name == "link":
+            free.append(
+                lead.between(0.0, free_mm).line() if free_mm > SLACK_MM / 100 else None
+            )  # else none but rounding
+    ways_out = [k for k, (_, _, _, name, _) in enumerate(named) if name == "lead-out"]
+    kerfs = shapely.buffer(np.array([named[k][2].line for k in ways_out], dtype=object), kerf_mm + SLACK_MM)
+    lines = np.array([free[k] for k in ways_out], dtype=object)
+    for k, beyond in zip(ways_out, shapely.difference(lines, kerfs), strict=True):
+        free[k] = beyond
+    for (position, cut, contour, name, _), left in zip(named, free, strict=True):
+        if left is not None and name == "link" and position in before:
             begins = shapely.buffer(shapely.Point(cut.pierce), kerf_mm)
-            free = shapely.difference(free, shapely.union(begins, shapely.buffer(before.line, kerf_mm + SLACK_MM)))
-        if free is not None and not free.is_empty:
-            yield _Lead(position, contour, name, free)
+            older = shapely.buffer(before[position].line, kerf_mm + SLACK_MM)
+            left = shapely.difference(left, shapely.union(begins, older))
+        if left is not None and not left.is_empty:
+            yield _Lead(position, contour, name, left)
 
 
 def _named_leads(cut: Cut) -> Iterator[tuple[str, Curve]]:
