@@ -1,12 +1,13 @@
 """What links save: the best plan with them against the plain one, by what a pierce takes.
 
 Usage: python -m kerfwise.benchmarks.chains [--contours 115 308] [--large 1000] [--pierce 0.5 1 2] [--work 20]
-       [--nests FILE …] [--kept FOLDER]
+       [--nests FILE …] [--kept FOLDER] [--proven 115 308 1000]
 
 Made plates (examples/gen_sheet.py, seed 1), and nests of files, under the default profile, plasma, and under a laser's,
 once as it is and once with `cuts: {links: {longest: 100 mm}}`. The large ones and those of files are planned for the
 longest pierce and for the laser alone. Each program is checked; one that fails ends the run.
-With --kept rows are kept in a folder, and one that stands there is not run again.
+With --kept rows are kept in a folder, and one that stands there is not run again. With --proven the page says too how
+soon such plates are proven in zones that stay, with links and without.
 """
 
 from __future__ import annotations
@@ -16,12 +17,13 @@ import json
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import kerfwise
+from kerfwise.benchmarks import chain_proofs
 from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.nest import Nest
@@ -50,7 +52,7 @@ program and check.
 | nest | process | pierce, s | links | pierces | cut, m | idle, m | between, s | program, s | gap | processor, s |
 |---|---|---:|---|---:|---:|---:|---:|---:|---:|---:|
 {rows}
-"""
+{proofs}"""
 
 
 @dataclass(frozen=True)
@@ -138,6 +140,7 @@ def main() -> None:
     parser.add_argument("--pierce", type=float, nargs="+", default=[0.5, 1.0, 2.0])
     parser.add_argument("--nests", type=Path, nargs="*", default=[], metavar="FILE")
     parser.add_argument("--work", type=float, default=20.0)
+    parser.add_argument("--proven", type=int, nargs="*", default=[])
     parser.add_argument("--kept", type=Path, metavar="FOLDER")
     given = parser.parse_args()
     if given.kept is not None:
@@ -160,8 +163,21 @@ def main() -> None:
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         rows="\n".join(rows),
+        proofs=_proofs(given.proven, max(given.pierce)),
     )
     print(page, end="")
+
+
+def _proofs(sizes: Sequence[int], pierce_s: float) -> str:
+    """The table of proofs, under its heading; nothing where none is asked for."""
+    if not sizes:
+        return ""
+    head = chain_proofs.HEAD.format(pierce=pierce_s, tries=chain_proofs.TRIES)
+    lines = []
+    for line in chain_proofs.rows(sizes, pierce_s, LONGEST_MM):
+        print(line, file=sys.stderr, flush=True)
+        lines.append(f"{line}\n")
+    return f"\n{head}{''.join(lines)}"
 
 
 def _nests(given: argparse.Namespace) -> Iterator[tuple[str, Nest, list[float]]]:
@@ -178,6 +194,7 @@ def _asked(given: argparse.Namespace) -> str:
     words += ["--large", *map(str, given.large)] if given.large else []
     words += ["--pierce", *(f"{s:g}" for s in given.pierce), "--work", f"{given.work:g}"]
     words += ["--nests", *(file.name for file in given.nests)] if given.nests else []
+    words += ["--proven", *map(str, given.proven)] if given.proven else []
     return " ".join(words)
 
 

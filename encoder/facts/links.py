@@ -2,14 +2,16 @@
 
 A link leads from where the torch leaves one part to where it joins another, straight or, where no straight one is free
 between two parts, round one corner. It keeps off all metal of parts as the cut itself does; off third contours, and the
-leads to them, by so much that no kerf meets another; and off what the torch has just burnt, but for the first kerf. No
-two links that a plan could use both come near each other, so that nobody has to remember which have been burnt.
+leads to them, by so much that no kerf meets another; and off what the torch has just burnt, but for the first kerf. It
+runs along nothing of the ring that it leads to, and parts that stand a kerf from another have none: some of their ring
+may be burnt already. No two links that a plan could use both come near each other, so that nobody has to remember which
+have been burnt.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -21,6 +23,7 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.tolerance import tolerance_mm
 
 from .facts import Facts, LinkPath
 from .link_corners import round_corners
@@ -30,6 +33,8 @@ _OFF_MM = 0.01
 """What chords may make of a distance."""
 _OWN_KERFS = 1.0
 """Kerfs from its beginning in which a link may be in what the torch has just burnt: it leaves at 30° or more."""
+_ALONG_KERFS = 2.0
+"""Kerfs before its end in which a link may be as near to the contour that it reaches as the cut round that is."""
 _AT_ONCE = 20_000
 _NOBODY = -1
 _CHORD_MM = 0.02
@@ -64,7 +69,8 @@ def with_links(facts: Facts, options: LinkOptions | None, cut_before: Iterable[C
 
 
 def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> list[LinkPath]:
-    leave, reach = _places(facts, _leaving, _leads), _places(facts, _joining, _lead_out)
+    alone = _alone(facts, options.kerf_mm)
+    leave, reach = _places(facts, alone, _leaving, _leads), _places(facts, alone, _joining, _lead_out)
     if not len(leave.contour):
         return []
     tree = shapely.STRtree(shapely.points(reach.at))
@@ -89,10 +95,10 @@ def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> lis
     asked = LinkLines.straight(leave, one, reach, other)
     straight = free(asked)
     bent = round_corners(asked, straight, leave, reach, options.longest_mm, options.kerf_mm, free)
-    alone = _without_meetings(leave, reach, (straight, bent), options.kerf_mm)
+    unmet = _without_meetings(leave, reach, (straight, bent), options.kerf_mm)
     return [
         LinkPath(leave.members[i], reach.members[j], tuple(_xy(at) for at in points))
-        for links, kept in zip((straight, bent), alone, strict=True)
+        for links, kept in zip((straight, bent), unmet, strict=True)
         for i, j, points in zip(links.one[kept].tolist(), links.other[kept].tolist(), links.points[kept], strict=True)
     ]
 
@@ -128,16 +134,29 @@ def join_of(candidate: Candidate) -> Point:
     return x, y
 
 
+def _alone(facts: Facts, kerf_mm: float) -> frozenset[int]:
+    """Outer contours that no other part's contour is so near to that the cuts round both run along each other."""
+    nest, near_mm = facts.nest, kerf_mm + 2 * tolerance_mm(kerf_mm) + _OFF_MM
+    closed = [k for k, contour in enumerate(nest.contours) if contour.encloses]
+    lines = [nest.contours[k].line for k in closed]
+    met = {
+        closed[a]
+        for a, b in shapely.STRtree(lines).query(lines, "dwithin", distance=near_mm).T.tolist()
+        if nest.contours[closed[a]].part != nest.contours[closed[b]].part
+    }
+    return frozenset(k for k in closed if nest.contours[k].kind == "outer" and k not in met)
+
+
 def _places(
     facts: Facts,
+    alone: Collection[int],
     place: Callable[[Candidate], tuple[Point, object]],
     leads: Callable[[Candidate], list[shapely.LineString]],
 ) -> Places:
     members: dict[tuple[int, object], list[int]] = defaultdict(list)
     at: dict[tuple[int, object], Point] = {}
     for number, candidate in enumerate(facts.candidates):
-        outer = facts.nest.contours[candidate.contour].kind == "outer"
-        if outer and not candidate.tabs and candidate.span is None:
+        if candidate.contour in alone and not candidate.tabs and candidate.span is None:
             point, like = place(candidate)
             key = candidate.contour, like
             members[key].append(number)
@@ -209,13 +228,16 @@ class _InTheWay:
         return clear
 
     def _off_own(self, leave: Places, reach: Places, links: LinkLines) -> Bools:
-        """Which links part from what has just been burnt, and keep off the lead-out of the contour that they reach."""
+        """Which links part from what has just been burnt, and keep off the contour that they reach and its lead-out."""
         kerf_mm = self.options.kerf_mm
+        reached = self.rings.geometries[reach.contour[links.other]]
         onward, inward = links.onward(_OWN_KERFS * kerf_mm), links.inward(_OWN_KERFS * kerf_mm)
         clear = shapely.distance(onward, self.rings.geometries[leave.contour[links.one]]) >= kerf_mm - _OFF_MM
         clear &= _far(onward, leave.leads[links.one], kerf_mm / 2)
         if links.bent:  # a corner leaves the choice: the way that is burnt next has metal on both sides
-            clear &= shapely.distance(inward, self.rings.geometries[reach.contour[links.other]]) >= kerf_mm - _OFF_MM
+            clear &= shapely.distance(inward, reached) >= kerf_mm - _OFF_MM
+        along = links.inward(_ALONG_KERFS * kerf_mm)
+        clear &= shapely.distance(along, reached) >= kerf_mm / 2 + tolerance_mm(kerf_mm) + _CHORD_MM
         return np.asarray(clear & _far(inward, reach.leads[links.other], kerf_mm / 2))
 
 

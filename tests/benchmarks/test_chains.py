@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.benchmarks.chain_proofs import rows
 from kerfwise.benchmarks.chains import Row, kept, row
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
@@ -38,3 +39,12 @@ def test_links_save_pierces_and_time() -> None:
     assert linked.links
     assert linked.pierces == plain.pierces - linked.links
     assert linked.program_s < plain.program_s
+
+
+def test_zones_are_proven_with_links_and_without() -> None:
+    """Both come to a proof; what it takes is for the page to say."""
+    (line,) = rows([20], 2.0, 100.0, tries=1)
+    cells = line.strip("| ").split(" | ")
+    assert len(cells) == 8
+    assert "not proven" not in line
+    assert int(cells[2]) > 0

@@ -11,7 +11,7 @@ from kerfwise.tests.metal import many, one
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import CUTS, around, program, sheet
 from kerfwise.tests.metal.made_nests import made
-from kerfwise.tests.metal.planned import Tried, reason, tried
+from kerfwise.tests.metal.planned import Tried, nest_of, reason, tried
 from kerfwise.tests.metal.simulate import simulate
 
 EFFORT = ("--work", "0.5")
@@ -22,6 +22,26 @@ def test_a_made_nest_is_planned_and_burnt_without_a_finding(seed: int) -> None:
     (done,) = tried(made(seed), "plasma-carbon-steel", EFFORT)
     assert done.findings == ()
     assert done.cuts == made(seed).contours
+
+
+@pytest.mark.parametrize(
+    ("seed", "profile", "cuts_with", "gap_mm"),
+    [
+        (15, "laser-st10kp-2mm", "links", 0.2),
+        (15, "plasma-carbon-steel", "links", 1.5),
+        (29, "plasma-carbon-steel", "common cuts, links", None),
+        (0, "laser-st10kp-2mm", "common cuts, pass", None),
+        (1, "laser-st10kp-2mm", "edges that touch", None),
+    ],
+)
+def test_parts_a_kerf_apart_make_no_scrap_nor_does_the_rest_after_a_stop(
+    seed: int, profile: str, cuts_with: str, gap_mm: float | None
+) -> None:
+    nest = nest_of(seed, profile, cuts_with) if gap_mm is None else made(seed, gap_mm)
+    done = tried(nest, profile, EFFORT, "pass" not in cuts_with, cuts_with)
+    assert [(one.refused, one.broken, one.findings) for one in done] == [("", "", ())] * len(done)
+    assert done[0].cuts == nest.contours
+    assert ("common" in cuts_with or "touch" in cuts_with) == (done[0].along_edges > 0)
 
 
 def test_a_refusal_is_counted_by_its_reason() -> None:

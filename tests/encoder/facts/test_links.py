@@ -50,6 +50,28 @@ def line(link: LinkPath) -> shapely.LineString:
     return shapely.LineString(link.path)
 
 
+@pytest.mark.parametrize(
+    ("gap_mm", "linked"), [(KERF_MM, set()), (KERF_MM + 0.1, set()), (2 * KERF_MM, {"A", "B", "C"})]
+)
+def test_parts_a_kerf_from_another_have_no_links(gap_mm: float, linked: set[str]) -> None:
+    """Not to a third one either: what their neighbour's cut has burnt of their ring would be burnt again."""
+    third = part("C", rect(112 + gap_mm, 10, 40, 40))
+    found = facts(nest(400, 200, A, part("B", rect(50 + gap_mm, 10, 40, 40)), third))
+    assert {name[0] for pair in pairs(found) for name in pair} == linked
+
+
+@pytest.mark.parametrize("web_mm", [2.0, 5.0, 12.0])
+def test_no_link_runs_along_the_part_that_it_leads_to(web_mm: float) -> None:
+    """In a row of equal parts, their edges in line: so are the rings that the torch follows."""
+    row = nest(400, 200, *(part(f"P{k}", rect(10 + k * (20 + web_mm), 10, 20, 40)) for k in range(4)))
+    found = facts(row, longest_mm=60.0, entries=12)
+    assert found.links
+    for link in found.links:
+        target = found.nest.contours[_of(found, link.reach)]
+        ring = shapely.buffer(target.polygon, KERF_MM / 2, join_style="mitre").exterior
+        assert line(link).intersection(shapely.buffer(ring, 0.05)).length <= 2 * KERF_MM + 0.1
+
+
 def test_neighbours_are_linked_both_ways_from_end_to_join() -> None:
     found = facts(PAIR)
     assert pairs(found) == {("A.outer", "B.outer"), ("B.outer", "A.outer")}
