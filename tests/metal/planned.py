@@ -47,7 +47,7 @@ LINKS = "machine: {pierce_time: 2 s}\ncuts: {links: {longest: 90 mm}}\n"
 TABS = "rules: {hold-small-parts: {strength: hard, tabs: tipping, width: 0.5 mm, corner: 1 mm}}\n"
 PASS = "machine: {pierce_dwell: program}\ncuts: {pierce_pass: zone}\n"
 EDGES = "common: {shortest: 15 mm, good_side: any"
-COMMON = f"machine: {{pierce_dwell: program, pierce_time: 2 s}}\ncuts: {{{EDGES}}}"
+COMMON = f"machine: {{pierce_dwell: program, pierce_time: 2 s, edge_preheat: 1 s}}\ncuts: {{{EDGES}}}"
 BEYOND: Mapping[str, str] = {
     "": "",
     "links": LINKS,
