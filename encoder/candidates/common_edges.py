@@ -22,6 +22,8 @@ from .candidate import CommonOptions
 _TURN_RAD = math.radians(0.2)
 _ROUNDING_MM = 1e-3
 _MOST_KERFS = 1.2
+_WITHIN_KERF = (0.25, 0.5, 0.75, 1.0)
+"""Shares of a kerf beyond a stretch at which it is asked whether ways part: behind a corner they may meet again."""
 _COVERED = 0.9
 """Of the tolerance: so near to a burn a ring is covered by it, for sure."""
 _CHORD_MM, _STEP_MM, _LONGEST_MM = 0.002, 0.02, 20.0
@@ -248,7 +250,7 @@ def _until_apart(row: tuple[float, float], contour: Contour, other: Contour, ker
         steps = int(_LONGEST_MM / _STEP_MM)
         first = (
             0
-            if apart(end_mm + sign * kerf_mm)
+            if any(apart(end_mm + sign * share * kerf_mm) for share in _WITHIN_KERF)
             else next((k for k in range(steps) if apart(end_mm + sign * (kerf_mm + k * _STEP_MM))), steps)
         )
         more.append(max(kerf_mm + (first - 1) * _STEP_MM, 0.0) if first else 0.0)
