@@ -90,7 +90,8 @@ def better_zones(
 
     def left(spent: float) -> SolveOptions | None:
         in_time = ends_s is None or running_s() + beside_s < ends_s
-        return once_more(limits, ends_s, solution.seconds + spent) if in_time else None
+        stopped = progress is not None and not progress("zones", None, None)
+        return once_more(limits, ends_s, solution.seconds + spent) if in_time and not stopped else None
 
     found = list(along(asked.facts, profile, solution, free, left, progress))
     spent = sum(other.seconds for _, other in found)

@@ -48,10 +48,10 @@ ROW = nest(600, 100, *(part(str(k), rect(10 + 100 * k, 10, 80, 80)) for k in ran
 
 
 def chosen(
-    monkeypatch: pytest.MonkeyPatch, first: tuple[float, Status], others: Sequence[tuple[float, Status]]
+    monkeypatch: pytest.MonkeyPatch, first: tuple[float, Status], others: Sequence[tuple[float, Status]], tries: int = 9
 ) -> tuple[ByZones, list[float]]:
     """What becomes of a first plan of that cost where other zones, one more each time, make such plans; and the work
-    that each of those was given."""
+    that each of those was given. After so many `tries` somebody says stop."""
     profile = load_profile()
     facts = replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2]))
     asked = ask(facts, profile)
@@ -71,7 +71,8 @@ def chosen(
     monkeypatch.setattr(zones_moved, "without_zones", lambda *given: free)
     monkeypatch.setattr(zones_moved, "zones_along", along)
     monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
-    return better_zones(asked, (), profile, solution, SolveOptions(work=10.0)), works
+    limits = SolveOptions(work=10.0)
+    return better_zones(asked, (), profile, solution, limits, progress=lambda *_: len(works) < tries), works
 
 
 @pytest.mark.parametrize(
@@ -106,6 +107,13 @@ def test_the_best_plan_is_taken_proven_or_not(
 def test_what_the_first_plan_has_left_is_for_other_zones(monkeypatch: pytest.MonkeyPatch) -> None:
     _, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")])
     assert works == pytest.approx([zones_moved.A_TRY * 8.0, 7.0])
+
+
+@pytest.mark.parametrize("tries", [0, 1])
+def test_told_to_stop_it_tries_no_more_zones(tries: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    found, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")], tries)
+    assert len(works) == tries
+    assert found.solution.objective == (100.0, 95.0)[tries]
 
 
 @pytest.mark.slow
