@@ -22,8 +22,6 @@ from .candidate import CommonOptions
 _TURN_RAD = math.radians(0.2)
 _ROUNDING_MM = 1e-3
 _MOST_KERFS = 1.2
-_WITHIN_KERF = (0.25, 0.5, 0.75, 1.0)
-"""Shares of a kerf beyond a stretch at which it is asked whether ways part: behind a corner they may meet again."""
 _COVERED = 0.9
 """Of the tolerance: so near to a burn a ring is covered by it, for sure."""
 _CHORD_MM, _STEP_MM, _LONGEST_MM = 0.002, 0.02, 20.0
@@ -237,7 +235,8 @@ def _on_ring(
 def _until_apart(row: tuple[float, float], contour: Contour, other: Contour, kerf_mm: float) -> tuple[float, float]:
     """A stretch with what lies before and after it where the torch's ways part slowly, as at large fillets.
 
-    So far the cut of one covers the other. Ways that part within a kerf stay as they are.
+    So far the cut of one covers the other. Ways that part within a kerf stay as they are, also where they meet again
+    behind a corner.
     """
     ring, line = compensated(contour, kerf_mm), compensated(other, kerf_mm).line(_CHORD_MM)
     within_mm = _COVERED * tolerance_mm(kerf_mm)
@@ -245,12 +244,16 @@ def _until_apart(row: tuple[float, float], contour: Contour, other: Contour, ker
     def apart(at_mm: float) -> bool:
         return bool(line.distance(shapely.Point(point_on(ring, at_mm))) > within_mm)
 
+    def within_a_kerf(begin_mm: float) -> bool:
+        beyond = shapely.segmentize(ring.between(begin_mm, kerf_mm).line(_CHORD_MM), _STEP_MM)
+        return bool((shapely.distance(line, shapely.points(shapely.get_coordinates(beyond))) > within_mm).any())
+
     more = []
     for end_mm, sign in ((row[0], -1), (row[0] + row[1], 1)):
         steps = int(_LONGEST_MM / _STEP_MM)
         first = (
             0
-            if any(apart(end_mm + sign * share * kerf_mm) for share in _WITHIN_KERF)
+            if within_a_kerf(end_mm if sign > 0 else end_mm - kerf_mm)
             else next((k for k in range(steps) if apart(end_mm + sign * (kerf_mm + k * _STEP_MM))), steps)
         )
         more.append(max(kerf_mm + (first - 1) * _STEP_MM, 0.0) if first else 0.0)

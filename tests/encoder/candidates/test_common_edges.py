@@ -7,13 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
 from kerfwise.encoder.candidates.common_edges import CommonEdges, common_edges
+from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.tolerance import tolerance_mm
 from kerfwise.tests.metal.common_nests import grid
 
 KERF_MM = 1.5
@@ -104,6 +107,34 @@ def test_beside_a_large_fillet_a_way_begins_where_the_two_kerfs_part() -> None:
     (x, y) = way.span.begin
     assert 0.03 < x - 100.75 <= 0.045
     assert 132 < y < 133
+
+
+def beside_an_inner_corner(turn: float, kerf_mm: float) -> Nest:
+    """A, and L, which bends round it by so many degrees, a kerf away on both sides."""
+    bend = math.radians(180 - turn)
+    along, up = np.array([1.0, 0.0]), np.array([math.cos(bend), math.sin(bend)])
+    below, left = np.array([0.0, -1.0]), np.array([-up[1], up[0]])
+    outwards = (below + left) / (1 + below @ left)
+    corner = np.array([150.0, 60.0])
+    inner, outer = corner + kerf_mm * outwards, corner + (kerf_mm + 25) * outwards
+    bent = [inner, inner + 60 * up, inner + 60 * up + 25 * left, outer, inner + 60 * along + 25 * below]
+    a = [corner, corner + 60 * along, corner + 60 * (along + up), corner + 60 * up]
+    rows = [[(float(x), float(y)) for x, y in each] for each in (a, [*bent, inner + 60 * along])]
+    return nest(300, 200, part("A", rows[0]), part("L", rows[1]))
+
+
+@pytest.mark.parametrize(("turn", "kerf_mm"), [(90, 1.5), (90, 0.3), (45, 1.5), (30, 3.0), (100, 0.2)])
+def test_ways_part_at_an_inner_corner(turn: float, kerf_mm: float) -> None:
+    """The cut round the outer corner does not reach into it, though both ways are one again right behind it."""
+    sheet = beside_an_inner_corner(turn, kerf_mm)
+    found = common_edges(sheet, [0, 1], kerf_mm, ASKED)
+    cut = [compensated(contour, kerf_mm) for contour in sheet.contours]
+    for one, other in ((0, 1), (1, 0)):
+        line = cut[other].line(0.001)
+        for begin_mm, mm in found.of[one][other]:
+            beside = cut[one].between(begin_mm, mm).line(0.001)
+            far_mm = shapely.distance(line, shapely.points(shapely.get_coordinates(shapely.segmentize(beside, 0.01))))
+            assert far_mm.max() <= tolerance_mm(kerf_mm)
 
 
 def ways(sheet: Nest, name: str, options: LeadOptions = OPTIONS) -> list[Candidate]:
