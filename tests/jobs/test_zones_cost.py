@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -155,3 +156,9 @@ def test_zones_do_not_move_for_a_plan_that_is_not_asked_for_the_same(monkeypatch
     assert asked_less
     assert tried.facts.zone.tolist() == stayed.facts.zone.tolist()
     assert tried.program == stayed.program
+
+
+def test_the_readme_tells_the_limits() -> None:
+    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8").split())
+    assert f"within {cost_of_zones.SHARE:.0%}".replace("%", " % of the limit") in readme
+    assert f"With more than {cost_of_zones.MOST_MOVES} contours, that plan is not asked what its single moves" in readme
