@@ -17,8 +17,10 @@ _RULE = "edge-loss"
 _CHORD_MM, _SLACK_MM, _LEAST_MM2 = 0.001, 0.01, 0.01
 _NAMED = 5
 _MEETS, _SURELY = 2, 20
-"""An edge that comes to another outline at a right angle is near it for twice as far as counts as touching; one at 3°,
-as at a sharp corner, for 20 times."""
+"""An edge that comes to another outline at a right angle is near it for twice as far as counts as touching; edges that
+touch for 20 times as far do not only do so near a corner."""
+_ALONG, _INSIDE_MM = math.sin(math.radians(0.19)), 0.002
+"""Edges that turn by less, and are nearer by so much than counts as touching, do touch: at a larger angle they part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +34,8 @@ class Accepted:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Touching:
-    """The straight edges of a drawn outline that touch others, those of them that surely do, being so long and not
-    only near a corner, the parts that they touch, and along how much at the most, mm."""
+    """The straight edges of a drawn outline that touch others, those of them that surely do, along another edge and
+    not only near a corner, the parts that they touch, and along how much at the most, mm."""
 
     edges: tuple[Segment, ...]
     surely: tuple[Segment, ...]
@@ -96,12 +98,26 @@ def _touching(
     meet_mm = np.array([
         shapely.length(shapely.intersection(lines, shapely.buffer(outlines[j], touch_mm))) for j in near
     ]).reshape(len(near), len(edges))  # fmt: skip
-    own, surely = (
-        tuple(edges[e] for e in np.flatnonzero((meet_mm > least * touch_mm).any(axis=0)).tolist())
-        for least in (_MEETS, _SURELY)
-    )
+    own = tuple(edges[e] for e in np.flatnonzero((meet_mm > _MEETS * touch_mm).any(axis=0)).tolist())
+    others_edges = [s for j in near for s in drawn.parts[j].outer.curve.segments if not s.is_arc]
+    surely = tuple(edge for edge in own if _surely_touches(edge, others_edges, touch_mm))
     others = np.flatnonzero((meet_mm > _MEETS * touch_mm).any(axis=1)).tolist()
     return _Touching(own, surely, tuple(near[j] for j in others), float(meet_mm.max(initial=0.0)))
+
+
+def _surely_touches(edge: Segment, others: Sequence[Segment], touch_mm: float) -> bool:
+    """Whether an edge lies along one of others for as far as they look at each other."""
+    if not others:
+        return False
+    along = np.array(edge.tangent_at(0.0))
+    ends = np.array([(s.start, s.end) for s in others]) - np.array(edge.start)
+    at_mm, off_mm = ends @ along, ends @ np.array([-along[1], along[0]])
+    step_mm = at_mm[:, 1] - at_mm[:, 0]
+    slope = np.divide(off_mm[:, 1] - off_mm[:, 0], step_mm, out=np.full(len(others), np.inf), where=step_mm != 0)
+    low, high = np.maximum(at_mm.min(axis=1), 0.0), np.minimum(at_mm.max(axis=1), edge.length_mm)
+    k = np.flatnonzero((np.abs(slope) <= _ALONG) & (high - low > _SURELY * touch_mm))
+    off = [off_mm[k, 0] + slope[k] * (place_mm[k] - at_mm[k, 0]) for place_mm in (low, high)]
+    return bool((np.abs(off).max(axis=0, initial=0.0) <= touch_mm - _INSIDE_MM).any())
 
 
 def _hanging_together(k: int, touching: Mapping[int, _Touching]) -> set[int]:

@@ -190,6 +190,15 @@ def test_a_short_edge_goes_with_a_long_one() -> None:
     assert list(lost_elsewhere(sheet, 1.5, Accepted(0.051, 20.0))) == []
 
 
+@pytest.mark.parametrize("rise_mm", [0.25, 0.9])
+def test_nothing_is_asked_of_an_edge_that_only_meets_another_at_a_small_angle(rise_mm: float) -> None:
+    """C's edge parts from A's by 0.2° or 0.9°, so that these two do not lose anything."""
+    wedge = part("C", [(20, 80), (80, 80 + rise_mm), (80, 110), (20, 110)])
+    sheet = with_loss(nest(300, 120, *two().parts, wedge), 1.5, 20.0, 0.05)
+    assert [loss.contour for loss in sheet.losses] == ["A.outer", "B.outer"]
+    assert list(lost_elsewhere(sheet, 1.5, ACCEPTED)) == []
+
+
 def test_a_mark_in_what_is_lost_is_told() -> None:
     sheet = two()
     engraved = replace(
