@@ -25,8 +25,8 @@ def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any
     Raises
     ------
     InputError
-        If there is no plan, the check refuses it, the nest, the job file or the profile has changed on disk, a file
-        is of another nest, or a link leads out of the folder.
+        If there is no plan, the check refuses it, the nest, the job file or the profile has changed on disk, a job
+        file was saved that the plan was made without, a file is of another nest, or a link leads out of the folder.
     """
     current = session.current
     if current is None:
@@ -41,6 +41,8 @@ def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any
         raise InputError("the nest has changed on disk since this plan was made: open it again")
     if text_of(job) != session.on_disk:
         raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
+    if wanted.job_text is None and session.on_disk is not None:
+        raise InputError(f"{job.name} was saved since this plan was made, which goes without: plan again")
     if json.loads(current.plan)["profile"].get("sha256") != profile_sha256:
         raise InputError("the profile has changed on disk since this plan was made: plan again")
     files: dict[Path, str | bytes] = {nest.with_name(name): kept.text() for name, kept in current.files.items()}

@@ -150,8 +150,10 @@ def _locks(wanted: Wanted) -> tuple[str, ...]:
 
 
 def back_to(session: Session, number: object) -> Wanted:
-    """What was wanted when an earlier plan was made."""
-    return replace(session.alternative(number).wanted, profile_now=session.wanted.profile_now)
+    """What was wanted when an earlier plan was made; with a job file that says nothing where one was saved since."""
+    before = session.alternative(number).wanted
+    text = "" if before.job_text is None and session.on_disk is not None else before.job_text
+    return replace(before, job_text=text, profile_now=session.wanted.profile_now)
 
 
 def cut_up_to(session: Session, upto: int) -> Wanted:

@@ -62,6 +62,7 @@ def test_a_browser_that_was_closed_finds_its_plans_again(look: Look, opened: Ope
     tab = opened()
     at = look(tab)
     at.page.click("#hands-plan")
+    tab.wait(lambda state: state["solving"] is not None or bool(state["alternatives"]))  # the server has heard of it
     at.context.close()
     tab.wait()
     again = look(tab)

@@ -35,6 +35,22 @@ def test_what_is_saved_is_what_the_command_line_writes(opened: Open, job: str | 
     assert again == saved
 
 
+def test_a_plan_that_was_made_without_a_job_file_is_made_again_once_one_is_saved(opened: Open) -> None:
+    tab = opened()
+    tab.solved()
+    tab.edit({"lock": "C first"})
+    tab.solved()
+    tab.post("save")
+    assert tab.post("back", to=1)["fits"] is False
+    assert "small.job.yaml was saved since" in tab.post("save", 422)["message"]
+    told = tab.solved()
+    saved = saved_files(tab)
+    assert saved["job.yaml"] == b""
+    command_line(tab.nest.parent, told["alternatives"][2]["command"])
+    again = {name: tab.nest.with_name(f"{tab.nest.stem}.{name}").read_bytes() for name in saved}
+    assert again == saved
+
+
 def test_a_dropped_drawing_is_kept_once_it_can_be_cut(client: httpx.Client, served: Served, tmp_path: Path) -> None:
     name = f"{tmp_path.name}.json"
     answer = client.post("/api/drop", params={"name": name}, content=BROKEN)
