@@ -58,7 +58,7 @@ class Neighbours:
         lines, owner = zip(*cut, *edges, strict=True)
         left = skeleton(nest.sheet.polygon, shapely.make_valid([part.polygon for part in nest.parts]), kerf_mm)
         pieces = [piece for piece in shapely.get_parts(left) if piece.area > HOLDS_MM2]
-        return Neighbours(shapely.STRtree(lines), np.array(owner, dtype=np.int64), shapely.multipolygons(pieces))
+        return Neighbours(shapely.STRtree(lines), np.array(owner, dtype=np.int64), shapely.MultiPolygon(pieces))
 
     def near(self, line: shapely.LineString, part: int, within_mm: float) -> shapely.Geometry:
         """What is so near to a line of a part, and not of the part itself."""

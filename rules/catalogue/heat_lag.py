@@ -48,8 +48,8 @@ class HeatLag(Rule[HeatLagOptions]):
     ## Links, tabs and other cuts
 
     - **Links**: Linked parts follow each other at once. Where the rule is hard it rules out the link, and so does a lag
-      in seconds; where it is soft the link is priced as any other near pair. A profile whose links may all be no longer
-      than the `heat_radius` of such a rule is refused: it would have none.
+      in seconds; where it is soft the link is priced as any other near pair. A profile whose links may all be shorter
+      than the `heat_radius` of such a rule less a kerf is refused: it would have none.
     - **Tabs**: They change nothing: the metal beside a tab is as hot.
     - **Common cuts**: Parts with common edges are the nearest of neighbours. Where the rule is hard, something else
       is cut between two of them.
@@ -92,7 +92,8 @@ class HeatLag(Rule[HeatLagOptions]):
         self, options: HeatLagOptions, plant: Plant, rules: Mapping[str, RuleSetting]
     ) -> Iterator[tuple[str, str]]:
         parts_them = options.lag_s > 0 or (options.lag_cuts > 0 and rules[self.id].strength == "hard")
-        if parts_them and 0 < plant.longest_link_mm <= options.heat_radius_mm:
+        # a link begins and ends half a kerf from a contour
+        if parts_them and 0 < plant.longest_link_mm < options.heat_radius_mm - plant.kerf_mm:
             near = f"links of up to {plant.longest_link_mm:g} mm join parts nearer than {options.heat_radius_mm:g} mm"
             yield (
                 "heat_radius",

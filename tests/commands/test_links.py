@@ -126,7 +126,7 @@ def test_a_length_below_nothing_is_refused(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "lag", ["{strength: hard, heat_radius: 60 mm}", "{strength: soft, heat_radius: 80 mm, lag: 5 s}"]
+    "lag", ["{strength: hard, heat_radius: 61.6 mm}", "{strength: soft, heat_radius: 80 mm, lag: 5 s}"]
 )
 def test_links_that_a_lag_of_heat_leaves_none_of_are_refused(folder: Path, lag: str) -> None:
     (folder / "plant.yaml").write_text(f"{LINKS}rules: {{heat-lag: {lag}}}\n", encoding="utf-8")
@@ -135,6 +135,17 @@ def test_links_that_a_lag_of_heat_leaves_none_of_are_refused(folder: Path, lag: 
     assert told.err.startswith("kerfwise: plant.yaml:4:")
     assert "rules.heat-lag.heat_radius: links of up to 60 mm join parts nearer than" in told.err
     assert sorted(file.name for file in folder.iterdir()) == ["nest.json", "plant.yaml"]
+
+
+def test_links_that_just_reach_beyond_a_lag_of_heat_are_found(folder: Path) -> None:
+    """A link begins and ends half a kerf from a contour, so that it is a kerf shorter than the way between two."""
+    plant = LINKS.replace("60 mm", "30 mm") + "rules: {heat-lag: {strength: hard, heat_radius: 30 mm}}\n"
+    (folder / "plant.yaml").write_text(plant, encoding="utf-8")
+    parts = [{"id": name, "outer": rect(x, 100, 60, 60)} for name, x in (("A", 60), ("B", 151))]
+    (folder / "nest.json").write_text(json.dumps(NEST | {"parts": parts}), encoding="utf-8")
+    told = solve()
+    assert told.code == 0, told.err
+    assert len(linked(folder)) == 1
 
 
 def test_links_and_a_hard_lag_of_heat_are_a_named_conflict_where_no_order_keeps_it(folder: Path) -> None:

@@ -37,6 +37,11 @@ def test_two_tabs_of_a_plate_lie_opposite_each_other() -> None:
     assert [way.cut_mm for way in found] == pytest.approx([mm + around_mm - 2 * (0.6 + 0.4) for mm in leads], abs=1e-3)
 
 
+def test_a_part_that_fills_its_sheet_has_no_metal_to_be_held_by() -> None:
+    with pytest.raises(InputError, match="no room for a tab"):
+        ways(nest(60, 40, part("A", rect(0, 0, 60, 40))))
+
+
 def test_tabs_of_a_disc_lie_opposite_each_other() -> None:
     (first, second) = ways(nest(200, 200, part("A", circle(100, 100, 30))))[0].tabs
     assert math.dist(first.at, second.at) > 55
