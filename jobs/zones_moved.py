@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.zone_runs import movable, zones_along
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
@@ -165,7 +165,10 @@ def along(
 def _by_zones(
     facts: Facts, profile: Profile, start: Solution, limits: SolveOptions, progress: Progress | None
 ) -> tuple[Asked, Solution] | None:
-    """What is proven of a plan by the zones of `facts`, from one on that keeps to them; None where it does not."""
+    """What is proven of a plan by the zones of `facts`, from one on.
+
+    None where that does not keep to them and none is found, or no proof applies.
+    """
     from kerfwise.models.engines.rounds import solve
 
     limits = replace(limits, member="ideals", gap=None, no_improvement_s=None)
@@ -173,7 +176,7 @@ def _by_zones(
         stated = state_rules(facts, profile)
         looks = afterthoughts(facts, profile)
         return Asked(facts, stated), solve(facts, stated.statements, limits, progress, looks, start=start.route)
-    except RulesConflict:
+    except (InputError, RulesConflict):
         return None
 
 

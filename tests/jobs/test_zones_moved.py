@@ -116,6 +116,21 @@ def test_told_to_stop_it_tries_no_more_zones(tries: int, monkeypatch: pytest.Mon
     assert found.solution.objective == (100.0, 95.0)[tries]
 
 
+def test_zones_that_the_other_plan_does_not_keep_to_and_no_proof_applies_to_are_passed_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    profile = load_profile()
+    lag = profile.rules["heat-lag"]
+    two_cuts = replace(lag, options=replace(lag.options, lag_cuts=2))  # type: ignore[type-var]
+    profile = replace(profile, rules={**profile.rules, "heat-lag": two_cuts})
+    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=0.2))
+    free = Free(asked.stated, replace(solution, objective=solution.objective - 1.0), 0.5)
+    monkeypatch.setattr(zones_moved, "without_zones", lambda *given: free)
+    monkeypatch.setattr(zones_moved, "zones_along", lambda *given: iter([np.array([1, 2, 1, 2, 1, 2])]))
+    assert better_zones(asked, (), profile, solution, SolveOptions(work=1.0)).solution is solution
+
+
 @pytest.mark.slow
 def test_where_runs_are_no_zones_neighbouring_zones_are_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
