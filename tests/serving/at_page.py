@@ -53,16 +53,21 @@ class AtPage:
         """What a script says of the page; `app` is the page itself."""
         return self.page.evaluate(f"given => {{ const app = window.kerfwise; return ({script}); }}", [*given])
 
-    def until(self, script: str, *given: Any) -> None:
-        """Wait until a script is true: the page's policy lets nobody else ask it again and again."""
+    def until(self, script: str, *given: Any) -> Any:
+        """Wait until a script says something, and tell it: the page's policy lets nobody else ask it often."""
         ends_s = time.monotonic() + self._wait_s
-        while not self.ask(script, *given):
+        while not (said := self.ask(script, *given)):
             assert time.monotonic() < ends_s, f"this never came: {script}"
             self.page.wait_for_timeout(15)
+        return said
+
+    def frames(self) -> None:
+        """Wait for two frames."""
+        self.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def sharp(self) -> None:
         """Wait until every drawing is what was asked for."""
-        self.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        self.frames()
         self.until("[...document.querySelectorAll('#stages canvas')].every(canvas => canvas.dataset.sharp === 'true')")
 
     def panel(self, name: str) -> None:
@@ -144,8 +149,8 @@ class AtPage:
 
     def verdict(self) -> str:
         """What is said of the move before it is dropped."""
-        self.page.wait_for_selector("#hands-verdict.good, #hands-verdict.bad, #hands-verdict.gives")
-        return self.page.locator("#hands-verdict").inner_text()
+        self.frames()  # the last move may be told with the next frame only
+        return str(self.until("(at => at.className && at.innerText)(document.getElementById('hands-verdict'))"))
 
     def row(self, contour: str) -> Place:
         """The grip of a contour's row."""
