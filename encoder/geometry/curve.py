@@ -17,6 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.ranges import laid_out
 
 from .segment import Point, Segment
 
@@ -225,7 +226,7 @@ def _with_arcs(segments: Sequence[Segment], count: Ints, ends: Floats) -> Floats
     arcs = np.flatnonzero(count[1:] > 1)
     rows = [(*s.centre, s.radius_mm, s.angle_rad, s.sweep_rad) for s in (segments[k] for k in arcs.tolist())]
     n = count[arcs + 1]
-    place = np.arange(int(n.sum())) - np.repeat(np.cumsum(n) - n, n)
+    place = laid_out(np.zeros_like(n), n)
     x, y, r, begin, sweep = np.repeat(np.array(rows), n, axis=0).T
     angle = begin + sweep * (place + 1) / np.repeat(n, n)
     at = np.repeat(last[arcs] + 1, n) + place

@@ -12,10 +12,9 @@ from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.ranges import laid_out
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import Link, Statement
-
-from .spans import spans
 
 
 def links_on(
@@ -114,9 +113,9 @@ class Links:
         low, high = np.searchsorted(self.leave, leave), np.searchsorted(self.leave, leave, side="right")
         if (low == high).all():
             return
-        link = spans(low, high)
+        link = laid_out(low, high - low)
         row, by_site = np.repeat(np.arange(len(leave)), high - low), np.argsort(reach, kind="stable")
         sites, asked = reach[by_site], self.reach[link]
         low, high = np.searchsorted(sites, asked), np.searchsorted(sites, asked, side="right")
         again = np.repeat(np.arange(len(link)), high - low)
-        table[row[again], by_site[spans(low, high)]] = self.cost[link[again]]
+        table[row[again], by_site[laid_out(low, high - low)]] = self.cost[link[again]]

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.ranges import laid_out
 from kerfwise.rules.statements import About, AtLeast, Lag
 
 from .conditions import Condition
 from .crossings import Crossings
 from .links import Links
 from .pace import Pace
-from .spans import spans
 from .successors import known_successors
 
 
@@ -84,7 +84,7 @@ class Problem:
     def sites_of(self, contours: Ints | Sequence[int]) -> Ints:
         """Site numbers of several contours, one after the other."""
         chosen = np.asarray(contours, dtype=np.int64)
-        return spans(self.first[chosen], self.first[chosen + 1])
+        return laid_out(self.first[chosen], self.first[chosen + 1] - self.first[chosen])
 
     @property
     def looks_one_back(self) -> bool:

@@ -14,6 +14,7 @@ import shapely
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.ranges import laid_out
 
 from .placement import host_holes
 
@@ -166,8 +167,7 @@ class Facing:
         other = (self.owner[chord] != looks) | ~self.convex[looks]  # a look out of a convex part meets only where it is
         box, chord = box[other], chord[other]
         times = count[box]
-        within = np.arange(int(times.sum())) - np.repeat(np.cumsum(times) - times, times)
-        return np.repeat(first[box], times) + within, np.repeat(chord, times)
+        return laid_out(first[box], times), np.repeat(chord, times)
 
     def _away(self, start: Floats, normal: Floats, chord: Ints) -> Floats:
         """How far along the normals the chords are that they meet, mm; along a chord itself, its nearer end."""

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Int16s, Ints
+from kerfwise.encoder.ranges import laid_out
 from kerfwise.models.problem.bits import Masks, masks_of
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
-from kerfwise.models.problem.spans import spans
 
 
 class OrderSets(NamedTuple):
@@ -70,7 +70,7 @@ class Local:
     def sites_of(self, contours: Ints | Int16s) -> Ints:
         """The sites of some of its contours, by their numbers in the group, one contour after the other."""
         chosen = contours.astype(np.int64)
-        return self.sites[spans(self.first[chosen], self.first[chosen + 1])]
+        return self.sites[laid_out(self.first[chosen], self.first[chosen + 1] - self.first[chosen])]
 
 
 def orders_of(problem: Problem, contours: tuple[int, ...]) -> OrderSets:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from kerfwise.arrays import Bools
+from kerfwise.encoder.ranges import laid_out
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.problem import Problem
-from kerfwise.models.problem.spans import spans
 
 from .asked import ABOUT
 from .pieces import Pieces
@@ -30,7 +30,7 @@ class CrossedBy:
         if not len(self._rows):
             return self._rows
         leaves = np.append(pieces.tails, self._m)
-        chosen = spans(self._from[leaves], self._from[leaves + 1])
+        chosen = laid_out(self._from[leaves], self._from[leaves + 1] - self._from[leaves])
         chosen = chosen[pieces.new_site[self._rows.reach[chosen]] >= 0]
         rows = self._rows.only(chosen)
         found = Crossings(
@@ -52,7 +52,7 @@ class CrossedBy:
         inner = np.flatnonzero(piece[1:] == piece[:-1])
         move = route[inner] * (self._m + 1) + route[inner + 1]
         low, high = (np.searchsorted(self._move, move, side=side) for side in ("left", "right"))
-        here, rows = np.repeat(piece[inner], high - low), spans(low, high)
+        here, rows = np.repeat(piece[inner], high - low), laid_out(low, high - low)
         other, cost = pieces.of_contour[self._rows.over[rows]], self._rows.cost[rows]
         unsure = (other != here) & ~before[other, here] & ~before[here, other]
         return [
