@@ -23,7 +23,8 @@ from .between import Between
 from .branching import MOST_BRANCHED, branch
 from .costs import Stopped
 from .demands import DemandColumns
-from .flow_program import FlowProgram, sets_out_s
+from .flow_program import FlowProgram
+from .flow_work import sets_out_s
 from .inequalities import Inequalities, block_inequalities
 from .merged import merged
 from .network import Network, network_of

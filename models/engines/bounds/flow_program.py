@@ -10,17 +10,13 @@ from scipy.sparse import csr_matrix, hstack, vstack
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.kernels import running_s
 
+from .flow_work import look_s, made_s, round_s
 from .inequalities import Inequalities
 from .least_cuts import Flow
 from .network import Network
 from .pricing import AllMoves, Multipliers, whole
 from .restricted_master import restricted_master
 
-ROWS_PER_S = 1e7
-"""Rows times rounds of the simplex method that a second is counted for, where there are half as many cuts as contours
-or more."""
-FREE = 0.2
-"""Share of that which a round takes without cuts."""
 AT_ONCE_S, AT_ONCE = 1.0, 0.2
 """Deterministic seconds from one question whether there is time left to the next; and share of the work that is left,
 where that is more, as a program that is broken off often takes longer."""
@@ -28,26 +24,12 @@ SHORT_S = 0.5
 """A look at all moves that takes no longer is always had to its end: what was solved last is worth it."""
 FEW = 1000
 """Rounds of the simplex method that there is always time for."""
-PRODUCTS_PER_S, BESIDE = 2.5e10, 650
-"""Of multipliers above 0 and moves, in the same way; and so many multipliers take as long as all else with a move."""
-MADE_PER_S = 1e7
-"""Moves whose costs are worked out, and that are gone through for the first ones."""
 MANY_MOVES, FEWER_MOVES = 8, 5
 """Moves for every site, beyond which the dearest are dropped, and how many stay."""
 DEAR_UM = 1.0
 """A move that is no dearer than this is not dropped."""
 NARROW = 24
 """Binary digits that narrow numbers hold."""
-
-
-def sets_out_s(contours: int, sites: int) -> float:
-    """About how many deterministic seconds the first bound takes, that of a program without cuts.
-
-    Such a program takes about three rounds of the simplex method for every site, twice, and two looks at all moves.
-    """
-    rows = contours + sites
-    look_s = BESIDE * sites**2 / PRODUCTS_PER_S
-    return sites**2 / MADE_PER_S + 2 * look_s + 6 * sites * rows * FREE / ROWS_PER_S
 
 
 class FlowProgram:
@@ -79,7 +61,7 @@ class FlowProgram:
         self._inequalities = inequalities.only(np.zeros(len(inequalities), dtype=np.bool_))
         self._use(*self._moves.nearest())
         self.ask(inequalities)
-        self.work = self._moves.open.size / MADE_PER_S
+        self.work = made_s(self._moves.open.size)
         self.bound, self.value, self.complete, self.restricted = 0.0, 0.0, False, False
         self._idle, self._reduced = np.zeros(0, dtype=np.bool_), np.zeros(0)
         self._multipliers: Multipliers | None = None
@@ -87,17 +69,17 @@ class FlowProgram:
     def solve(self, work: float) -> bool:
         """Find the cheapest flow over the moves in use. False where it cannot be found within that work."""
         n, cuts = self._n, len(self._inequalities)
-        round_s = (n + self._m + 2 + cuts) * min(1.0, FREE + cuts / (2 * n)) / ROWS_PER_S
+        each_s = round_s(n, self._m, cuts)
         left_s = max(0.0, work - self.work)
-        left = FEW + int(left_s / round_s)
-        at_once = 1 + int(max(AT_ONCE_S, AT_ONCE * left_s) / round_s) if self._program.goes_on else left
+        left = FEW + int(left_s / each_s)
+        at_once = 1 + int(max(AT_ONCE_S, AT_ONCE * left_s) / each_s) if self._program.goes_on else left
         solved = None
         while solved is None:
             asked = min(at_once, left)
             if asked <= 0 or not self._in_time():
                 return False
             solved = self._program.solve(asked, self._ends_s - running_s())
-            self.work += (self._program.iterations + 1) * round_s
+            self.work += (self._program.iterations + 1) * each_s
             left -= self._program.iterations
             if solved is None and self._program.iterations < asked:
                 return False
@@ -120,9 +102,9 @@ class FlowProgram:
         if self._multipliers is None:
             return False
         paying = int((self._multipliers.paid > 0).sum())
-        look_s = (paying + BESIDE) * self._moves.open.size / PRODUCTS_PER_S
-        self.work += look_s
-        self._learn(self._multipliers, self._in_time if look_s > SHORT_S else lambda: True)
+        takes_s = look_s(self._moves.open.size, paying)
+        self.work += takes_s
+        self._learn(self._multipliers, self._in_time if takes_s > SHORT_S else lambda: True)
         self._multipliers = None
         return True
 

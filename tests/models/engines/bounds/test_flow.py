@@ -14,7 +14,8 @@ from kerfwise.arrays import Bools, Floats
 from kerfwise.models.engines.bounds import flow, flow_bound, flow_program
 from kerfwise.models.engines.bounds.costs import Stopped, by_threads
 from kerfwise.models.engines.bounds.demands import DemandColumns
-from kerfwise.models.engines.bounds.flow_program import FlowProgram, sets_out_s
+from kerfwise.models.engines.bounds.flow_program import FlowProgram
+from kerfwise.models.engines.bounds.flow_work import sets_out_s
 from kerfwise.models.engines.bounds.inequalities import block_inequalities
 from kerfwise.models.engines.bounds.least_cuts import Flow
 from kerfwise.models.engines.bounds.network import Network, network_of
