@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.strips import Cutting, strips_and_islands
+from kerfwise.rules.judging.uncut import Cutting, strips_and_islands
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.options.quantities import LENGTH

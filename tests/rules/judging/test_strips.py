@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import permutations
@@ -23,7 +24,9 @@ from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
-from kerfwise.rules.judging import strips
+from kerfwise.rules.judging import uncut
+from kerfwise.rules.judging.islands import ISLAND_STRIPS, Islands
+from kerfwise.rules.judging.strips import Strips
 from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
 
@@ -80,14 +83,21 @@ def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyP
     """In a row of twelve every other part goes first: those between lie in strips, and each is told once."""
     row = nest(800, 100, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 80)) for k in range(12)))
     looked: list[tuple[int, bool]] = []
-    vanishes = strips.Uncut._vanished
+    told = np.zeros(12, dtype=bool)
+    vanishes, after = Strips._vanished, Strips.after
 
-    def noted(metal: strips.Uncut, parts: Ints, cores: Any) -> Bools:
-        found = vanishes(metal, parts, cores)
-        looked.extend((int(q), bool(metal.told[q])) for q in parts)
+    def noted(strips: Strips, parts: Ints, cores: Any) -> Bools:
+        found = vanishes(strips, parts, cores)
+        looked.extend((int(q), bool(told[q])) for q in parts)
         return found
 
-    monkeypatch.setattr(strips.Uncut, "_vanished", noted)
+    def followed(strips: Strips, p: int, out: Bools, now_told: Bools) -> Iterator[tuple[str, list[int], list[int]]]:
+        nonlocal told
+        told = now_told
+        return after(strips, p, out, told)
+
+    monkeypatch.setattr(Strips, "_vanished", noted)
+    monkeypatch.setattr(Strips, "after", followed)
     order = [f"P{k}.outer" for k in (*range(0, 12, 2), *range(1, 12, 2))]
     assert RULE.no_goods(row, order, NoNarrowStripsOptions())
     assert looked
@@ -102,26 +112,24 @@ def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.Mon
         *(part(f"P{k}", rect(10 + step * (k % 9), 10 + step * (k // 9), side, side)) for k in range(81)),
     )  # fmt: skip
     middle, looks = 40, list[int]()
-    vanishes = strips.Uncut._vanished
+    vanishes = Strips._vanished
 
-    def noted(metal: strips.Uncut, parts: Ints, cores: Any) -> Bools:
+    def noted(strips: Strips, parts: Ints, cores: Any) -> Bools:
         looks.extend(parts.tolist())
-        return vanishes(metal, parts, cores)
+        return vanishes(strips, parts, cores)
 
-    ground = next(iter(strips._grounds(field, 60.0, 25.0)[0].values()))
-    metal = strips.Uncut(ground, np.arange(1, 82))
-    metal.out[:] = True
-    metal.out[middle] = False
-    around = metal.metal.around(middle)
+    ground = next(iter(uncut._grounds(field, 60.0, 25.0)[0].values()))
+    strips = Strips(ground, np.arange(1, 82))
+    around = ground.around(middle)
     out = np.arange(len(around.parts))
     assert len(out) > 20
-    monkeypatch.setattr(strips.Uncut, "_vanished", noted)
-    needed = np.flatnonzero(np.isin(around.parts, metal._fewest(middle, around, out)))
+    monkeypatch.setattr(Strips, "_vanished", noted)
+    needed = np.flatnonzero(np.isin(around.parts, strips._fewest(middle, around, out)))
     assert len(looks) < len(out) / 2
-    assert metal._would_vanish(middle, around, needed)
+    assert strips._would_vanish(middle, around, needed)
     for k in needed:
         without = needed[needed != k]
-        assert not (metal._on_both_sides(around, without) and metal._would_vanish(middle, around, without))
+        assert not (strips._on_both_sides(around, without) and strips._would_vanish(middle, around, without))
 
 
 @cache
@@ -140,62 +148,62 @@ def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance
             order.insert(chance.randrange(len(order)), order.pop(k))
     else:
         chance.shuffle(order)
-    closely = sorted(strips._badly(found, order, 60.0, 25.0), key=repr)  # two islands of one cut come in either order
+    closely = sorted(uncut._badly(found, order, 60.0, 25.0), key=repr)  # two islands of one cut come in either order
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strips.Uncut, "_closed_off", plainly_closed_off)
-        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, p: False)
-        assert sorted(strips._badly(found, order, 60.0, 25.0), key=repr) == closely
+        patch.setattr(Islands, "_closed_off", plainly_closed_off)
+        patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
+        assert sorted(uncut._badly(found, order, 60.0, 25.0), key=repr) == closely
 
 
 def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
     """A plate cut from one side on: pieces are looked for at half as many cuts, or fewer, and the same is told."""
     order = [p.outer.id for p in sorted(plate(1).parts, key=lambda p: p.outer.curve.vertices[:, 0].min())]
     looks: list[int] = []
-    looked = strips.Uncut._closed_off
+    looked = Islands._closed_off
 
-    def noted(uncut: strips.Uncut, p: int, window: Box, left: Ints) -> Any:
+    def noted(islands: Islands, p: int, window: Box, left: Ints) -> Any:
         looks.append(p)
-        return looked(uncut, p, window, left)
+        return looked(islands, p, window, left)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strips.Uncut, "_closed_off", noted)
-        told = sorted(strips._badly(plate(1), order, 60.0, 25.0), key=repr)
+        patch.setattr(Islands, "_closed_off", noted)
+        told = sorted(uncut._badly(plate(1), order, 60.0, 25.0), key=repr)
         few = len(looks)
-        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, p: False)
-        assert sorted(strips._badly(plate(1), order, 60.0, 25.0), key=repr) == told
+        patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
+        assert sorted(uncut._badly(plate(1), order, 60.0, 25.0), key=repr) == told
     assert 2 * few <= len(looks[few:])
 
 
 def test_what_is_told_is_kept_with_the_drawing() -> None:
     """The nest as it is cut, and the one that the check makes of the drawing, are other nests of the same outlines."""
     order = tuple(p.outer.id for p in plate(1).parts)
-    first = strips.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0)
-    assert strips.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0) is first
+    first = uncut.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0)
+    assert uncut.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0) is first
     fewer = replace(plate(1), parts=plate(1).parts[1:], drawn=plate(1))
-    assert strips.strips_and_islands(fewer, order[1:], 60.0, 25.0) == tuple(strips._badly(fewer, order[1:], 60.0, 25.0))
+    assert uncut.strips_and_islands(fewer, order[1:], 60.0, 25.0) == tuple(uncut._badly(fewer, order[1:], 60.0, 25.0))
 
 
-def plainly_closed_off(uncut: strips.Uncut, p: int, window: Box, left: Ints) -> Any:
+def plainly_closed_off(islands: Islands, p: int, window: Box, left: Ints) -> Any:
     """All pieces in the window, of what every single part leaves of the ground."""
-    metal = uncut.metal
-    gone = shapely.union_all(metal.grown[uncut.out])
+    metal = islands.metal
+    gone = shapely.union_all(metal.grown[islands.out])
     return shapely.get_parts(shapely.difference(shapely.clip_by_rect(metal.ground, *window), gone))
 
 
 def test_an_island_is_found_by_a_close_look() -> None:
     """The comparison above can fail: there are islands on these plates, and close looks find them."""
     closely: list[bool] = []
-    looked = strips.Uncut._pieces
+    looked = Islands._pieces
 
-    def noted(uncut: strips.Uncut, window: Box) -> Any:
-        closely.append(window[2] - window[0] < 2 * strips.ISLAND_STRIPS * uncut.metal.strip_mm)
-        return looked(uncut, window)
+    def noted(islands: Islands, window: Box) -> Any:
+        closely.append(window[2] - window[0] < 2 * ISLAND_STRIPS * islands.metal.strip_mm)
+        return looked(islands, window)
 
     order = [p.outer.id for p in plate(1).parts]
     Random(2).shuffle(order)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strips.Uncut, "_pieces", noted)
-        kinds = {cutting.kind for cutting in strips._badly(plate(1), order, 60.0, 25.0)}
+        patch.setattr(Islands, "_pieces", noted)
+        kinds = {cutting.kind for cutting in uncut._badly(plate(1), order, 60.0, 25.0)}
     assert any(closely)
     assert "island" in kinds
 
@@ -227,7 +235,7 @@ def test_a_plain_look_at_every_cut_tells_the_same(seed: int, chance: Random, str
         if at_random:
             chance.shuffle(order)
         plainly = told_plainly(sheet, order, strip_mm, 25.0)
-        assert sorted((c.k, c.kind, c.left[0]) for c in strips._badly(sheet, order, strip_mm, 25.0)) == sorted(plainly)
+        assert sorted((c.k, c.kind, c.left[0]) for c in uncut._badly(sheet, order, strip_mm, 25.0)) == sorted(plainly)
 
 
 def test_the_plain_look_finds_strips_and_islands() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.jobs.ask import facts_of
-from kerfwise.rules.judging import strips
+from kerfwise.rules.judging.uncut import Uncut
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.stating.lazy import look_takes_s
 
@@ -21,12 +21,12 @@ def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.M
     profile = load_profile()
     facts = facts_of(row, profile)
     looked = [0]
-    cut = strips.Uncut.cut
+    cut = Uncut.cut
 
-    def counted(uncut: strips.Uncut, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
+    def counted(uncut: Uncut, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         looked[0] += 1
         return cut(uncut, p)
 
-    monkeypatch.setattr(strips.Uncut, "cut", counted)
+    monkeypatch.setattr(Uncut, "cut", counted)
     assert parts <= look_takes_s(facts, profile, lambda: looked[0]) <= 2 * parts
     assert looked[0] < parts / 2
