@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -62,7 +63,7 @@ class CommonEdges:
         return np.array(rows, dtype=np.int64).reshape(-1, 2)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class _Edges:
     """Straight edges of outer contours, all counter-clockwise round their part: its metal lies to their left."""
 
@@ -74,7 +75,7 @@ class _Edges:
     def length_mm(self) -> Floats:
         return np.asarray(np.hypot(*(self.end - self.begin).T), dtype=np.float64)
 
-    @property
+    @cached_property
     def along(self) -> Floats:
         return np.asarray((self.end - self.begin) / self.length_mm[:, None])
 
@@ -110,9 +111,8 @@ class FacingEdge:
 def facing_edges(outers: Sequence[tuple[int, Contour]], gap_mm: float, within_mm: float) -> Iterator[FacingEdge]:
     """Straight edges of two outer contours that look at each other so far apart; each pair from both sides."""
     edges = _Edges.of(outers)
-    along = edges.along
     for a, b, low, high in _facing(edges, gap_mm, within_mm):
-        begin, end = (tuple((edges.begin[a] + mm * along[a]).tolist()) for mm in (low, high))
+        begin, end = (tuple((edges.begin[a] + mm * edges.along[a]).tolist()) for mm in (low, high))
         yield FacingEdge(int(edges.contour[a]), int(edges.contour[b]), begin, end)
 
 
@@ -135,13 +135,12 @@ def common_edges(
     """
     outers = [(k, nest.contours[k]) for k in numbers if nest.contours[k].kind == "outer"]
     edges = _Edges.of([row for row in outers if row[0] not in held])
-    along = edges.along
     found: dict[int, dict[int, list[tuple[float, float]]]] = {}
     longest: dict[tuple[int, int], float] = {}
     for a, b, low, high in _facing(edges, kerf_mm, min(options.gap_mm, tolerance_mm(kerf_mm)) + _ROUNDING_MM):
         one, other = int(edges.contour[a]), int(edges.contour[b])
-        ends = (edges.begin[a] + mm * along[a] for mm in (low, high))
-        row = _on_ring(nest.contours[one], kerf_mm, *(_offset(at, along[a], kerf_mm / 2) for at in ends))
+        ends = (edges.begin[a] + mm * edges.along[a] for mm in (low, high))
+        row = _on_ring(nest.contours[one], kerf_mm, *(_offset(at, edges.along[a], kerf_mm / 2) for at in ends))
         if row is not None:
             pair = min(one, other), max(one, other)
             longest[pair] = max(longest.get(pair, 0.0), row[1])
