@@ -21,7 +21,7 @@ FROM_CHORD = (0, -1, 1)
 
 
 class _Chords:
-    """The chords of lines one behind the other, and how far along all of them each ends, mm."""
+    """The chords of lines one behind the other, how far along all of them each ends, mm, and how each line turns."""
 
     def __init__(self, lines: Any) -> None:
         points, of = shapely.get_coordinates(lines, return_index=True)
@@ -34,6 +34,7 @@ class _Chords:
         self.start_mm: Floats = np.concatenate([[0.0], self.end_mm])[self.first]
         self.square: Floats = np.where(length_mm > 0, length_mm, 1.0) ** 2
         self.last = self.first[1:] - 1
+        self.turn = _turn(points, of, len(lines))
 
     def beside(self, points: Floats, of: Ints, along_mm: Floats, within_mm: float) -> Bools:
         """Whether points (m, 2) lie within `within_mm` of the chord that is `along_mm` from the start of line `of`."""
@@ -108,7 +109,7 @@ def _along(lines: Any, points: Floats, of: Ints, round_mm: Floats, within_mm: fl
     step_mm[new] = 0.0
     gone_mm = np.cumsum(step_mm)
     gone_mm -= np.repeat(gone_mm[new], np.diff(new, append=len(of)))
-    alike = np.where((_turn(points, of, len(lines)) > 0) == (_turn_of(lines) > 0), 1.0, -1.0)
+    alike = np.where((_turn(points, of, len(lines)) > 0) == (chords.turn > 0), 1.0, -1.0)
     begin_mm = shapely.line_locate_point(lines, shapely.points(points[new]))
     at_mm = begin_mm[of] + alike[of] * gone_mm
     near = chords.beside(points, of, at_mm, within_mm)
@@ -117,11 +118,6 @@ def _along(lines: Any, points: Floats, of: Ints, round_mm: Floats, within_mm: fl
         k = of[left]
         near[left] = chords.beside(points[left], k, at_mm[left] + rounds * round_mm[k], within_mm)
     return near
-
-
-def _turn_of(lines: Any) -> Floats:
-    points, of = shapely.get_coordinates(lines, return_index=True)
-    return _turn(points, of, len(lines))
 
 
 def _turn(points: Floats, of: Ints, count: int) -> Floats:
