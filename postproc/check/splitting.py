@@ -9,6 +9,7 @@ import numpy as np
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Segment
+from kerfwise.encoder.ranges import laid_out
 
 _LEAST, _MOST = 0.5, 1.5
 COMPARED = 1 << 18
@@ -68,7 +69,7 @@ def _compared(v: Floats, at_mm: Floats, first: Ints, last: Ints, round_mm: float
         end = max(int(np.searchsorted(until, done + COMPARED, side="right")), begin + 1)
         of = counts[begin:end]
         one = np.repeat(np.arange(begin, end), of)
-        other = np.arange(len(one)) - np.repeat(np.cumsum(of) - of, of) + np.repeat(first[begin:end], of)
+        other = laid_out(first[begin:end], of)
         if len(one):
             found = _best(v, at_mm, one, other, round_mm)
             best = found if best is None else min(best, found)
