@@ -54,8 +54,6 @@ class Uncut:
 
         The first of `left` lies badly. A part that was told is not told again.
         """
-        if self.out[p]:
-            return
         self.out[p] = True
         self.islands.take_out(p)
         for kind, out, left in chain(self.strips.after(p, self.out, self.told), self.islands.after(p)):
