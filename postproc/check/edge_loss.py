@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.geometry.segment import Segment
+from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.rule import Violation
 
@@ -148,12 +149,10 @@ def told_of_losses(nest: Nest) -> Iterator[str]:
     if not nest.losses:
         return
     names = [f"{loss.contour} ({loss.loss_mm:.3g} mm)" for loss in nest.losses]
-    shown = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     parts = "a part that touches another loses" if len(names) == 1 else f"{len(names)} parts that touch others lose"
-    yield f"{parts} half a kerf along those edges (cuts.common.accept_loss): {shown}"
+    yield f"{parts} half a kerf along those edges (cuts.common.accept_loss): {listed(names, _NAMED)}"
     if marks := list(_marks_lost(nest)):
-        named = ", ".join(marks[:_NAMED]) + (f" and {len(marks) - _NAMED} more" if len(marks) > _NAMED else "")
-        yield f"made and then cut away, where the part loses its edge: {named}"
+        yield f"made and then cut away, where the part loses its edge: {listed(marks, _NAMED)}"
 
 
 def _marks_lost(nest: Nest) -> Iterator[str]:

@@ -15,6 +15,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.kept import kept_with_nest
+from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.small_holes import HoleLimits
@@ -188,7 +189,6 @@ def told_of_small_holes(judged: Judged, profile: Profile) -> Iterator[str]:
     names = [hole.contour.id for hole in judged.small if hole.why_not is None]
     if not names or limits.under == "refuse":
         return
-    shown = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     holes = "a small hole is" if len(names) == 1 else f"{len(names)} small holes are"
     done = "not cut but marked at the middle" if limits.under == "spot" else "left out"
-    yield f"{holes} {done} (small_holes.under: {limits.under}): {shown}"
+    yield f"{holes} {done} (small_holes.under: {limits.under}): {listed(names, _NAMED)}"

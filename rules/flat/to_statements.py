@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.statements import (
     About,
@@ -199,7 +200,7 @@ class Writer:
     def _sentence(self, said: str | None, ids: Sequence[str], words: str) -> str:
         if said:
             return said
-        shown = ", ".join(ids[:MOST_NAMED]) + (f" and {len(ids) - MOST_NAMED} more" if len(ids) > MOST_NAMED else "")
+        shown = listed(ids, MOST_NAMED)
         return f"{shown} {words}: {self.why}" if words else f"{shown}: {self.why}" if shown else self.why
 
 
