@@ -258,8 +258,8 @@ def _accepted(profile: Profile) -> Accepted:
     """Which losses of parts that touch are: edges count as touching within what the check allows, too."""
     common = profile.cuts.common
     touch_mm = min(common.gap_tolerance_mm, tolerance_mm(profile.material.kerf_mm)) + _ROUNDING_MM
-    accepts = common.accept_loss and common.shortest_mm is not None
-    return Accepted(touch_mm, common.shortest_mm if accepts and common.shortest_mm is not None else math.inf)
+    shortest_mm = common.shortest_mm if common.accept_loss else None
+    return Accepted(touch_mm, math.inf if shortest_mm is None else shortest_mm)
 
 
 def _overcut_mm(profile: Profile) -> float:
