@@ -12,7 +12,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.rules.judging.placement import same_place
+from kerfwise.rules.judging.placement import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
@@ -86,9 +86,7 @@ def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
     hulls = shapely.convex_hull(outlines)
     centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
     inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
-    areas = np.array([part.outer.polygon for part in nest.parts], dtype=object)
-    within = shapely.contains(areas[hull], centroids[inside])
-    within &= ~shapely.dwithin(np.array(outlines, dtype=object)[hull], centroids[inside], ON_HULL_MM)
+    within = well_within(nest, centroids[inside], hull, ON_HULL_MM)
     first, then = same_place(nest, inside[~within], hull[~within])
     hollow = np.zeros(len(nest.parts), dtype=bool)
     for k in np.unique(then).tolist():

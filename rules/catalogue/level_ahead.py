@@ -12,7 +12,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.placement import same_place
+from kerfwise.rules.judging.placement import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
@@ -96,10 +96,7 @@ def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
     start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
     rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
     ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
-    middles = shapely.points(start)[ahead]
-    areas = np.array([part.outer.polygon for part in nest.parts], dtype=object)
-    within = shapely.contains(areas[met], middles)
-    within &= ~shapely.dwithin(np.array(outlines, dtype=object)[met], middles, GRAZE_MM)
+    within = well_within(nest, shapely.points(start)[ahead], met, GRAZE_MM)
     first, then = same_place(nest, ahead[~within], met[~within])
     ids = np.array([part.outer.id for part in nest.parts], dtype=object)
     return tuple(zip(ids[first].tolist(), ids[then].tolist(), strict=True))

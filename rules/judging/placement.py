@@ -6,11 +6,12 @@ Plain shapely on purpose, and nothing from the facts that models are built on: a
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 
@@ -48,3 +49,11 @@ def same_place(nest: Nest, first: Ints, second: Ints) -> tuple[Ints, Ints]:
     same = (first != second) & (place[first] == place[second])
     order = np.lexsort((second[same], first[same]))
     return first[same][order], second[same][order]
+
+
+def well_within(nest: Nest, points: Any, parts: Ints, off_mm: float) -> Bools:
+    """Whether points (k,) lie within the outer contours of parts (k,), given by number, and farther than that off."""
+    areas = np.array([part.outer.polygon for part in nest.parts], dtype=object)
+    lines = np.array([part.outer.line for part in nest.parts], dtype=object)
+    within = shapely.contains(areas[parts], points) & ~shapely.dwithin(lines[parts], points, off_mm)
+    return np.asarray(within)
