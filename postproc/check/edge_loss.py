@@ -75,7 +75,8 @@ def lost_elsewhere(nest: Nest, kerf_mm: float, accepted: Accepted) -> Iterator[V
         for area, does in _wrongly(before.outer, after.outer, kerf_mm / 2, touching[k]):
             if area.area > _LEAST_MM2:
                 x, y = area.centroid.coords[0]
-                yield Violation(_RULE, (name,), f"{name} {does}".format(f"{area.area:.2f} mm² at ({x:z.1f}, {y:z.1f})"))
+                what = does.format(f"{area.area:.2f} mm² at ({x:z.1f}, {y:z.1f})")
+                yield Violation(_RULE, (name,), f"{name} {what}")
 
 
 def _wrongly(

@@ -167,6 +167,14 @@ def test_the_check_measures_what_is_lost(wide: float, does: str) -> None:
     assert "where no edge touches" in found.text
 
 
+def test_a_name_may_hold_braces() -> None:
+    drawn = nest(200, 120, part("{A}", rect(20, 20, 60, 60)), part("B", rect(80, 20, 60, 60)))
+    sheet = with_loss(drawn, 1.5, 20.0, 0.05)
+    wrong = replace(sheet.parts[0], outer=part("{A}", rect(20, 20, 60.5, 60)).outer)
+    told = [found.text for found in lost_elsewhere(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, ACCEPTED)]
+    assert any(text.startswith("{A}.outer gains 30.00 mm² at (80.2, 50.0)") for text in told)
+
+
 def test_the_check_asks_whether_a_loss_is_accepted(monkeypatch: pytest.MonkeyPatch) -> None:
     """By itself: that the planner's part has taken it for accepted is not enough."""
     sheet = with_loss(two(), 1.5, 20.0, 0.05)
