@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -61,9 +62,9 @@ def lost_elsewhere(nest: Nest, kerf_mm: float, accepted: Accepted) -> Iterator[V
     outlines = [part.outer.curve.line(_CHORD_MM) for part in drawn.parts]
     tree = shapely.STRtree(outlines)
     touching = {k: _touching(k, drawn, outlines, tree, accepted.touch_mm) for k in changed}
+    longest_mm = _longest_mm(touching)
     for k, (before, after) in changed.items():
-        name = before.outer.id
-        along_mm = max((touching[j].longest_mm for j in _hanging_together(k, touching)), default=0.0)
+        name, along_mm = before.outer.id, longest_mm[k]
         if along_mm < accepted.shortest_mm - 2 * accepted.touch_mm:
             least = "the profile accepts no loss"
             if math.isfinite(accepted.shortest_mm):
@@ -122,13 +123,19 @@ def _surely_touches(edge: Segment, others: Sequence[Segment], touch_mm: float) -
     return bool((np.abs(off).max(axis=0, initial=0.0) <= touch_mm - _INSIDE_MM).any())
 
 
-def _hanging_together(k: int, touching: Mapping[int, _Touching]) -> set[int]:
-    """The parts that hang together with one by edges that touch."""
-    found, ahead = {k}, [k]
-    while ahead:
-        new = {j for j in touching[ahead.pop()].others if j in touching} - found
-        found |= new
-        ahead += new
+def _longest_mm(touching: Mapping[int, _Touching]) -> dict[int, float]:
+    """Along how much one of the edges touches, at the most, by which each part hangs together with others."""
+    touched_by = defaultdict(list)
+    for k, row in touching.items():
+        for j in row.others:
+            touched_by[j].append(k)
+    found: dict[int, float] = {}
+    for k in sorted(touching, key=lambda k: touching[k].longest_mm, reverse=True):
+        ahead = [k]
+        while ahead:
+            if (one := ahead.pop()) not in found:
+                found[one] = touching[k].longest_mm
+                ahead += touched_by[one]
     return found
 
 
