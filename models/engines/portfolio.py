@@ -17,7 +17,7 @@ from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from . import beam, bounds, cpsat, ideals
+from . import beam, bounds, cpsat, ideals, shares
 from .known import Known
 from .names import Member
 from .solution import Incumbent, Progress, SolveOptions, table_bytes
@@ -25,57 +25,6 @@ from .watch import Watch
 
 if TYPE_CHECKING:
     from .search import Searcher
-
-FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
-"""Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
-PROOF, PROOF_SMALL = 0.45, 0.9
-"""Share that the proof by ideals may take, where it fits; most take next to nothing.
-
-On small problems the search has found the best plan long since, and only the proof is left to do.
-"""
-SET_OUT_S = 0.2
-"""Seconds below which no further member begins: each has tables of its own to make first."""
-LOOKS, SEEDS_APART = 6, 1_000_003
-"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart."""
-DENSE = 0.15
-"""Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
-BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
-"""Share of what is left for the beam, which proves where orders are dense and guides where they are not, or where a
-nest is large."""
-FLOW_FIRST, FLOW_FEW, FLOW_CARRIED, FLOW_PLAIN = 0.15, 80, 0.4, 0.15
-"""Share of what is left, where nothing is proven, for the bound by flows, before more search: where contours are no
-more than so many, as it may prove the plan at once; where CP-SAT alone holds all that is asked; and where only orders
-bind, or where there are so many sites that it does not come near the plan anyway."""
-SEARCH_NEST, WINDOWS_NEST, FLOW = 0.3, 0.1, 0.95
-"""For small nests share of what is left for more search, then for windows of the plan, and then for the bound: the
-better the plan, the more it closes."""
-SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
-"""For larger ones share of what is left for search alone, and then for search and windows at the same time as the
-bound, which keeps one core busy: the search has what that leaves of two."""
-NEWS_S = 0.1
-"""How often it is told what the bound has reached, while it is waited for."""
-SEARCH, SEARCH_PLAIN = 0.6, 0.9
-"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
-
-CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
-"""
-WINDOWS = 0.3
-"""Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
-AT_ONCE_S, AT_ONCE = 1.5, 0.6
-"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
-SURE = 0.4
-"""Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
-COUNTED, COUNTED_FEW = 2e7, 5e6
-"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
-so few that a bound is tried anyway."""
-COUNTED_S = 30.0
-GLANCE, GLANCED, GLANCED_FROM = 0.05, 200, 500_000
-"""Work of a first glance while sets are counted, contours up to which it takes less than a second, and entries that are
-counted before: a plan is shown while many are counted, and where they are few the search need not be compiled. It is no
-part of what a plan takes, so that a plan is the same whoever looks on."""
-LONGEST, LONGEST_ZONE = 36, 80
-"""Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
-all."""
 
 
 def run_portfolio(
@@ -109,8 +58,8 @@ class _Run:
         self.most_bytes = table_bytes(options.memory_gb)
         self.known = Known()
         self.searcher: Searcher | None = None
-        self.glimpsed: Incumbent | None = None
-        self.glanced = False
+        self.preview: Incumbent | None = None
+        self.preview_done = False
         self.tried = False
         self.began_s = watch.seconds
 
@@ -120,41 +69,41 @@ class _Run:
             self._ideals(self._left(), ())
         if self._wanting() and self._takes("search", "it finds the first plan"):
             left = self._left()
-            first = min(FIRST_MOST * left, max(FIRST * left, FIRST_S))
+            first = min(shares.FIRST_MOST * left, max(shares.FIRST * left, shares.FIRST_S))
             if self.options.member:
                 self._search(left)
             else:
-                self._look(first, LOOKS if self.problem.n <= LONGEST else 1)
+                self._look(first, shares.LOOKS if self.problem.n <= shares.LONGEST else 1)
         if not self._over() and self._ideals_fit():
-            share = PROOF_SMALL if self.problem.n <= LONGEST else PROOF
+            share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST else shares.PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self._beam_applies():
-            dense = self._density() >= DENSE and not self._bounded_beside()
-            share = BEAM_DENSE if dense else BEAM_SPARSE
+            dense = self._density() >= shares.DENSE and not self._bounded_beside()
+            share = shares.BEAM_DENSE if dense else shares.BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
             self._improve_and_bound()
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
             self._cpsat(self._left())
-        self.known.offer(self.glimpsed, "search")  # what was shown is not lost, where the work was ended early
+        self.known.offer(self.preview, "search")  # what was shown is not lost, where the work was ended early
         return self.known
 
     def _improve_and_bound(self) -> None:
         """A better plan and a higher bound, where nothing is proven yet."""
         well = self._bounded_well() and not self._carried()
         if self._bounded_beside():
-            self._search(self._left() * SEARCH_ALONE)
+            self._search(self._left() * shares.SEARCH_ALONE)
             if not self._over() and self.known.incumbent is not None:
                 self._improve_while_bounded()
             return
-        few = FLOW_FIRST if self.problem.n <= FLOW_FEW else 0.0
-        self._flow(self._left() * (few if well else FLOW_CARRIED if self._bounded_well() else FLOW_PLAIN))
+        few = shares.FLOW_FIRST if self.problem.n <= shares.FLOW_FEW else 0.0
+        self._flow(self._left() * (few if well else shares.FLOW_CARRIED if self._bounded_well() else shares.FLOW_PLAIN))
         if not self._over():
-            share = SEARCH_NEST if well else SEARCH if self._carried() else SEARCH_PLAIN
+            share = shares.SEARCH_NEST if well else shares.SEARCH if self._carried() else shares.SEARCH_PLAIN
             self._search(self._left() * share)
-            self._windows(self._left() * (WINDOWS_NEST if well else WINDOWS))
+            self._windows(self._left() * (shares.WINDOWS_NEST if well else shares.WINDOWS))
         if well and not self._over():
-            self._flow(self._left() * FLOW)
+            self._flow(self._left() * shares.FLOW)
 
     def _improve_while_bounded(self) -> None:
         """A better plan, and at the same time a higher bound by a thread of its own that knows today's plan alone.
@@ -163,7 +112,7 @@ class _Run:
         """
         plan, left, began = self.known.incumbent, self._left(), self.known.work
         assert plan is not None
-        share = FLOW_BESIDE * left
+        share = shares.FLOW_BESIDE * left
         reached, within = Event(), self._within(share, lambda *_: not self.watch.stopped)
 
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
@@ -174,9 +123,9 @@ class _Run:
             asked = (self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
             bounding = thread.submit(bounds.flow_bound, *asked)
             try:
-                self._search(SEARCH_BESIDE * left)
-                self._windows(WINDOWS_BESIDE * left)
-                while not wait([bounding], NEWS_S).done:
+                self._search(shares.SEARCH_BESIDE * left)
+                self._windows(shares.WINDOWS_BESIDE * left)
+                while not wait([bounding], shares.NEWS_S).done:
                     if not self.watch("bound", plan.cost, None):
                         reached.set()
             finally:
@@ -205,7 +154,7 @@ class _Run:
 
     def _late(self) -> bool:
         """Whether there is a plan, and no time for another member to set out in; none looks at the clock at work."""
-        return self.options.time_s is not None and self.known.incumbent is not None and self._left() < SET_OUT_S
+        return self.options.time_s is not None and self.known.incumbent is not None and self._left() < shares.SET_OUT_S
 
     def _left(self) -> float:
         if self.options.time_s is None:
@@ -219,7 +168,7 @@ class _Run:
         best: Searcher | None = None
         for look in range(looks):
             known = self.known.incumbent
-            self.searcher = Searcher(self.problem, self.options.seed + look * SEEDS_APART) if look else None
+            self.searcher = Searcher(self.problem, self.options.seed + look * shares.SEEDS_APART) if look else None
             self._search(share / looks)
             if best is None or self.known.incumbent is not known:
                 best = self.searcher
@@ -248,28 +197,29 @@ class _Run:
         if why := ideals.unfit(self.of_sets):
             self._leave_out("ideals", why)
             return
-        most = (COUNTED_FEW if self.problem.n <= LONGEST else COUNTED) * min(1.0, self._left() / COUNTED_S)
+        most = shares.COUNTED_FEW if self.problem.n <= shares.LONGEST else shares.COUNTED
+        most *= min(1.0, self._left() / shares.COUNTED_S)
         self.count = ideals.count_sets(self.of_sets, most, self._counting)
         self.known.work += self.count.work
 
     def _counting(self, entries: int) -> bool:
         """Whether to go on counting; where it takes long, there is a first plan to be shown."""
-        few = entries < GLANCED_FROM or self.problem.n > GLANCED
-        if not (few or self.glanced or self.options.member):
-            self._glance()
+        few = entries < shares.PREVIEW_AFTER_ENTRIES or self.problem.n > shares.PREVIEW_MOST_CONTOURS
+        if not (few or self.preview_done or self.options.member):
+            self._show_preview()
         return self.watch("ideals", None, None)
 
-    def _glance(self) -> None:
+    def _show_preview(self) -> None:
         """A first plan to be shown; no engine goes on from it."""
         from .search import Searcher
 
-        self.glanced = True
+        self.preview_done = True
         searcher = Searcher(self.problem, self.options.seed)
-        searcher.run(GLANCE, self.options.time_s and GLANCE, self.watch.glimpse)
-        self.glimpsed = searcher.best
+        searcher.run(shares.PREVIEW_WORK, self.options.time_s and shares.PREVIEW_WORK, self.watch.preview)
+        self.preview = searcher.best
 
     def _at_once(self) -> bool:
-        count, most_s = self.count, min(AT_ONCE_S, AT_ONCE * self._left())
+        count, most_s = self.count, min(shares.AT_ONCE_S, shares.AT_ONCE * self._left())
         if count is None or not count.fits(self.most_bytes) or not (self.options.member or count.seconds <= most_s):
             return False
         self.known.notes.append(f"ideals: {'swept at once' if self.options.member is None else 'asked for'}, {count}")
@@ -280,7 +230,7 @@ class _Run:
         if self.count is None or self.tried:
             return False
         longest = self.count.longest
-        few = longest <= LONGEST or (longest <= LONGEST_ZONE and longest <= self.problem.n / 2)
+        few = longest <= shares.LONGEST or (longest <= shares.LONGEST_ZONE and longest <= self.problem.n / 2)
         if not (self.options.member or self._sure() or few):
             self.known.notes.append(f"ideals: left to the others, {self.count}")
             return False
@@ -289,7 +239,8 @@ class _Run:
 
     def _sure(self) -> bool:
         """Whether a sweep over all sets fits well into what is left."""
-        return self.count is not None and self.count.fits(self.most_bytes) and self.count.seconds <= SURE * self._left()
+        count, most_s = self.count, shares.SURE * self._left()
+        return count is not None and count.fits(self.most_bytes) and count.seconds <= most_s
 
     def _ideals(self, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
         before = self.known.work
@@ -332,7 +283,8 @@ class _Run:
 
     def _bounded_beside(self) -> bool:
         """Whether the bound by flows is looked for at the same time as a better plan."""
-        return self._bounded_well() and not self._carried() and self.problem.n > FLOW_FEW and self.options.gap is None
+        many = self.problem.n > shares.FLOW_FEW
+        return many and self._bounded_well() and not self._carried() and self.options.gap is None
 
     def _carried(self) -> bool:
         """Whether CP-SAT alone can hold all that is asked."""

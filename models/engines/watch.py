@@ -37,7 +37,7 @@ class Watch:
         self._options, self._progress, self._clock = options, progress, clock
         self._started = self._improved = clock()
         self._cost: int | None = None
-        self._glimpsed: int | None = None
+        self._preview_cost: int | None = None
         self._bound = 0
         self.stopped = False
 
@@ -48,7 +48,7 @@ class Watch:
 
     def begin(self) -> None:
         """Forget costs and bounds: another problem (the same with more statements) is solved from now on."""
-        self._cost, self._glimpsed, self._bound, self._improved = None, None, 0, self._clock()
+        self._cost, self._preview_cost, self._bound, self._improved = None, None, 0, self._clock()
 
     def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         """Note what an engine has reached, tell the listener the best of it all, and say whether to go on."""
@@ -59,16 +59,16 @@ class Watch:
         self.stopped = self.stopped or not heard or self._late() or self._enough()
         return not self.stopped
 
-    def glimpse(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+    def preview(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         """Tell the listener of a plan that nobody goes on from: it counts for no gap, and as no improvement."""
-        if cost_um is not None and (self._glimpsed is None or cost_um < self._glimpsed):
-            self._glimpsed = cost_um
+        if cost_um is not None and (self._preview_cost is None or cost_um < self._preview_cost):
+            self._preview_cost = cost_um
         self.stopped = self.stopped or not self._tell(engine)
         return not self.stopped
 
     def _tell(self, engine: str) -> bool:
         """Tell the listener the best of all that was reached; whether to go on."""
-        best = min((cost for cost in (self._cost, self._glimpsed) if cost is not None), default=None)
+        best = min((cost for cost in (self._cost, self._preview_cost) if cost is not None), default=None)
         return self._progress is None or self._progress(engine, best, self._bound or None)
 
     def overhear(self, bound_um: int | None) -> None:

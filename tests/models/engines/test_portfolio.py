@@ -162,7 +162,7 @@ def test_with_little_memory_other_members_take_over() -> None:
 
 def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bound and search run at the same time, and neither sees how far the other is."""
-    monkeypatch.setattr(portfolio, "FLOW_FEW", 10)
+    monkeypatch.setattr(portfolio.shares, "FLOW_FEW", 10)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     many = replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held))
     first, again = (found(many, work=1.0) for _ in range(2))
@@ -207,7 +207,7 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
     options = SolveOptions(work=0.3)
     plans = []
     for few in (0.0, inf):
-        monkeypatch.setattr(portfolio, "GLANCED_FROM", few)
+        monkeypatch.setattr(portfolio.shares, "PREVIEW_AFTER_ENTRIES", few)
         told.clear()
         known = run_portfolio(many, options, Watch(options, listen))
         assert known.incumbent is not None

@@ -67,7 +67,7 @@ def test_another_problem_begins_without_costs() -> None:
     assert watch("ideals", 8, 7)
 
 
-def test_a_glimpse_is_told_and_counts_for_nothing_else() -> None:
+def test_a_preview_is_told_and_counts_for_nothing_else() -> None:
     clock, told = Clock(), list[tuple[int | None, int | None]]()
 
     def listen(engine: str, cost: int | None, bound: int | None) -> bool:
@@ -75,12 +75,12 @@ def test_a_glimpse_is_told_and_counts_for_nothing_else() -> None:
         return cost != 80
 
     watch = Watch(SolveOptions(gap=0.5, no_improvement_s=2.0), listen, clock)
-    assert watch.glimpse("search", 100, None)
+    assert watch.preview("search", 100, None)
     clock.now = 5.0
     assert watch("ideals", None, 90)
     assert watch("search", 300, None)
     assert told == [(100, None), (100, 90), (100, 90)]
-    assert not watch.glimpse("search", 80, None)
+    assert not watch.preview("search", 80, None)
     assert watch.stopped
     watch.begin()
     assert not watch("search", 400, None)

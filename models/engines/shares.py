@@ -1,0 +1,54 @@
+"""What the portfolio goes by: shares of the work for its members, and sizes up to which each is worth it."""
+
+from __future__ import annotations
+
+FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
+"""Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
+PROOF, PROOF_SMALL = 0.45, 0.9
+"""Share that the proof by ideals may take, where it fits; most take next to nothing.
+
+On small problems the search has found the best plan long since, and only the proof is left to do.
+"""
+SET_OUT_S = 0.2
+"""Seconds below which no further member begins: each has tables of its own to make first."""
+LOOKS, SEEDS_APART = 6, 1_000_003
+"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart."""
+DENSE = 0.15
+"""Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
+BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
+"""Share of what is left for the beam, which proves where orders are dense and guides where they are not, or where a
+nest is large."""
+FLOW_FIRST, FLOW_FEW, FLOW_CARRIED, FLOW_PLAIN = 0.15, 80, 0.4, 0.15
+"""Share of what is left, where nothing is proven, for the bound by flows, before more search: where contours are no
+more than so many, as it may prove the plan at once; where CP-SAT alone holds all that is asked; and where only orders
+bind, or where there are so many sites that it does not come near the plan anyway."""
+SEARCH_NEST, WINDOWS_NEST, FLOW = 0.3, 0.1, 0.95
+"""For small nests share of what is left for more search, then for windows of the plan, and then for the bound: the
+better the plan, the more it closes."""
+SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
+"""For larger ones share of what is left for search alone, and then for search and windows at the same time as the
+bound, which keeps one core busy: the search has what that leaves of two."""
+NEWS_S = 0.1
+"""How often it is told what the bound has reached, while it is waited for."""
+SEARCH, SEARCH_PLAIN = 0.6, 0.9
+"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
+
+CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
+"""
+WINDOWS = 0.3
+"""Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
+AT_ONCE_S, AT_ONCE = 1.5, 0.6
+"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
+SURE = 0.4
+"""Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
+COUNTED, COUNTED_FEW = 2e7, 5e6
+"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
+so few that a bound is tried anyway."""
+COUNTED_S = 30.0
+PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 500_000
+"""Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
+counted before: a plan is shown while many are counted, and where they are few the search need not be compiled. It is no
+part of what a plan takes, so that a plan is the same whoever looks on."""
+LONGEST, LONGEST_ZONE = 36, 80
+"""Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
+all."""
