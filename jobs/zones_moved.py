@@ -95,34 +95,32 @@ def better_zones(
 
     found = list(along(asked.facts, profile, solution, free, left, progress))
     spent = sum(other.seconds for _, other in found)
-    if not any(_better(other, solution) for _, other in found) and left(spent) is not None:
+    if not any(_rank(other) < _rank(solution) for _, other in found) and left(spent) is not None:
         borders = tuple(of_neighbours(asked.facts, zoned_by(asked, profile)))
         looked = look_for(asked.facts, limits, ends_s)
         mixed = without_zones(asked, further, profile, solution, looked, progress, borders)
         if mixed is not None and mixed.solution.route != free.solution.route:
             found += along(asked.facts, profile, solution, mixed, lambda more: left(spent + more), progress)
-    by, best = asked, solution
-    for by_other, other in found:
-        if _better(other, best):
-            by, best = by_other, other
+    every = [(asked, solution), *found]
+    by, best = min(every, key=lambda plan: _rank(plan[1]))
+    elsewhere = _proven(best, [other for _, other in every])
     if best is solution:
-        return ByZones(asked, solution, free, _proven(solution, [other for _, other in found]))
+        return ByZones(asked, solution, free, elsewhere)
     spent = solution.seconds + free.seconds + sum(other.seconds for _, other in found)
     notes = (*solution.notes, "zones: moved along the best plan known without them", *best.notes)
-    elsewhere = _proven(best, [solution, *(other for _, other in found)])
     return ByZones(by, replace(best, seconds=spent, notes=notes), free, elsewhere)
 
 
-def _better(one: Solution, other: Solution) -> bool:
-    """Whether a plan costs less than another, or the same and is proven."""
-    return (one.objective, one.status != "optimal") < (other.objective, other.status != "optimal")
+def _rank(solution: Solution) -> tuple[float, bool]:
+    """The less the better: of plans that cost the same, one that is proven."""
+    return solution.objective, solution.status != "optimal"
 
 
-def _proven(best: Solution, others: Sequence[Solution]) -> float | None:
-    """What the cheapest of the others costs that is proven, where the best one is not."""
+def _proven(best: Solution, every: Sequence[Solution]) -> float | None:
+    """What the cheapest of all costs that is proven, where the best one is not."""
     if best.status == "optimal":
         return None
-    return min((other.objective for other in others if other.status == "optimal"), default=None)
+    return min((one.objective for one in every if one.status == "optimal"), default=None)
 
 
 def along(
