@@ -7,7 +7,6 @@ same where they say the same of every order and pick. MiniZinc has at most 120 s
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import tempfile
@@ -19,12 +18,10 @@ from pathlib import Path
 from typing import Any, assert_never
 
 from kerfwise import read_nest
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.flat import flatten
 from kerfwise.rules.flat.model_file import read_model_file
@@ -105,8 +102,7 @@ def nest_of(name: str) -> Nest:
     """The nest in a file, or the made plate of so many contours."""
     if not name.isdecimal():
         return read_nest(name)
-    made = json.dumps(make_sheet(1, int(name))).encode()
-    return replace(read_json(made, ReadOptions()), file=f"made plate {name}")
+    return replace(made_plate(int(name), seed=1), file=f"made plate {name}")
 
 
 def rows(name: str) -> Iterable[str]:

@@ -12,12 +12,12 @@ import argparse
 import platform
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import kerfwise
-from kerfwise.benchmarks.plates import made_plate
+from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import facts_of
@@ -105,9 +105,7 @@ def main() -> None:
     arguments.add_argument("--work", type=float, default=30.0)
     work = arguments.parse_args().work
     profile = load_profile()
-    off = {name: replace(profile.rules[name], strength="off", weight=None) for name in ("zone-order", "no-tip-travel")}
-    free = {**profile.rules, **off}
-    without = replace(profile, rules=free)
+    without = default_without("zone-order", "no-tip-travel")
     warm = next(plates(((1, 20),)))
     plan(*warm, profile, 1.0)
     examples = [(p.name, read_nest(p)) for p in sorted(EXAMPLES.glob("*.json"))]
