@@ -82,18 +82,21 @@ class AllMoves:
 
     def is_own(self, leave: Ints, reach: Ints) -> Bools:
         """Which of these moves are the known plan's."""
-        row, column = self._own
-        wide = len(self._owner)
-        return np.asarray(np.isin(leave * wide + reach, row * wide + column))
+        return self._are_of(self._own, leave, reach)
 
     def costs(self, leave: Ints, reach: Ints) -> Floats:
         """What moves cost: those of the known plan that are not allowed as much as a plan more."""
         cost: Floats = self._cost[leave, reach].astype(np.float64)
         if self._forced.any():
             row, column = self._own
-            forced = row[self._forced] * len(self._owner) + column[self._forced]
-            cost[np.isin(leave * len(self._owner) + reach, forced)] += self._plan_um
+            forced = self._are_of((row[self._forced], column[self._forced]), leave, reach)
+            cost[forced] += self._plan_um
         return cost
+
+    def _are_of(self, known: tuple[Ints, Ints], leave: Ints, reach: Ints) -> Bools:
+        """Which of some moves are among the known ones."""
+        wide = len(self._owner)
+        return np.asarray(np.isin(leave * wide + reach, known[0] * wide + known[1]))
 
     def look(
         self, by: Multipliers, in_use: tuple[Ints, Ints], go: Callable[[], bool] = lambda: True
