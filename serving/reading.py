@@ -90,8 +90,11 @@ class Reading:
     async def move(self, request: Request) -> Response:
         """`?contours=P1.outer&place=3&look=0`: whether they may be cut from that place on, and what it costs."""
         said = request.query_params
+        contours = said.getlist("contours")
+        if not contours:
+            raise InputError("contours: expected the id of a contour or the name of a part")
         given = {
-            "contours": said.getlist("contours"),
+            "contours": contours,
             "place": whole(said.get("place")),
             "look": said.get("look") == "1",
         }

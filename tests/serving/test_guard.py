@@ -185,6 +185,9 @@ def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:
         assert told["message"] == f"{value!r} is not a value as a job file holds it"
     for changes in (5, [3], "x", [{}]):
         assert tab.post("try", 422, changes=changes)["kind"] == "input"
+    moved = client.get(f"/api/{tab.id}/move", params={"place": 3})
+    assert (moved.status_code, moved.json()["kind"]) == (422, "input")
+    assert moved.json()["message"] == "contours: expected the id of a contour or the name of a part"
     assert tab.state()["job_text"] is None
 
 
