@@ -75,8 +75,10 @@ class Tally:
     def lines(self) -> Iterator[str]:
         """The report."""
         counts = self.counts
-        yield f"nests tried: {self.nests} (seeds {self.first} to {self.first + self.nests - 1}, 5 to 9 contours)"
-        yield "with " + ", ".join(f"{what} {k}" for what, k in sorted(self.has.items()))
+        seeds = f" (seeds {self.first} to {self.first + self.nests - 1}, 5 to 9 contours)" if self.nests else ""
+        yield f"nests tried: {self.nests}{seeds}"
+        if self.has:
+            yield f"with {_listed(self.has)}"
         yield f"solved: {counts['solved']}, proven infeasible: {counts['infeasible']}, unproven: {counts['unproven']}"
         yield f"optima compared with every plan tried by the check: {_listed(self.engines)}"
         yield f"of these within the check's allowance, not to the digit: {counts['blurred']}"
@@ -103,13 +105,14 @@ class Gone:
 
     def lines(self) -> Iterator[str]:
         """The report."""
-        yield f"nests stopped: {self.nests}; " + ", ".join(f"{k} {what}" for what, k in sorted(self.outcomes.items()))
+        outcomes = ", ".join(f"{k} {what}" for what, k in sorted(self.outcomes.items()))
+        yield f"nests stopped: {self.nests}" + (f"; {outcomes}" if outcomes else "")
         yield f"held against every way to go on: {_listed(self.engines)}"
         yield f"disagreements: {self.disagreements}"
 
 
 def _listed(counts: Counter[str]) -> str:
-    return ", ".join(f"{name} {k}" for name, k in sorted(counts.items()))
+    return ", ".join(f"{name} {k}" for name, k in sorted(counts.items())) or "none"
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from kerfwise.tests.agreement.agree import agreement
 from kerfwise.tests.agreement.by_check import Judge
 from kerfwise.tests.agreement.cases import judged_case, kind_of
 from kerfwise.tests.agreement.engines import gecode
+from kerfwise.tests.agreement.many import Gone, Tally
 from kerfwise.tests.agreement.orders import (
     ORDER_RULES,
     admitted_by_check,
@@ -189,3 +190,10 @@ def test_a_rule_told_the_wrong_way_round_is_noticed() -> None:
     check = admitted_by_check(case.facts, profile, "level-ahead")
     assert check == admitted_by_statements(case.facts, profile, "level-ahead")
     assert check != admitted_by_statements(turned, profile, "level-ahead")
+
+
+def test_stopped_before_the_first_nest_no_seeds_are_told() -> None:
+    lines = list(Tally(282).lines())
+    assert lines[:2] == ["nests tried: 0", "solved: 0, proven infeasible: 0, unproven: 0"]
+    assert lines[2].endswith("by the check: none")
+    assert next(Gone(282).lines()) == "nests stopped: 0"
