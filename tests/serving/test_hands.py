@@ -88,9 +88,8 @@ def test_a_drop_into_a_plan_that_another_tab_has_replaced_locks_nothing(look: Lo
     asked: list[Route] = []
     at.drag_row("C.outer", "B.outer")
     at.page.route("**/move?*", lambda route: asked.append(route))
-    at.let_go()
-    while not asked:
-        at.page.wait_for_timeout(15)
+    with at.page.expect_request("**/move?*look=0*"):
+        at.let_go()
     planned.edit({"lock": "B.outer first"})
     planned.solved()
     at.planned(2)
