@@ -61,7 +61,8 @@ Proven is that no order within the zones that have moved is better, with the way
 the processor (s) and memory (MB) are those of the plan with zones and of all that was done to move them. `best without`
 is the best plan known that need not keep to zones: that which a solve finds on its way, or what {without:g} of work a
 contour for searches beside it find, half of it from the plan with zones on, half from nothing. It is not proven, and a
-better one may exist. What `the plan says` is what it tells of its zones, from the shorter look that a solve has.
+better one may exist: with more work shorter ones are found ([the gap without zones](gap.md)). What `the plan says` is
+what it tells of its zones, from the shorter look that a solve has.
 
 ## Zones of so many contours
 
