@@ -67,9 +67,10 @@ def main(
             tally.add(done)
             for line in _told(done, each):
                 click.echo(line)
-    sizes = [made(seed).contours for seed in sorted(tally.seeds)] or [0]
-    seeds = f"seeds {min(tally.seeds, default=first)} to {max(tally.seeds, default=first)}"
-    click.echo(f"nests made: {len(tally.seeds)} ({seeds}, {min(sizes)} to {max(sizes)} contours)")
+    seeds = sorted(tally.seeds)
+    sizes = [made(seed).contours for seed in seeds]
+    which = f" (seeds {seeds[0]} to {seeds[-1]}, {min(sizes)} to {max(sizes)} contours)" if seeds else ""
+    click.echo(f"nests made: {len(seeds)}{which}")
     click.echo("\n".join(tally.lines(names)))
     if save:
         tally.save(save)

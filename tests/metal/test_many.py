@@ -92,6 +92,11 @@ def test_no_finding_is_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
     assert CliRunner().invoke(many.main, ["--nests", "3", "--processes", "1"]).exit_code == 1
 
 
+def test_stopped_before_the_first_plan_no_seeds_are_told() -> None:
+    ran = CliRunner().invoke(many.main, ["--first", "9", "--processes", "1", "--minutes", "0"])
+    assert (ran.exit_code, ran.stdout.splitlines()[0]) == (0, "nests made: 0")
+
+
 def test_a_finding_says_what_and_where() -> None:
     found = Finding("left-uncut", 3, ("A.outer",), (1.0, 2.0), 4.5, "mm", "metal stays for")
     assert str(found) == "left-uncut: cut 3, A.outer at (1.00, 2.00): metal stays for 4.50 mm"
