@@ -22,8 +22,9 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.rebuild import rebuild
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
+from kerfwise.postproc.nc.body import cut_comment
 from kerfwise.postproc.nc.names import program_names
-from kerfwise.postproc.nc.program import cut_comment, head_comments
+from kerfwise.postproc.nc.program import head_comments
 from kerfwise.postproc.old.contours import Told
 from kerfwise.postproc.old.orders import in_turn
 from kerfwise.postproc.old.pieces import TakenApart

@@ -34,7 +34,7 @@ class _Chords:
         self.start_mm: Floats = np.concatenate([[0.0], self.end_mm])[self.first]
         self.square: Floats = np.where(length_mm > 0, length_mm, 1.0) ** 2
         self.last = self.first[1:] - 1
-        self.turn = _turn(points, of, len(lines))
+        self.turn = twice_area(points, of, len(lines))
 
     def beside(self, points: Floats, of: Ints, along_mm: Floats, within_mm: float) -> Bools:
         """Whether points (m, 2) lie within `within_mm` of the chord that is `along_mm` from the start of line `of`."""
@@ -109,7 +109,7 @@ def _along(lines: Any, points: Floats, of: Ints, round_mm: Floats, within_mm: fl
     step_mm[new] = 0.0
     gone_mm = np.cumsum(step_mm)
     gone_mm -= np.repeat(gone_mm[new], np.diff(new, append=len(of)))
-    alike = np.where((_turn(points, of, len(lines)) > 0) == (chords.turn > 0), 1.0, -1.0)
+    alike = np.where((twice_area(points, of, len(lines)) > 0) == (chords.turn > 0), 1.0, -1.0)
     begin_mm = shapely.line_locate_point(lines, shapely.points(points[new]))
     at_mm = begin_mm[of] + alike[of] * gone_mm
     near = chords.beside(points, of, at_mm, within_mm)
@@ -120,8 +120,8 @@ def _along(lines: Any, points: Floats, of: Ints, round_mm: Floats, within_mm: fl
     return near
 
 
-def _turn(points: Floats, of: Ints, count: int) -> Floats:
-    """Twice the area that the points of each line go round, the last joined to the first: positive to the left."""
+def twice_area(points: Floats, of: Ints, count: int) -> Floats:
+    """Twice the area in mm² that the points of each line go round, last joined to first: positive to the left."""
     new = np.flatnonzero(np.diff(of, prepend=-1))
     from_first = points - np.repeat(points[new], np.diff(new, append=len(of)), axis=0)
     x, y = from_first.T

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.rule import Violation
 
+from .followed_contours import surely_beside
 from .program_rules import tolerance_mm
 from .slits import burns_by_contour
 from .torch_run import TorchRun
@@ -79,16 +80,21 @@ def features_lost(
 def _doubtful(cut: Sequence[TorchRun], kerf_mm: float) -> list[TorchRun]:
     """The runs beside which more than of a right angle may be left; coarse chords clear most, finer ones right angles.
 
-    What the chords of a contour, those of its round and those of the round ends may be off is taken from the distance.
+    Chords are followed along first, and areas made of what is left then. What the chords of a contour, those of its
+    round and those of the round ends may be off is taken from the distance.
     """
     half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm)
     most_mm = math.sqrt(2) * half_mm + more_mm
     left = list(cut)
-    for chord_mm in ((most_mm - half_mm) / 8, more_mm / 8):
+    for by_areas, chord_mm in product((False, True), ((most_mm - half_mm) / 8, more_mm / 8)):
         contours = np.array([run.contour.curve.line(chord_mm) for run in left if run.contour is not None], dtype=object)
-        rounds = shapely.simplify(np.array([run.loop for run in left], dtype=object), chord_mm)
-        near = shapely.covers(shapely.buffer(rounds, most_mm - 2 * chord_mm, quad_segs=_FEW), contours)
-        left = [run for run, covered in zip(left, near.tolist(), strict=True) if not covered]
+        rounds = np.array([run.loop for run in left], dtype=object)
+        if by_areas:
+            rounds = shapely.simplify(rounds, chord_mm)
+            near = shapely.covers(shapely.buffer(rounds, most_mm - 2 * chord_mm, quad_segs=_FEW), contours)
+        else:
+            near = surely_beside(contours, rounds, half_mm, most_mm - chord_mm)
+        left = [run for run, cleared in zip(left, near.tolist(), strict=True) if not cleared]
     return left
 
 

@@ -23,8 +23,8 @@ from kerfwise.models.physics.timing.choose import machine_feeds, motion_of
 from kerfwise.models.physics.timing.constant import ConstantFeed
 from kerfwise.models.physics.timing.motion import Motion
 from kerfwise.models.plan.plan import PlannedCut
+from kerfwise.postproc.nc.body import count_blocks
 from kerfwise.postproc.nc.plan_paths import Toolpath
-from kerfwise.postproc.nc.program import count_blocks
 from kerfwise.postproc.nc.toolpath import torch_path, unlit_on
 from kerfwise.rules.profile.profile import Profile
 

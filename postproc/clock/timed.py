@@ -22,8 +22,8 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
 from kerfwise.postproc.check.reader.program import NcProgram, at_holes
+from kerfwise.postproc.nc.body import blocks_of_plan
 from kerfwise.postproc.nc.plan_paths import outside, toolpaths
-from kerfwise.postproc.nc.program import count_blocks
 from kerfwise.rules.profile.profile import Profile
 
 
@@ -56,7 +56,7 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
         If the plan was made from another nest.
     """
     paths = toolpaths(plan, nest, profile)
-    profile = profile.at_origin(plan.origin)
+    profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     home = profile.home_on(nest)
     runs, at, pierced = [], home, plan.sequence().pierced
     for order, made in enumerate(paths, plan.resumed_after + 1):
@@ -78,7 +78,7 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
             )
         )
         at = _end(made.path)
-    return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile, plan.pierces))
+    return Job(tuple(runs), (math.dist(at, home),), blocks_of_plan(plan, nest, profile, paths))
 
 
 def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None, kerf_starts: bool = False) -> Job:

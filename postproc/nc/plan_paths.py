@@ -61,7 +61,7 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         If the plan was made from another nest.
     """
     nest = profile.as_cut(nest)
-    _same_nest(plan, nest)
+    expect_same_nest(plan, nest)
     first = [planned for planned in plan.cuts if planned.cut.torch == 1]
     others: dict[str, list[PlannedCut]] = {}
     for planned in plan.cuts:
@@ -88,7 +88,14 @@ def outside(nest: Nest, points: list[Point]) -> list[bool]:
     return [not bool(i) for i in inside]
 
 
-def _same_nest(plan: Plan, nest: Nest) -> None:
+def expect_same_nest(plan: Plan, nest: Nest) -> None:
+    """Refuse a plan that was made from another nest.
+
+    Raises
+    ------
+    InputError
+        With both sums of bytes, or the contours that the nest does not have.
+    """
     sha = plan.nest.get("sha256", "")
     if sha and nest.sha256 and sha != nest.sha256:
         raise InputError(

@@ -19,8 +19,8 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect
 from kerfwise.postproc.nc.blocks import comment, numbered
+from kerfwise.postproc.nc.body import program_number
 from kerfwise.postproc.nc.pen import Pen, pieces_of_arc
-from kerfwise.postproc.nc.program import program_number
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.dialect_kind import ENDINGS
 from kerfwise.rules.profile.profile import Profile

@@ -1,0 +1,180 @@
+"""Whether a torch's round surely runs beside all of its contour, told for many at once: every chord is followed along.
+
+Each chord of a contour is held against the stretch of the round that should run beside it. What this does not show is
+left to areas.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.ranges import laid_out
+
+from .followed_rings import ROUNDING_MM, twice_area
+
+AT_ONCE = 1024
+"""Contours that are looked at together: more would take memory, and no less time."""
+_FROM_CHORD = (0, -1, 1)
+"""The chord of a round where a point of it is looked for, and those before and behind it."""
+_PAIRS = 4
+"""Where stretches hold so many times more points than there are points, a round goes to and fro: nothing is known."""
+
+
+def surely_beside(contours: Any, rounds: Any, beside_mm: float, within_mm: float) -> Bools:
+    """Whether every point of each closed contour lies within `within_mm` of the closed line that goes round with it.
+
+    True is proven; False says that it is not known. The round should run `beside_mm` beside the contour.
+
+    Examples
+    --------
+    >>> square, other = (shapely.LinearRing([(0, 0), (9, 0), (9, 9), (0, y)]) for y in (9, 6))
+    >>> one, two = (shapely.buffer(shapely.Polygon(ring), 1).exterior for ring in (square, other))
+    >>> surely_beside([square, square], [one, two], 1.0, 1.1).tolist()
+    [True, False]
+    """
+    lines, others = np.array(contours, dtype=object), np.array(rounds, dtype=object)
+    found = np.zeros(len(lines), dtype=bool)
+    drawn = np.flatnonzero((shapely.length(lines) > 0) & (shapely.length(others) > 0))
+    for begin in range(0, len(drawn), AT_ONCE):
+        some = drawn[begin : begin + AT_ONCE]
+        found[some] = _beside(lines[some], others[some], beside_mm, within_mm)
+    return found
+
+
+def _beside(contours: Any, rounds: Any, beside_mm: float, within_mm: float) -> Bools:
+    """A chord lies within the greater distance of its ends from two points of a round, and what that strays between.
+
+    Points of the chord, and of the line between those two points, that are as far along are no further apart than the
+    ends are. The round goes from one of the two to the other, so that beside each point of the line between them it has
+    one that is no further off than its corners are at most. Which two points these are does not matter for that.
+    """
+    chords, way = _Chords(contours), _Way(rounds)
+    sides = np.where((np.abs(way.turn) > np.abs(chords.turn)) == (chords.turn > 0), -1.0, 1.0)[chords.of]
+    aside = chords.left * (beside_mm * sides)[:, None]
+    first = chords.first[:-1]
+    start_mm = shapely.line_locate_point(rounds, shapely.points((chords.begin + aside)[first]))
+    alike = np.where((way.turn > 0) == (chords.turn > 0), 1.0, -1.0)
+    far_mm, at_mm, feet = [], [], []
+    for ends, gone_mm in zip((chords.begin, chords.end), chords.gone_mm(beside_mm, sides), strict=True):
+        foot, foot_mm = way.nearest(ends + aside, start_mm[chords.of] + alike[chords.of] * gone_mm, chords.of)
+        far_mm.append(np.hypot(*(ends - foot).T))
+        at_mm.append(foot_mm)
+        feet.append(foot)
+    off_mm = np.maximum(*far_mm) + way.astray_mm(*at_mm, *feet, chords.of) + way.open_mm[chords.of]
+    near = np.diff(chords.first) > 0
+    near[chords.of[~(off_mm <= within_mm - ROUNDING_MM)]] = False
+    return near
+
+
+class _Chords:
+    """The chords of closed lines one behind the other, the directions to their left, and how each line turns."""
+
+    def __init__(self, lines: Any) -> None:
+        points, of = shapely.get_coordinates(lines, return_index=True)
+        within = np.flatnonzero((of[1:] == of[:-1]) & (points[1:] != points[:-1]).any(axis=1))
+        self.begin, self.end, self.of = points[within], points[within + 1], of[within]
+        self.first: Ints = np.searchsorted(self.of, np.arange(len(lines) + 1))
+        self.turn = twice_area(points, of, len(lines))
+        ways = self.end - self.begin
+        self.length_mm: Floats = np.hypot(*ways.T)
+        self.left: Floats = np.stack([-ways[:, 1], ways[:, 0]], axis=1) / self.length_mm[:, None]
+
+    def gone_mm(self, beside_mm: float, sides: Floats) -> tuple[Floats, Floats]:
+        """How far a line beside these, to the left where `sides` is 1, has gone at each chord's begin, and at its end.
+
+        It rounds the corners that bend away from it, and is the shorter for the others.
+        """
+        before = np.arange(len(self.of)) - 1
+        before[self.first[:-1]] = self.first[1:] - 1
+        one, other = self.left[before], self.left
+        bend = np.arctan2(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], (one * other).sum(axis=1)) * sides
+        trimmed_mm = beside_mm * np.tan(np.clip(bend, 0.0, 3.0) / 2)
+        after = np.append(trimmed_mm[1:], 0.0)
+        after[self.first[1:] - 1] = trimmed_mm[self.first[:-1]]
+        rounded_mm = beside_mm * np.maximum(-bend, 0.0)
+        rounded_mm[self.first[:-1]] = 0.0
+        ends_mm = np.cumsum(self.length_mm - trimmed_mm - after + rounded_mm)
+        ends_mm -= np.repeat(np.append(0.0, ends_mm)[self.first[:-1]], np.diff(self.first))
+        return ends_mm - (self.length_mm - trimmed_mm - after), ends_mm
+
+
+class _Way:
+    """The points of closed lines one behind the other, how far along all of them each lies, and how each line turns.
+
+    `open_mm` is how far the ends of each line are apart.
+    """
+
+    def __init__(self, lines: Any) -> None:
+        self.at, of = shapely.get_coordinates(lines, return_index=True)
+        step_mm = np.hypot(*np.diff(self.at, axis=0, prepend=self.at[:1]).T)
+        first = np.searchsorted(of, np.arange(len(lines) + 1))
+        step_mm[first[:-1]] = 0.0
+        self.along_mm = np.cumsum(step_mm)
+        self.first, self.last = first[:-1], first[1:] - 1
+        self.begin_mm = self.along_mm[self.first]
+        self.round_mm = self.along_mm[self.last] - self.begin_mm
+        self.open_mm: Floats = np.hypot(*(self.at[self.last] - self.at[self.first]).T)
+        self.turn = twice_area(self.at, of, len(lines))
+
+    def nearest(self, points: Floats, near_mm: Floats, of: Ints) -> tuple[Floats, Floats]:
+        """The nearest points (m, 2) of lines `of` beside some place, and how far along their line they lie."""
+        chord = self._behind(near_mm % np.maximum(self.round_mm[of], ROUNDING_MM), of)
+        best_mm2 = np.full(len(of), np.inf)
+        feet, at_mm = points.copy(), np.zeros(len(of))
+        for further in _FROM_CHORD:
+            k = np.clip(chord + further, self.first[of] + 1, self.last[of])
+            begin, way = self.at[k - 1], self.at[k] - self.at[k - 1]
+            square = (way * way).sum(axis=1)
+            share = np.clip(((points - begin) * way).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
+            foot = begin + share[:, None] * way
+            off_mm2 = ((points - foot) ** 2).sum(axis=1)
+            better = off_mm2 < best_mm2
+            best_mm2[better], feet[better] = off_mm2[better], foot[better]
+            at_mm[better] = (self.along_mm[k - 1] - self.begin_mm[of] + share * np.sqrt(square))[better]
+        return feet, at_mm
+
+    def _behind(self, at_mm: Floats, of: Ints) -> Ints:
+        """The first point of a line that lies further along it."""
+        return np.searchsorted(self.along_mm, self.begin_mm[of] + at_mm, side="right")
+
+    def astray_mm(self, one_mm: Floats, other_mm: Floats, begin: Floats, end: Floats, of: Ints) -> Floats:
+        """How far lines stray from the straight ones between two of their points each, the shorter way round.
+
+        `begin` and `end` are these points (m, 2); infinite where there would be too much to compare.
+        """
+        low_mm, high_mm = np.minimum(one_mm, other_mm), np.maximum(one_mm, other_mm)
+        low, high = self._behind(low_mm - ROUNDING_MM, of), self._behind(high_mm + ROUNDING_MM, of)
+        low, high = np.maximum(low, self.first[of]), np.minimum(high, self.last[of] + 1)
+        around = 2 * (high_mm - low_mm) > self.round_mm[of]
+        # the shorter way goes from the first point to the lower one, and from the higher one to the last
+        over = self._behind(low_mm + ROUNDING_MM, of), self._behind(high_mm - ROUNDING_MM, of)
+        ranges = [
+            (np.where(around, self.first[of], low), np.where(around, np.minimum(over[0], high), high)),
+            (np.where(around, np.maximum(over[1], self.first[of]), high), np.where(around, self.last[of] + 1, high)),
+        ]
+        counts = [np.maximum(until - since, 0) for since, until in ranges]
+        whole = np.bincount(of, weights=counts[0] + counts[1], minlength=len(self.first))
+        points = self.last - self.first + np.bincount(of, minlength=len(self.first))
+        known = whole[of] <= _PAIRS * points[of]
+        astray_mm = np.where(known, 0.0, np.inf)
+        for (since, _), count in zip(ranges, counts, strict=True):
+            count = np.where(known, count, 0)
+            row = np.repeat(np.arange(len(of)), count)
+            if len(row):
+                off_mm = _from_line_mm(self.at[laid_out(since, count)], begin[row], end[row])
+                some = np.flatnonzero(count)
+                most_mm = np.maximum.reduceat(off_mm, (np.cumsum(count) - count)[some])
+                astray_mm[some] = np.maximum(astray_mm[some], most_mm)
+        return astray_mm
+
+
+def _from_line_mm(points: Floats, begin: Floats, end: Floats) -> Floats:
+    """How far points are from straight lines."""
+    way, off = end - begin, points - begin
+    square = (way * way).sum(axis=1)
+    share = np.clip((off * way).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)[:, None]
+    return np.asarray(np.hypot(*(off - share * way).T))

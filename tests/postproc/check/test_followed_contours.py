@@ -1,0 +1,86 @@
+"""That a round runs beside its contour is told of many at once only where buffers made by shapely show it too."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.postproc.check import followed_contours
+from kerfwise.postproc.check.followed_contours import surely_beside
+
+from .test_followed_rings import ring
+
+HALF_MM = 0.75
+REACH_MM = math.sqrt(2) * HALF_MM + 0.05
+STRETCHED_MM = 1e-6
+
+
+def round_of(chance: Random, contour: Any, off_mm: float) -> Any:
+    """A torch's round beside a contour, outside or inside, from anywhere on; a point may be off, or a piece missing."""
+    area = shapely.Polygon(contour)
+    made = shapely.buffer(area, chance.choice([-1, 1]) * HALF_MM, quad_segs=chance.choice([4, 16]))
+    parts = [part for part in shapely.get_parts(made) if part.area > 0]
+    if not parts:
+        return contour
+    points = shapely.get_coordinates(max(parts, key=lambda part: part.area).exterior)[:-1]
+    points = np.roll(points, -chance.randrange(len(points)), axis=0)[:: chance.choice([1, -1])]
+    points[chance.randrange(len(points))] += off_mm * np.array([math.cos(len(points)), math.sin(len(points))])
+    if off_mm and chance.random() < 0.3:
+        points = np.delete(points, chance.randrange(len(points)), axis=0)
+    closed = chance.random() < 0.8
+    return shapely.LineString(np.concatenate([points, points[:1]]) if closed else points)
+
+
+def beside(contour: Any, around: Any) -> bool:
+    """Whether a round passes all points of a contour, densely taken."""
+    points = shapely.points(shapely.get_coordinates(shapely.segmentize(contour, 0.02)))
+    return bool((shapely.distance(around, points) <= REACH_MM + STRETCHED_MM).all())
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(0, 10**6), st.integers(3, 30), st.sampled_from([0.0, 0.2, 0.5, 3.0]))
+def test_what_is_said_to_be_beside_is(seed: int, corners: int, off_mm: float) -> None:
+    chance = Random(seed)
+    contours = [ring(chance, corners) for _ in range(4)]
+    rounds = [round_of(chance, contour, off_mm) for contour in contours]
+    for told, contour, around in zip(surely_beside(contours, rounds, HALF_MM, REACH_MM), contours, rounds, strict=True):
+        assert not told or beside(contour, around)
+
+
+@pytest.mark.parametrize("outside", [True, False])
+@pytest.mark.parametrize("kerf_mm", [0.2, 1.5, 6.0])
+def test_ordinary_contours_are_told_of(outside: bool, kerf_mm: float) -> None:
+    shapes = [
+        shapely.box(0, 0, 90, 40),
+        shapely.Point(0, 0).buffer(30, quad_segs=40),
+        shapely.union(shapely.box(0, 0, 60, 25), shapely.box(0, 0, 25, 80)),
+        shapely.box(0, 0, 70, 50).buffer(12, quad_segs=20),
+    ]
+    half_mm = kerf_mm / 2
+    rounds = [shapely.buffer(area, half_mm if outside else -half_mm).exterior for area in shapes]
+    contours = [area.exterior for area in shapes]
+    for turned in (contours, [contour.reverse() for contour in contours]):
+        assert surely_beside(turned, rounds, half_mm, math.sqrt(2) * half_mm + 0.05).all()
+    assert not surely_beside(contours, rounds, half_mm, 0.95 * half_mm).any()
+
+
+def test_some_at_a_time_tell_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    chance = Random(3)
+    contours = [ring(chance, 12) for _ in range(9)]
+    rounds = [round_of(chance, contour, chance.choice([0.0, 3.0])) for contour in contours]
+    told = surely_beside(contours, rounds, HALF_MM, REACH_MM).tolist()
+    monkeypatch.setattr(followed_contours, "AT_ONCE", 2)
+    assert surely_beside(contours, rounds, HALF_MM, REACH_MM).tolist() == told
+
+
+def test_what_goes_nowhere_is_not_told_of() -> None:
+    dot, square = shapely.LineString([(1, 1), (1, 1)]), shapely.box(0, 0, 9, 9).exterior
+    assert surely_beside([dot, square, dot], [square, dot, dot], HALF_MM, REACH_MM).tolist() == [False] * 3
+    assert surely_beside([], [], HALF_MM, REACH_MM).tolist() == []
