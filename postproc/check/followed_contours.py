@@ -64,7 +64,8 @@ def _beside(contours: Any, rounds: Any, beside_mm: float, within_mm: float) -> B
         far_mm.append(np.hypot(*(ends - foot).T))
         at_mm.append(foot_mm)
         feet.append(foot)
-    off_mm = np.maximum(*far_mm) + way.astray_mm(*at_mm, *feet, chords.of) + way.open_mm[chords.of]
+    strays_mm = way.astray_mm(at_mm[0], at_mm[1], feet[0], feet[1], chords.of)
+    off_mm = np.maximum(far_mm[0], far_mm[1]) + strays_mm + way.open_mm[chords.of]
     near = np.diff(chords.first) > 0
     near[chords.of[~(off_mm <= within_mm - ROUNDING_MM)]] = False
     return near
