@@ -12,7 +12,7 @@ import click
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.shown import shown
-from kerfwise.jobs.given import Given, drawn_nest, plant_of, reading, tabs_not_left
+from kerfwise.jobs.given import Given, common_cuts_not_made, drawn_nest, plant_of, reading, tabs_not_left
 from kerfwise.jobs.nest_job.beside import job_beside
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.made_of import files_of
@@ -157,7 +157,7 @@ def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *othe
 
 
 def note_placing(given: Given) -> None:
-    """Say on standard error what a planner would want to know: where the sheet lies, what the chart lacks, no links."""
+    """Say on standard error what a planner would want to know: where the sheet lies, which cuts are not made."""
     from kerfwise.rules.profile.placing import placing_notes
 
     for text in placing_notes(given.nest, given.profile):
@@ -166,3 +166,5 @@ def note_placing(given: Given) -> None:
         tell_note(text)
     if given.profile.cuts.links.longest_mm > 0 and (why := given.profile.no_links(given.nest)):
         click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)
+    if told := common_cuts_not_made(given):
+        tell_note(told)

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.explain import Along, Explanation, Setting, expect_planned, explained, make_setting
+from kerfwise.models.plan.explain import (
+    Along,
+    Explanation,
+    Setting,
+    expect_planned,
+    explained,
+    made_with_another,
+    make_setting,
+)
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.stating.state_rules import state_rules
 
@@ -35,14 +46,16 @@ class Explainer:
     Raises
     ------
     InputError
-        If a lock of the profile names what the nest does not have, or a contour cannot be cut.
+        If a lock of the profile names what the nest does not have, or a contour cannot be cut; if the plan was made
+        with another profile and this one's rules cannot all hold.
     """
 
     def __init__(self, given: Given, plan: Plan, facts: Facts | None = None) -> None:
         profile = again_first(given.profile.at_origin(plan.origin), plan.already)
-        facts = facts or _by_its_zones(facts_of(given.nest, profile, plan.already), plan)
         state = state_relaxed if any(dropped.relaxed for dropped in plan.dropped) else state_rules
-        stated = state(facts, profile)
+        with _by_its_profile(plan, given):
+            facts = facts or _by_its_zones(facts_of(given.nest, profile, plan.already), plan)
+            stated = state(facts, profile)
         if profile.objective.heat:
             stated = with_heat_prices(facts, profile, stated)
         self.facts, self.profile, self.stated, self.plan = facts, profile, stated, of_first_torch(plan)
@@ -74,6 +87,18 @@ class Explainer:
         expect_of_first(self.whole_plan, contour)
         expect_planned(self.facts, self.plan, contour)
         return explained(self.setting, self.plan, contour, self._along)
+
+
+@contextmanager
+def _by_its_profile(plan: Plan, given: Given) -> Iterator[None]:
+    """What a profile has against the nest is told with the profile of the plan, where that is another one."""
+    try:
+        yield
+    except (InputError, RulesConflict) as error:
+        if not (told := made_with_another(plan, given.profile)):
+            raise
+        details = error.details if isinstance(error, InputError) else error.reasons
+        raise InputError(f"{told}; by this one it cannot be explained: {error.message}", details=details) from error
 
 
 def _by_its_zones(facts: Facts, plan: Plan) -> Facts:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
@@ -27,6 +28,8 @@ ProfileLike = Profile | str | Path
 """A profile, the name of a shipped one, or the path of its file."""
 Tell = Callable[[str], None]
 """Called with a sentence that the user should read while a job runs."""
+MOST_NAMED = 8
+"""So many contours are named in a sentence."""
 
 
 def silent(text: str) -> None:
@@ -109,6 +112,26 @@ def tabs_not_left(nest: Nest, plant: Profile) -> str:
     return (
         f"the nest draws tabs ({shown}), and the profile's rule that leaves tabs is off: they are cut; "
         "`kerfwise rules` says which rule it is"
+    )
+
+
+def common_cuts_not_made(given: Given) -> str:
+    """Which parts are cut all round because tabs hold some of their group, in a sentence; "" where none are."""
+    edges, tabs = given.profile.common_options(), given.profile.tabs()
+    if edges is None or tabs is None:
+        return ""
+    from kerfwise.encoder.candidates.common_ways import whole_for_tabs
+
+    try:
+        whole, held = whole_for_tabs(given.nest, given.profile.material.kerf_mm, edges, tabs)
+    except InputError:  # such a contour is told of when its candidates are made
+        return ""
+    if not whole:
+        return ""
+    return (
+        f"cuts.common: no common cuts for {listed(whole, MOST_NAMED)}: tabs hold {listed(held, MOST_NAMED)}, and parts "
+        "that hang together by common edges are all cut all round where tabs hold one of them; without tabs on these "
+        "their edges are cut once"
     )
 
 

@@ -12,6 +12,7 @@ from kerfwise.encoder.cut import Direction, Span
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.tabs import TabOptions
 from kerfwise.encoder.tolerance import tolerance_mm
 
 from .candidate import Candidate, CommonOptions, LeadOptions
@@ -42,15 +43,12 @@ def common_ways(
     if asked is None:
         return CommonEdges({}), []
     held = {*held_before, *(() if options.tab_places is None else options.tab_places.wanted)}
-    edges = common_edges(nest, sorted({*left, *gone}), options.kerf_mm, asked, held)
-
-    def sets(number: int, out: Collection[int]) -> list[tuple[frozenset[int], Run]]:
-        ring = compensated(nest.contours[number], options.kerf_mm)
-        return list(states(ring, edges.of[number], options.kerf_mm, edges.junctions[number], out))
-
-    found = {number: sets(number, ()) for number in edges.of}
-    edges = _that_have_an_order(nest, edges, found)
-    found |= {k: sets(k, out) for k, beside in edges.of.items() if (out := beside.keys() & set(gone))}
+    edges, found = _cut_once(nest, sorted({*left, *gone}), options.kerf_mm, asked, held)
+    found |= {
+        k: _sets(nest, edges, k, options.kerf_mm, out)
+        for k, beside in edges.of.items()
+        if (out := beside.keys() & set(gone))
+    }
     ways = [
         way
         for number in edges.of
@@ -59,6 +57,40 @@ def common_ways(
         for way in _ways(nest, number, out, edges, run, options, asked)
     ]
     return edges, ways
+
+
+def whole_for_tabs(nest: Nest, kerf_mm: float, asked: CommonOptions, tabs: TabOptions) -> tuple[list[str], list[str]]:
+    """Ids of the contours that have common edges but for tabs, and of those among them that tabs hold.
+
+    Raises
+    ------
+    InputError
+        If the kerf leaves nothing of a contour to cut.
+    """
+    numbers = [nest.index[part.outer.id] for part in nest.parts]
+    held = {k for k, part in zip(numbers, nest.parts, strict=True) if tabs.reason(part) is not None}
+    if not held:
+        return [], []
+    free = _cut_once(nest, numbers, kerf_mm, asked, ())[0].of.keys()
+    lost = sorted(free - _cut_once(nest, numbers, kerf_mm, asked, held)[0].of.keys()) if free & held else []
+    return [nest.contours[k].id for k in lost], [nest.contours[k].id for k in lost if k in held]
+
+
+Sets = list[tuple[frozenset[int], Run]]
+
+
+def _cut_once(
+    nest: Nest, numbers: Sequence[int], kerf_mm: float, asked: CommonOptions, held: Collection[int]
+) -> tuple[CommonEdges, dict[int, Sets]]:
+    """The common edges of these contours, but for those `held`; and the sets of neighbours that leave one stretch."""
+    edges = common_edges(nest, numbers, kerf_mm, asked, held)
+    found = {number: _sets(nest, edges, number, kerf_mm, ()) for number in edges.of}
+    return _that_have_an_order(nest, edges, found), found
+
+
+def _sets(nest: Nest, edges: CommonEdges, number: int, kerf_mm: float, out: Collection[int]) -> Sets:
+    ring = compensated(nest.contours[number], kerf_mm)
+    return list(states(ring, edges.of[number], kerf_mm, edges.junctions[number], out))
 
 
 def _that_have_an_order(

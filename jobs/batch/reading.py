@@ -10,7 +10,7 @@ from pathlib import Path
 from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
-from kerfwise.jobs.given import Given, Tell, drawn_nest, plant_of, tabs_not_left
+from kerfwise.jobs.given import Given, Tell, common_cuts_not_made, drawn_nest, plant_of, tabs_not_left
 from kerfwise.jobs.nest_job.asked import Asked, job_for, locked_for, profile_for
 from kerfwise.rules.profile.placing import placing_notes
 from kerfwise.rules.profile.profile import Profile
@@ -62,3 +62,5 @@ def _notes(drawn: Nest, given: Given) -> Iterator[str]:
         yield f"warning: {cut_all_the_same}"
     yield from (f"warning: {text}" for text in placing_notes(given.nest, given.profile))
     yield from (f"note: {text}" for text in (*given.profile.chart_notes(), *given.profile.price_notes()))
+    if told := common_cuts_not_made(given):
+        yield f"note: {told}"

@@ -62,6 +62,48 @@ def test_explain_says_where_a_cut_begins(folder: Path) -> None:
     assert "begun in a neighbour's kerf at (" in told.out
 
 
+def test_explain_by_another_profile_names_that_of_the_plan(folder: Path) -> None:
+    solve("--plan", "plan.json")
+    told = kerfwise("explain", "nest.json", "plan.json", "A.outer")
+    assert (told.code, told.out) == (2, "")
+    sha256 = json.loads((folder / "plan.json").read_text(encoding="utf-8"))["profile"]["sha256"]
+    assert (
+        "nest.json: the profile is not the one the plan was made with (its sha256 differs): this is "
+        f"'plasma-carbon-steel', that was 'plant', whose sha256 begins {sha256[:12]}: give it with -p (in Python "
+        "profile=); by this one it cannot be explained: "
+    ) in told.err
+    assert "A.outer and B.outer" in told.err
+
+
+TABS = "rules: {hold-small-parts: {strength: hard, tabs: nest}}\n"
+
+
+@pytest.mark.parametrize("tabbed", [True, False])
+def test_groups_that_tabs_hold_are_named(folder: Path, tabbed: bool) -> None:
+    nest = nest_of(0.2)
+    nest["sheet"]["width"] = 400
+    nest["parts"] += [{"id": name, "outer": rect(x, 40, 60, 60)} for name, x in (("E", 250), ("F", 310.2))]
+    if tabbed:
+        nest["parts"][1]["tabs"] = [{"at": [130.2, 40]}]
+    (folder / "nest.json").write_text(json.dumps(nest), encoding="utf-8")
+    (folder / "plant.yaml").write_text(LASER + TABS, encoding="utf-8")
+    told = solve("--plan", "plan.json")
+    assert told.code == 0, told.err
+    notes = [line for line in told.err.splitlines() if line.startswith("note: cuts.common")]
+    along_edges = {row["contour"][0] for row in rows(folder) if "span" in row}
+    assert bool(along_edges & set("ABCD")) != tabbed
+    assert along_edges & set("EF")
+    assert notes == (
+        [
+            "note: cuts.common: no common cuts for A.outer, B.outer, C.outer, D.outer: tabs hold B.outer, and parts that "
+            "hang together by common edges are all cut all round where tabs hold one of them; without tabs on these "
+            "their edges are cut once"
+        ]
+        if tabbed
+        else []
+    )
+
+
 def test_a_program_pierces_as_often_as_its_plan_by_the_clock(folder: Path) -> None:
     """Where cuts begin in older kerfs nothing is pierced, and no consumables are worn."""
     solve("--plan", "plan.json", "-o", "out.nc")

@@ -47,7 +47,8 @@ def test_explain_says_why(plan: Path) -> None:
 def test_explain_warns_of_another_profile(plan: Path) -> None:
     told = kerfwise("explain", NEST, plan, "part#1.outer", "-p", "laser-amg3m-1mm")
     assert told.code == 0
-    assert "note: the profile is not the one the plan was made with (its sha256 differs)\n" in told.out
+    says = "note: the profile is not the one the plan was made with (its sha256 differs): this is 'laser-amg3m-1mm', "
+    assert f"{says}that was 'plasma-carbon-steel', whose sha256 begins " in told.out
 
 
 def test_explain_of_an_unknown_contour(plan: Path) -> None:

@@ -28,6 +28,8 @@ from kerfwise.rules.stating.state_rules import Stated
 NEAR_MM = 1e-3
 """A cut is a candidate's if it is pierced this near to it, the same way round."""
 
+_SHA_DIGITS = 12
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Setting:
@@ -77,12 +79,10 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     _same_contours(facts, plan)
     problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
     notes: list[str] = []
-    for what, stands, now in (
-        ("nest", plan.nest, facts.nest.sha256),
-        ("profile", plan.profile, profile.sha256),
-    ):
-        if stands.get("sha256") != now:
-            notes.append(f"the {what} is not the one the plan was made with (its sha256 differs)")
+    if plan.nest.get("sha256") != facts.nest.sha256:
+        notes.append("the nest is not the one the plan was made with (its sha256 differs)")
+    if told := made_with_another(plan, profile):
+        notes.append(told)
     notes += changed_since(plan.made_with, profile.for_one_nest)
     candidates = [_candidate_of(facts, problem, planned.cut, notes) for planned in plan.cuts]
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
@@ -105,6 +105,18 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
         tuple(dict.fromkeys(s.about.rule for s in kinds.crossing if s.weight is None)),
         tuple(notes),
     )
+
+
+def made_with_another(plan: Plan, profile: Profile) -> str:
+    """That a plan was made with another profile than this, with which, and what to do; "" where it was not."""
+    own, sha256 = plan.profile.get("name", ""), plan.profile.get("sha256", "")
+    if sha256 == profile.sha256:
+        return ""
+    told = f"the profile is not the one the plan was made with (its sha256 differs): this is '{profile.name}', "
+    if not own:
+        return f"{told}the plan does not say which that was"
+    begins = f", whose sha256 begins {sha256[:_SHA_DIGITS]}" if sha256 else ""
+    return f"{told}that was '{own}'{begins}: give it with -p (in Python profile=)"
 
 
 def _same_contours(facts: Facts, plan: Plan) -> None:
