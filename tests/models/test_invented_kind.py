@@ -27,6 +27,9 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.models.plan.conflict import conflict, order_model
 from kerfwise.models.plan.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
+from kerfwise.models.plan.conflict.orders import orders_of
+from kerfwise.models.plan.conflict.suspects import suspects
+from kerfwise.models.plan.conflict.whole_order import Way
 from kerfwise.models.plan.excused import excused
 from kerfwise.models.plan.explain import setting as explain_setting
 from kerfwise.models.plan.explain.along import Along
@@ -137,6 +140,9 @@ REFUSES: dict[str, list[Refuses]] = {
         lambda _: order_model._loose([GROUP]),
         ask_order_model,
     ],
+    "models/plan/conflict/orders.py": [lambda _: orders_of(FACTS, [GROUP])],
+    "models/plan/conflict/suspects.py": [lambda _: suspects(FACTS, [GROUP])],
+    "models/plan/conflict/whole_order.py": [lambda _: Way(range(PARTS), []).keeps(INVENTED)],
     "models/plan/explain/along.py": [lambda _: Along(setting())],
     "models/plan/explain/heat_prices.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
     "models/plan/explain/holding.py": [lambda _: others(setting(), 0)],

@@ -20,13 +20,16 @@ from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import About, Statement
 from kerfwise.rules.stating.state_rules import resolve
 
-from .relax import LAST, soften
+from .relax import soften
+from .suspects import LAST
 from .whole import Engines
 
 MOST_SETS, MOST_PLANS = 20_000, 60
 """How many sets are looked through, and how many plans are made; past them the best found so far is taken."""
+MOST_CONTOURS = 200
+"""Of a nest with more, ways out are not compared: getting ready for each plan would take longer than the rest."""
 WORK = 2.0
-"""Work for one plan."""
+"""Work for one plan, or half of what is left, so that at least two can be compared."""
 SHARE, MOVES = 0.25, 0.2
 """Where seconds are counted, share of them for one plan at the most; share of that for looking at moves over parts that
 are out."""
@@ -45,8 +48,8 @@ def cheapest(
     """
     ways, whole = _sets(found, clashes)
     sets = [given for given in ways if set(given) != set(found)]
-    if not sets:
-        return tuple(found), whole
+    if not sets or engines.facts.n > MOST_CONTOURS:
+        return tuple(found), whole and not sets
     budget, began = engines.budget, engines.budget.left
     best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
     took = began - budget.left
@@ -92,6 +95,7 @@ def _cost(
     no price where looking at them takes longer, or had none in an `earlier` problem.
     """
     budget = engines.budget
+    work = min(WORK, 0.5 * max(budget.left, 0.0))
     most_s = min(WORK, SHARE * max(budget.left, 0.0))
     until = budget.left - MOVES * most_s
     try:
@@ -106,7 +110,7 @@ def _cost(
         )
     except RulesConflict:
         return None, None
-    options = SolveOptions(work=WORK, time_s=most_s if budget.timed else None)
+    options = SolveOptions(work=work, time_s=most_s if budget.timed else None)
     known = run_portfolio(simplify(problem), options, Watch(options))
     budget.spend(known.work)
     return None if known.incumbent is None else known.incumbent.cost, problem

@@ -23,9 +23,11 @@ from kerfwise.rules.stating.state_rules import (
     resolve,
 )
 
+from .at_once import opposites
 from .cheapest import cheapest
 from .core import Core, find_core
 from .group import Group, hard_groups, moves_or_seconds, on_order
+from .orders import orders_of
 from .relax import find_relaxation, may_give_way, soften
 from .solver import DEFAULT_WORK, NotAnswered
 from .whole import Engines, find_whole_core
@@ -201,7 +203,8 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
         left = soften(statements, out)
         try:
             groups = hard_groups(_asked(facts, profile, left))
-            found = find_relaxation(groups, book, finder.core, finder.budget)
+            known = opposites(orders_of(facts, groups))
+            found = find_relaxation(groups, book, finder.core, finder.budget, known)
         except NotAnswered:
             if finder.trusting and more:  # what was found so far may do, or nothing was left to ask
                 return tuple(out)

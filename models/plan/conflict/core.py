@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.budget import Budget
 
+from .at_once import clash_of_orders, exactly
 from .group import Group
 from .order_model import clash, clash_at_once
+from .orders import orders_of
+from .shrinking import shrink, without_rules
 from .solver import DEFAULT_WORK, NotAnswered
-
-Clash = Callable[[Sequence[Group]], list[int] | None]
-"""Numbers of groups that cannot all hold, None if all can; raises NotAnswered where neither is shown."""
+from .suspects import suspects
+from .whole_order import whole_order
 
 
 @dataclass(frozen=True, slots=True)
 class Core:
-    """Groups that contradict each other; `minimal` unless a question about them was too hard to answer."""
+    """Groups that contradict each other; `minimal` unless a question about them was too hard to answer.
+
+    With `by_orders` what they say of the order was enough to see it, and no solver was asked.
+    """
 
     groups: tuple[Group, ...]
     minimal: bool
+    by_orders: bool = False
 
 
 def find_core(
@@ -30,9 +36,10 @@ def find_core(
 ) -> Core | None:
     """A minimal contradiction among the groups; None if there is none.
 
-    Whole rules are left out first, then halves, quarters, …, and at last single groups, those of rules that give way
-    first (`gives_way`, the highest first): as far as answers come at once, and then with all the work they need. Every
-    question is about the contours of the groups in it only, so that it soon is a small one.
+    Orders that contradict each other are seen without a solver and without work, and so is, mostly, that all can hold.
+    Else whole rules are left out first, then halves, quarters, …, and at last single groups, those of rules that give
+    way first (`gives_way`, the highest first): as far as answers come at once, and then with all the work they need.
+    Every question is about the contours of the groups in it only, so that it soon is a small one.
 
     Raises
     ------
@@ -40,7 +47,14 @@ def find_core(
         If it was not shown whether all can hold.
     """
     budget = budget or Budget(DEFAULT_WORK)
+    said = orders_of(facts, groups)
+    if of_orders := clash_of_orders(facts.n, groups, said, gives_way):
+        return _of_orders(facts, groups, of_orders, budget)
+    if whole_order(facts, groups, said) is not None:
+        return None
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
+    if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], budget):
+        return in_order(groups, *locked)
     at_once = partial(clash_at_once, facts, budget=budget)
     try:
         if at_once(ranked) is None:
@@ -62,43 +76,21 @@ def find_core(
     return in_order(groups, core, minimal)
 
 
-def without_rules(core: list[Group], gives_way: Mapping[str, int], clash: Clash) -> list[Group]:
-    """Groups that clash still, without those of every rule that has no part in it, as far as could be answered.
-
-    Rules that give way are left out first, then those that come last among all: what is said of a conflict should be
-    firm.
-    """
-    rules = dict.fromkeys(group.about.rule for group in reversed(core))
-    for rule in sorted(rules, key=lambda rule: -gives_way.get(rule, 0)):
-        without = [group for group in core if group.about.rule != rule]
-        try:
-            if clash(without) is not None:
-                core = without
-        except NotAnswered:
-            continue  # shrinking asks again, of less at a time
-    return core
-
-
-def shrink(core: list[Group], clash: Clash) -> tuple[list[Group], bool]:
-    """Groups out of `core` that clash still, and whether none of them can be left out, as far as could be answered."""
+def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], budget: Budget) -> Core:
+    """The core among groups whose orders clash, none of which the orders can do without."""
     minimal = True
-    size = max(1, len(core) // 2)
-    while True:
-        k = 0
-        while k < len(core):
-            try:
-                left = clash(core[:k] + core[k + size :])
-            except NotAnswered:
-                left, minimal = None, minimal and size > 1
-            if left is None:
-                k += size
-                continue
-            kept = [m if m < k else m + size for m in left]
-            k = sum(m < k for m in kept)
-            core = [core[m] for m in kept]
-        if size == 1:
-            return core, minimal
-        size //= 2
+    if not exactly(orders_of(facts, clashing)):
+        clashing, minimal = shrink(clashing, partial(clash, facts, budget=budget))
+    return replace(in_order(groups, clashing, minimal), by_orders=True)
+
+
+def _among(facts: Facts, suspected: list[Group], budget: Budget) -> tuple[list[Group], bool] | None:
+    """A contradiction among a few groups, and whether it is minimal; None where none is shown."""
+    try:
+        left = clash(facts, suspected, budget)
+    except NotAnswered:
+        return None
+    return None if left is None else shrink([suspected[k] for k in left], partial(clash, facts, budget=budget))
 
 
 def in_order(groups: Sequence[Group], core: Sequence[Group], minimal: bool) -> Core:

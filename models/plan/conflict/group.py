@@ -56,7 +56,10 @@ def moves_or_seconds(groups: Iterable[Group]) -> bool:
 
 def on_order(groups: Iterable[Group]) -> list[Group]:
     """Those that say something of an order and its entries."""
-    return [group for group in groups if len(by_kind(group.statements).crossing) < len(group.statements)]
+    known = list(groups)
+    if not by_kind(s for group in known for s in group.statements).crossing:
+        return known
+    return [group for group in known if len(by_kind(group.statements).crossing) < len(group.statements)]
 
 
 def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:

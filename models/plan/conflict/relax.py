@@ -9,20 +9,20 @@ from typing import Any
 from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
 from kerfwise.models.engines.budget import Budget
-from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import RELAXED_MM, About, Statement
 
 from .core import Core
 from .group import Group
 from .solver import DEFAULT_WORK, NotAnswered, solver_within
+from .suspects import LAST
 
-LAST = frozenset(name for name, rule in RULES.items() if rule.relaxed_last)
-"""Rules that give way only where all others together do not help, such as locks."""
 WORK = 20.0
 """CP-SAT's deterministic seconds for one choice of the lightest groups."""
 MOST_ASKED = 12_000
 """How many groups are asked about in all: each contradiction that is looked for asks about every group once."""
+BY_ORDERS = 0.01
+"""What asking about a group counts for where orders alone showed the contradiction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +38,11 @@ def find_relaxation(
     book: Mapping[str, Rule[Any]],
     core_of: Callable[[Sequence[Group]], Core | None],
     budget: Budget | None = None,
+    known: Iterable[Sequence[int]] = (),
 ) -> Relaxation | None:
     """The fewest groups without which the others can hold; None if no rule that may be soft helps.
 
-    `core_of` finds a contradiction among groups, None where there is none.
+    `core_of` finds a contradiction among groups, None where there is none; `known` are some, by numbers of groups.
 
     Each counts the same, as in the objective of the plan that is made then; what is relaxed last, such as locks, weighs
     more than everything else together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are
@@ -54,12 +55,15 @@ def find_relaxation(
     """
     budget = budget or Budget(DEFAULT_WORK)
     weights = _weights(groups, book)
-    clashes: list[list[int]] = []
+    clashes = [[k for k in clash if weights[k] is not None] for clash in known]
+    if not all(clashes):
+        return None
+    asked = 0.0
     while True:
         out = _lightest(clashes, weights, budget)
         left = [k for k in range(len(groups)) if k not in out]
         whole = True
-        if len(clashes) * len(groups) > MOST_ASKED:
+        if asked > MOST_ASKED:
             raise NotAnswered
         while (core := core_of([groups[k] for k in left])) is not None:
             named = {group.about for group in core.groups}
@@ -67,6 +71,7 @@ def find_relaxation(
             if not soft:
                 return None
             clashes.append(soft)
+            asked += len(groups) * (BY_ORDERS if core.by_orders else 1.0)
             left = [k for k in left if k not in soft]
             whole = False
         if whole:

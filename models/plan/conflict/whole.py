@@ -18,8 +18,9 @@ from kerfwise.models.physics.timing.constant import Feeds
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.simplify import simplify
 
-from .core import Core, in_order, shrink, without_rules
+from .core import Core, in_order
 from .group import Group
+from .shrinking import shrink, without_rules
 from .solver import DEFAULT_WORK, NotAnswered
 
 QUESTION = 3.0

@@ -1,0 +1,160 @@
+"""Contradictions of orders are named without a solver: shortest, and minimal by trying every order and entry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.models.plan.conflict import core as core_module
+from kerfwise.models.plan.conflict.at_once import clash_of_orders, exactly
+from kerfwise.models.plan.conflict.core import find_core
+from kerfwise.models.plan.conflict.group import CanClash, Group, hard_groups
+from kerfwise.models.plan.conflict.orders import orders_of
+from kerfwise.models.plan.conflict.shortest_cycle import shortest_cycle
+from kerfwise.models.plan.conflict.whole_order import whole_order
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Pick, Precede
+from kerfwise.tests.models.plan.conflict.statements import can_hold, row, statements
+
+N = 5
+FACTS = row()
+"""Four contours with two candidates each."""
+PAIRS = st.tuples(st.integers(0, N - 1), st.integers(0, N - 1))
+
+
+def walks(links: Sequence[tuple[int, int]], runs: Sequence[tuple[int, ...]], most: int) -> list[tuple[int, ...]]:
+    """All rounds of up to `most` links that no order can keep, by trying every sequence of links and every order."""
+    found = []
+    for size in range(1, most + 1):
+        for walk in permutations(range(len(links)), size):
+            if not any(_kept([links[k] for k in walk], runs, place) for place in permutations(range(N))):
+                found.append(walk)
+        if found:
+            return found
+    return found
+
+
+def _kept(links: Sequence[tuple[int, int]], runs: Sequence[tuple[int, ...]], place: tuple[int, ...]) -> bool:
+    together = all(max(place[k] for k in run) - min(place[k] for k in run) < len(set(run)) for run in runs)
+    return together and all(place[i] < place[j] for i, j in links)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(PAIRS, max_size=5), st.booleans())
+def test_no_cycle_is_shorter(links: list[tuple[int, int]], in_one_go: bool) -> None:
+    runs = [(0, 3)] * in_one_go
+    found = shortest_cycle(N, links, runs)
+    fewest = walks(links, runs, len(links))
+    assert (found is None) == (not fewest)
+    if found is not None:
+        cycle, tying = found
+        assert len(cycle) == len(fewest[0])
+        assert frozenset(cycle) in {frozenset(walk) for walk in fewest}
+        kept = [_kept([links[k] for k in cycle], [runs[k] for k in tying], place) for place in permutations(range(N))]
+        assert not any(kept)
+
+
+def test_a_cycle_through_runs_that_share_a_contour() -> None:
+    assert shortest_cycle(5, [(0, 4), (4, 2)], [(0, 1), (1, 2), (3, 4)]) == ([0, 1], [0, 1])
+
+
+def of_orders(groups: Sequence[Group]) -> list[Group] | None:
+    return clash_of_orders(FACTS.n, groups, orders_of(FACTS, groups), {"level-ahead": 1})
+
+
+@st.composite
+def ordered(draw: st.DrawFn) -> list[CanClash]:
+    """Orders, runs, places, and what every entry of a contour asks for, some of it in one sentence."""
+    made: list[CanClash] = []
+    runs = [(0, 1), (2, 3)]
+    for k in range(draw(st.integers(1, 6))):
+        about = About(draw(st.sampled_from(["locks", "level-ahead", "pierce"])), (), f"statement {k}")
+        i, j = draw(st.permutations(range(4)))[:2]
+        others = [m for m in range(4) if m != i]
+        match draw(st.sampled_from(["order", "two orders", "run", "early", "late", "each entry", "one entry"])):
+            case "order":
+                made.append(Precede(i, j, about))
+            case "two orders":
+                made += [Precede(i, m, about) for m in others[:2]]
+            case "run" if runs:
+                made.append(Contiguous(runs.pop(), about))
+            case "early":
+                made.append(AtLeast(tuple(Before(i, m) for m in others), (1, 1, 1), draw(st.integers(0, 3)), about))
+            case "late":
+                made.append(AtLeast(tuple(Before(m, i) for m in others), (1, 1, 1), draw(st.integers(0, 3)), about))
+            case "each entry":
+                made += [AtLeast((Before(i, j),), (1,), 1, about, when=c) for c in FACTS.candidates_of(i)]
+            case _:
+                made.append(AtLeast((Before(j, i), Pick(2 * j)), (1, -1), draw(st.integers(0, 1)), about, when=2 * i))
+    return made
+
+
+@pytest.mark.slow
+@settings(max_examples=150, deadline=None)
+@given(ordered())
+def test_what_is_named_is_minimal_by_trying_everything(asked: list[CanClash]) -> None:
+    groups = hard_groups(asked)
+    found = of_orders(groups)
+    if found is None:
+        assert not exactly(orders_of(FACTS, groups)) or can_hold(FACTS, asked)
+        return
+    assert not can_hold(FACTS, [s for group in found for s in group.statements])
+    if exactly(orders_of(FACTS, found)):
+        for one in found:
+            assert can_hold(FACTS, [s for group in found if group is not one for s in group.statements])
+
+
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(st.one_of(ordered(), statements()))
+def test_an_order_that_is_found_keeps_everything(asked: list[CanClash]) -> None:
+    groups = hard_groups(asked)
+    way = whole_order(FACTS, groups, orders_of(FACTS, groups))
+    if way is None:
+        return
+    problem = make_problem(FACTS, tuple(asked), (0.0, 0.0))
+    used = {FACTS.candidates[c].contour: c for c in way.picked}
+    entries = [used.get(k, FACTS.candidates_of(k)[0]) for k in sorted(range(FACTS.n), key=lambda k: way.place[k])]
+    assert broken(problem, [int(problem.candidate_site[c]) for c in entries]) == ()
+
+
+def test_orders_are_told_apart_from_what_hangs_on_entries() -> None:
+    def about(name: str) -> About:
+        return About("pierce", (), name)
+
+    always = [AtLeast((Before(0, 1),), (1,), 1, about("always"), when=c) for c in FACTS.candidates_of(0)]
+    once = [AtLeast((Before(0, 1),), (1,), 1, about("once"), when=0)]
+    last = AtLeast((Before(1, 0), Before(2, 0), Before(3, 0)), (1, 1, 1), 3, about("last"))
+    third = AtLeast((Before(1, 0), Before(2, 0), Before(3, 0)), (1, 1, 1), 2, about("third"))
+    found = orders_of(FACTS, hard_groups([*always, *once, last, third, Forbid(3, about("entry"))]))
+    assert [of.links for of in found] == [((0, 1),), (), ((1, 0), (2, 0), (3, 0)), (), ()]
+    assert [of.earliest for of in found] == [(), (), (), ((0, 2),), ()]
+    assert [of.whole for of in found] == [True, False, True, True, False]
+
+
+def test_no_solver_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither for a cycle nor for a place that no order leaves, nor to see that all can hold."""
+
+    def asked(*given: object, **more: object) -> None:
+        raise AssertionError("the solver was asked")
+
+    monkeypatch.setattr(core_module, "clash", asked)
+    monkeypatch.setattr(core_module, "clash_at_once", asked)
+    chain = [Precede(k, k + 1, About("level-ahead", (), f"{k}")) for k in range(3)]
+    back = Precede(3, 1, About("locks", (), "back"))
+    first = AtLeast(tuple(Before(2, k) for k in (0, 1, 3)), (1, 1, 1), 2, About("locks", (), "second"))
+    run = Contiguous((0, 1), About("part-contiguous", (), "run"))
+    other = Forbid(0, About("cut-direction", (), "entry"))
+    for asked_for, said in (
+        ([*chain, back, run, other], ["1", "2", "back"]),
+        ([*chain, first, run, other], ["0", "1", "second"]),
+        ([*chain, run, other], None),
+    ):
+        core = find_core(FACTS, hard_groups(asked_for), {"level-ahead": 1})
+        assert (core and [group.about.sentence for group in core.groups]) == said
+        assert core is None or (core.minimal and core.by_orders)
