@@ -173,7 +173,7 @@ def conflict(
     Returns
     -------
     Conflict or None
-        A smallest set of statements that cannot all hold, and the cheapest way out; None where no contradiction was
+        Statements that cannot all hold, none to be left out, and the cheapest way out; None where no contradiction was
         shown. Print it to read it; `contours` can be drawn with `draw(nest, contours=…)`.
 
     Raises

@@ -1,4 +1,4 @@
-"""Why there is no plan, as the page shows it: each statement of the smallest contradiction, and what may undo it."""
+"""Why there is no plan, as the page shows it: each statement of a contradiction, and what may undo it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST = 40
 def conflict_told(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
     """The conflict as JSON.
 
-    `clash` is the smallest set that was found. Each statement has `undo`, the lines of the job file that make it, and
+    `clash` is what was found, `minimal` if nothing of it can be left out. Each statement has `undo`, the lines of the job file that make it, and
     `soften`, the change of the job file that makes its rule soft; either is empty where there is none. `relax` is the
     cheapest way out of all contradictions, which `kerfwise solve --relax` takes; None where nothing helps.
     """

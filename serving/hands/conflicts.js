@@ -4,7 +4,7 @@ import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
 
 /**
- * Where the rules contradict each other: the smallest set, and what each way out would bring.
+ * Where the rules contradict each other: the few that do, and what each way out would bring.
  *
  * @param {any} app
  * @param {Work} work

@@ -37,9 +37,6 @@ def orders_of(facts: Facts, groups: Sequence[Group]) -> list[Orders]:
 
 
 def _of_group(facts: Facts, group: Group, contour_of: Sequence[int]) -> Orders:
-    match group.statements:
-        case (Precede(before, after),):  # as most are
-            return Orders(((before, after),))
     links: list[Link] = []
     runs: list[tuple[int, ...]] = []
     earliest: list[tuple[int, int]] = []
