@@ -13,6 +13,7 @@ from starlette.responses import JSONResponse, Response
 from kerfwise.encoder.errors import InputError
 
 from .child import as_told
+from .edits import expect_keys
 from .guard import TooLarge, too_large
 from .helper import Died, Refused
 from .server import Server
@@ -33,8 +34,8 @@ def session_of(server: Server, request: Request) -> Session:
     return found
 
 
-async def said_in(request: Request) -> dict[str, Any]:
-    """The body, a JSON object; nothing stands for an empty one."""
+async def said_in(request: Request, *keys: str) -> dict[str, Any]:
+    """The body, a JSON object with these keys and no others; nothing stands for an empty one."""
     body = await request.body()
     try:
         said = json.loads(body or b"{}")
@@ -42,6 +43,7 @@ async def said_in(request: Request) -> dict[str, Any]:
         raise InputError("the body is not JSON") from None
     if not isinstance(said, dict):
         raise InputError("the body: expected a JSON object")
+    expect_keys("the body", said, keys)
     return said
 
 

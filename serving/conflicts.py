@@ -18,9 +18,10 @@ MOST = 40
 def conflict_told(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
     """The conflict as JSON.
 
-    `clash` is what was found, `minimal` if nothing of it can be left out. Each statement has `undo`, the lines of the job file that make it, and
-    `soften`, the change of the job file that makes its rule soft; either is empty where there is none. `relax` is the
-    cheapest way out of all contradictions, which `kerfwise solve --relax` takes; None where nothing helps.
+    `clash` is what was found, `minimal` if nothing of it can be left out. Each statement has `undo`, the lines of the
+    job file that make it, and `soften`, the change of the job file that makes its rule soft; either is empty where
+    there is none. `relax` is the cheapest way out of all contradictions, which `kerfwise solve --relax` takes, or one
+    that relaxes as few statements where not all were `compared`; None where nothing helps.
     """
     conflict = no_plan.conflict
     if conflict is None:
@@ -30,6 +31,7 @@ def conflict_told(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
         "minimal": conflict.minimal,
         "more": max(0, len(conflict.clash) - MOST),
         "clash": [_statement(about, no_plan.profile, job) for about in conflict.clash[:MOST]],
+        "compared": conflict.compared,
         "relax": None if conflict.relax is None else [_said(about) for about in conflict.relax],
         "stuck": shown(conflict.stuck),
         "notes": [shown(note) for note in conflict.notes],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -54,7 +54,14 @@ def _changed(text: JobText, nest: Nest, change: dict[str, Any], undone: Undone) 
     name = next((name for name in made if name in change), None)
     if name is None:
         raise InputError(unknown("change", next(iter(change), ""), made))
+    expect_keys(f"a change {name!r}", change, (name, "to") if name == "set" else (name,))
     return made[name](_text(change, name))
+
+
+def expect_keys(what: str, said: Mapping[str, Any], keys: Collection[str]) -> None:
+    """InputError if anything has a key that means nothing there."""
+    if strange := [key for key in said if key not in keys]:
+        raise InputError(f"{what}: {unknown('key', strange[0], keys)}")
 
 
 def _text(change: dict[str, Any], key: str) -> str:

@@ -35,6 +35,8 @@ REMEDY_WORK = 0.5
 """Work for a first look at what a way out of a conflict would bring."""
 MORE_WORK = 4.0
 """How many times as much goes into the next try, where little work has found no plan and no contradiction."""
+SECOND_WORK = 0.2
+"""Work for the second of such tries at the least."""
 
 
 class Planner:
@@ -67,7 +69,7 @@ class Planner:
                 )
             except NoPlan as no_plan:
                 if no_plan.conflict is None and work < WORK and not listener.stopped:
-                    work = min(WORK, MORE_WORK * work)
+                    work = min(WORK, max(SECOND_WORK, MORE_WORK * work))
                     continue
                 return {"conflict": conflict_told(no_plan, given.job)}
             except RulesConflict as error:

@@ -11,6 +11,7 @@ from typing import Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.files import write_files
 
+from .edits import expect_keys
 from .helper import Died, Refused
 from .server import Server
 from .session import Session
@@ -66,6 +67,7 @@ def values_of(said: Any) -> list[tuple[str, str, str]]:
         texts = [text for text in given if isinstance(text, str) and text.strip()]
         if len(texts) < len(given):
             raise InputError(f'expected {{"rule": …, "key": …, "to": …}}, got {one!r}')
+        expect_keys("a change of a rule", one, ("rule", "key", "to"))
         found.append((texts[0], texts[1], texts[2]))
     return found
 

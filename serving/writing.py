@@ -42,7 +42,7 @@ class Writing:
 
     async def open(self, request: Request) -> Response:
         """`{"nest": NAME, "repair": false}` gives the session's state."""
-        said = await said_in(request)
+        said = await said_in(request, "nest", "repair")
         path = self._server.folder.nest(str(said.get("nest", "")))
         return JSONResponse((await self._server.open_nest(path, said.get("repair") is True)).as_json())
 
@@ -54,26 +54,26 @@ class Writing:
 
     async def edit(self, request: Request) -> Response:
         """`{"version": 3, "changes": [{"lock": "P2 first"}, …]}`; see `edits.py` for what can be changed."""
-        session, said = await self._writing(request)
+        session, said = await self._writing(request, "changes")
         undone = await self._server.edit(session, changes_in(said.get("changes")))
         return JSONResponse({**session.as_json(), "undone": undone})
 
     async def cut(self, request: Request) -> Response:
         """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""
-        session, said = await self._writing(request)
+        session, said = await self._writing(request, "upto")
         await self._server.cut_up_to(session, whole(said.get("upto")))
         return JSONResponse(session.as_json())
 
     async def back(self, request: Request) -> Response:
         """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again."""
-        session, said = await self._writing(request)
+        session, said = await self._writing(request, "to")
         number = whole(said.get("to"))
         await self._server.want(session, back_to(session, number), shown=number)
         return JSONResponse(session.as_json())
 
     async def solve(self, request: Request) -> Response:
         """`{"version": 3, "work": 30, "relax": false}`: the planning begins; events tell how it goes."""
-        session, said = await self._writing(request)
+        session, said = await self._writing(request, "work", "relax")
         work = said.get("work")
         if work is not None and not (isinstance(work, int | float) and 0 < work <= 10_000):
             raise InputError(f"work: expected a number over 0, got {work!r}")
@@ -82,13 +82,13 @@ class Writing:
 
     async def cancel(self, request: Request) -> Response:
         """`{"at_once": false}`: the best plan so far is kept, unless it is to end at once."""
-        session, said = self._session(request), await said_in(request)
+        session, said = self._session(request), await said_in(request, "version", "at_once")
         self._server.planning.cancel(session, said.get("at_once") is True)
         return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
 
     async def tried(self, request: Request) -> Response:
         """`{"changes": […], "relax": false}`: what they would bring; nothing is changed. Who hangs up cancels it."""
-        session, said = self._session(request), await said_in(request)
+        session, said = self._session(request), await said_in(request, "version", "changes", "relax")
         changes, relax = changes_in(said.get("changes") or []), said.get("relax") is True
         return await self._planned(request, session, "tried", changes=changes, relax=relax)
 
@@ -97,7 +97,7 @@ class Writing:
 
         Nothing is changed. Who hangs up cancels it.
         """
-        session, said = self._session(request), await said_in(request)
+        session, said = self._session(request), await said_in(request, "version", "changes")
         return await self._planned(request, session, "effect", values=values_of(said.get("changes")))
 
     async def save(self, request: Request) -> Response:
@@ -111,7 +111,7 @@ class Writing:
 
     async def write_profile(self, request: Request) -> Response:
         """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile."""
-        session, said = await self._writing(request)
+        session, said = await self._writing(request, "sha256", "changes", "as")
         told = await write_profile(self._server, session, said)
         return JSONResponse({**session.as_json(), "written": told})
 
@@ -123,7 +123,7 @@ class Writing:
     def _session(self, request: Request) -> Session:
         return session_of(self._server, request)
 
-    async def _writing(self, request: Request) -> tuple[Session, dict[str, Any]]:
-        session, said = self._session(request), await said_in(request)
+    async def _writing(self, request: Request, *keys: str) -> tuple[Session, dict[str, Any]]:
+        session, said = self._session(request), await said_in(request, "version", *keys)
         session.expect(said.get("version"))
         return session, said

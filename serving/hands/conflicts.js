@@ -45,7 +45,7 @@ function drawConflict(app, work, place, conflict) {
   place.replaceChildren(
     make("h2", {}, conflict.clash.length ? "These cannot all hold" : "There is no plan"),
     conflict.clash.length ? make("ul", {}, ...rows) : make("pre", {}, conflict.text),
-    conflict.relax ? way(`relax ${conflict.relax.length} statement${conflict.relax.length > 1 ? "s" : ""}, the cheapest way out`, [], true) : conflict.stuck || "");
+    conflict.relax ? way(`relax ${conflict.relax.length} statement${conflict.relax.length > 1 ? "s" : ""}, ${conflict.compared ? "the cheapest" : "a"} way out`, [], true) : conflict.stuck || "");
   app.set({ marked: numbersOf(app, conflict.clash.flatMap((/** @type {any} */ one) => one.contours)) });
   return ways;
 }

@@ -183,6 +183,19 @@ def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:
     for value in ("{", "[a: b: c]", "!!python/object:os.system x", "2024-13-45"):
         told = tab.edit({"set": "leads.lead_in", "to": value}, expected=422)
         assert told["message"] == f"{value!r} is not a value as a job file holds it"
+    for changes, said in (
+        ([{"lock": "P2 first", "when": "now"}], "a change 'lock': unknown key 'when' (valid: lock)"),
+        ([{"unset": "a", "to": "3"}], "a change 'unset': unknown key 'to' (valid: unset)"),
+        ([{"set": "a", "to": "4", "by": "b"}], "a change 'set': unknown key 'by' (valid: set, to)"),
+    ):
+        assert tab.post("edit", 422, changes=changes)["message"] == said
+    for what, strange, valid in (("edit", "change", "changes"), ("solve", "wrok", "work"), ("cut", "up", "upto")):
+        told = tab.post(what, 422, **{strange: 3})["message"]
+        assert told.startswith(f"the body: unknown key {strange!r}")
+        assert valid in told
+    told = tab.post("effect", 422, changes=[{"rule": "pierce", "key": "clearance", "to": "2 mm", "form": "1 mm"}])
+    assert told["message"].startswith("a change of a rule: unknown key 'form'")
+    assert "unknown key 'name'" in client.post("/api/open", json={"name": "x"}).json()["message"]
     for changes in (5, [3], "x", [{}]):
         assert tab.post("try", 422, changes=changes)["kind"] == "input"
     moved = client.get(f"/api/{tab.id}/move", params={"place": 3})

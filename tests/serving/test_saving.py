@@ -81,8 +81,8 @@ def test_nothing_is_written_over_what_changed_on_disk(opened: Open) -> None:
     assert tab.post("back", 200, to=1)["fits"] is False
     assert "the nest has changed on disk" in tab.post("save", 422)["message"]
     tab.nest.unlink()
-    for what in ("save", "edit"):
-        assert tab.post(what, 422, changes=[])["message"] == "there is no such file"
+    for what, said in (("save", {}), ("edit", {"changes": []})):
+        assert tab.post(what, 422, **said)["message"] == "there is no such file"
 
 
 def test_nothing_is_written_where_a_link_leads_out_of_the_folder(opened: Open, served: Served) -> None:
