@@ -26,7 +26,7 @@ def clash_of_orders(
 
     Without any one of them the others can, as far as orders go. As long as groups of rules that give way late
     contradict each other no other is told (`gives_way`, the highest first). A shortest cycle is told before a place
-    that no order leaves, and of several what stands first among all.
+    that no order leaves; of several cycles of two what one rule says by itself, and then what stands first among all.
     """
     says = {group.about: of for group, of in zip(groups, said, strict=True)}
     ranks = [gives_way.get(group.about.rule, 0) for group in groups]
@@ -35,7 +35,7 @@ def clash_of_orders(
         return None if can_hold(n, [says[group.about] for group in core]) else list(range(len(core)))
 
     for rank in sorted(set(ranks)):
-        if cycle := _cycle(n, said, [k for k, of in enumerate(ranks) if of <= rank]):
+        if cycle := _cycle(n, groups, said, [k for k, of in enumerate(ranks) if of <= rank]):
             return shrink([groups[k] for k in sorted(cycle, reverse=True)], clash)[0]
     if not any(of.earliest or of.latest for of in said):
         return None
@@ -105,7 +105,7 @@ def kept(places: Sequence[int], earliest: Mapping[int, int], latest: Mapping[int
     return soon and all(places[k] <= of for k, of in latest.items())
 
 
-def _cycle(n: int, said: Sequence[Orders], among: Sequence[int]) -> list[int] | None:
+def _cycle(n: int, groups: Sequence[Group], said: Sequence[Orders], among: Sequence[int]) -> list[int] | None:
     """The groups, by number, of a shortest cycle of those that are asked."""
     asking: dict[Link, int] = {}
     for k in among:
@@ -113,7 +113,7 @@ def _cycle(n: int, said: Sequence[Orders], among: Sequence[int]) -> list[int] | 
             asking.setdefault(link, k)
     runs = [(run, k) for k in among for run in said[k].runs]
     links = list(asking)
-    found = shortest_cycle(n, links, [run for run, _ in runs])
+    found = shortest_cycle(n, links, [run for run, _ in runs], [groups[asking[link]].about.rule for link in links])
     if found is None:
         return None
     cycle, tying = found

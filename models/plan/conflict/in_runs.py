@@ -30,7 +30,7 @@ def order_in_runs(
     --------
     >>> order_in_runs(4, [(0, 2), (2, 3)], [(0, 3)], {}, {})
     >>> order_in_runs(4, [(3, 0), (0, 2)], [(0, 3)], {2: 3}, {})
-    [2, 0, 3, 1]
+    [1, 2, 3, 0]
     """
     if not runs:
         return likely_order(n, links, earliest, latest)

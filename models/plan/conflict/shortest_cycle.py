@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from kerfwise.rules.stating.cycles import Link, components, contracted, path
 
 
-def shortest_cycle(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]]) -> tuple[list[int], list[int]] | None:
+def shortest_cycle(
+    n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], rules: Sequence[str] = ()
+) -> tuple[list[int], list[int]] | None:
     """Numbers of links on a cycle, as few as there are on any, and of runs that tie them together; None if none is.
 
-    Of two cycles of two links the one is taken whose links stand first. Every cycle goes through a knot that is looked
-    at: those with the most links come first, and are taken out of the graph then, until it has no cycle.
+    Of cycles of two links one is taken that needs no run, then one that is of one rule only (`rules`, of each link),
+    and then the one whose links stand first. Every cycle goes through a knot that is looked at: those with the most
+    links come first, and are taken out of the graph then, until it has no cycle.
 
     Examples
     --------
@@ -21,26 +24,31 @@ def shortest_cycle(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]])
     ([0, 1], [0, 1])
     """
     nodes = contracted(n, links, runs)
-    best: list[int] | None = None
-    for component in components(nodes):
-        found = _pair(nodes, component) or _through_knots(nodes, component, None if best is None else len(best))
-        if found and (best is None or len(found) < len(best)):
+
+    def key(cycle: Sequence[int]) -> tuple[int, int, Sequence[int]]:
+        return len(cycle), len({rules[k] for k in cycle if rules}), cycle
+
+    best: list[int] | None = min(_pairs(links, range(len(links))), key=key, default=None)
+    for component in components(nodes) if best is None else ():
+        pairs = _pairs(nodes, component)
+        found = min(pairs, key=key) if pairs else _through_knots(nodes, component, None if best is None else len(best))
+        if found and (best is None or key(found) < key(best)):
             best = found
     return None if best is None else (best, sorted(_tying(links, runs, best)))
 
 
-def _pair(nodes: Sequence[Link], component: Sequence[int]) -> list[int] | None:
-    """The first link from a knot to itself, or the first two that lead to and fro; None where there are none."""
+def _pairs(nodes: Sequence[Link], component: Iterable[int]) -> list[list[int]]:
+    """Each link from a knot to itself, and every two that lead to and fro."""
     first: dict[Link, int] = {}
-    found: list[tuple[int, int]] = []
+    found: list[list[int]] = []
     for k in component:
         a, b = nodes[k]
         if a == b:
-            return [k]
-        if (b, a) in first:
-            found.append((first[b, a], k))
+            found.append([k])
+        elif (b, a) in first:
+            found.append([first[b, a], k])
         first.setdefault((a, b), k)
-    return list(min(found)) if found else None
+    return found
 
 
 def _through_knots(nodes: Sequence[Link], component: Sequence[int], known: int | None) -> list[int] | None:
