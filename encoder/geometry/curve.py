@@ -178,8 +178,8 @@ class Curve:
             return self.vertices[:, :2].copy()
         count = [1, *(s.chords_within(tolerance_mm) for s in self.segments)]
         ends = [self.segments[0].start, *(s.end for s in self.segments)]
-        straight = max(count) == 1
-        points = np.array(ends) if straight else _with_arcs(self.segments, np.array(count), np.array(ends))
+        straight, segments = max(count) == 1, self.segments[:1] + self.segments
+        points = np.array(ends) if straight else _with_arcs(segments, np.array(count), np.array(ends))
         return points[:-1] if self.closed else points
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
@@ -198,20 +198,21 @@ class Curve:
 
 
 def lines_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_]:
-    """As `Curve.line` of each; their points are not kept.
+    """As `Curve.line` of each; their points are made together, and not kept.
 
     Examples
     --------
     >>> [line.wkt for line in lines_of([Curve.of([(0, 0), (4, 0), (4, 3)]), Curve.of([(1, 1)], closed=False)], 0.1)]
     ['LINESTRING (0 0, 4 0, 4 3, 0 0)', 'LINESTRING (1 1, 1 1)']
     """
-    rows = []
-    for curve in curves:
-        points = curve._kept.get(tolerance_mm) if curve.closed else None
-        points = curve._flattened(tolerance_mm) if points is None else points
-        rows += [points, points[:1] if curve.closed or len(points) < 2 else points[:0]]
-    if not rows:
+    if not curves:
         return np.zeros(0, dtype=object)
+    kept = [curve._kept.get(tolerance_mm) if curve.closed else None for curve in curves]
+    asked = [curve for curve, points in zip(curves, kept, strict=True) if points is None]
+    new, rows = _flattened_together(asked, tolerance_mm), []
+    for curve, known in zip(curves, kept, strict=True):
+        points = next(new) if known is None else known
+        rows += [points, points[:1] if curve.closed or len(points) < 2 else points[:0]]
     count = [len(points) + len(first) for points, first in zip(rows[::2], rows[1::2], strict=True)]
     lines: NDArray[np.object_] = shapely.linestrings(
         np.concatenate(rows), indices=np.repeat(np.arange(len(curves)), count)
@@ -219,18 +220,47 @@ def lines_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_
     return lines
 
 
+def _flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
+    """As `Curve._flattened` of each."""
+    segments: list[Segment] = []
+    count: list[int] = []
+    ends: list[Point] = []
+    sizes = []
+    for curve in curves:
+        own, before = curve.segments, len(count)
+        if own:
+            segments += own[:1] + own
+            count += [1, *(s.chords_within(tolerance_mm) for s in own)]
+            ends += [own[0].start, *(s.end for s in own)]
+        else:
+            (x, y), *_ = curve.vertices[:1, :2].tolist()
+            segments.append(Segment((x, y), (x, y)))
+            count.append(1)
+            ends.append((x, y))
+        sizes.append(sum(count[before:]))
+    points = _with_arcs(segments, np.array(count), np.array(ends)) if count else np.empty((0, 2))
+    begin = 0
+    for curve, size in zip(curves, sizes, strict=True):
+        yield points[begin : begin + size - (curve.closed and size > 1)]
+        begin += size
+
+
 def _with_arcs(segments: Sequence[Segment], count: Ints, ends: Floats) -> Floats:
-    """The points of all chords: of every segment, after the first point, as many as are counted, the last its end."""
+    """The points of all chords: of every segment as many as are counted, the last its end.
+
+    Where a curve begins, a segment with one chord stands for its first point.
+    """
     last = np.cumsum(count) - 1
     points = np.empty((last[-1] + 1, 2))
-    arcs = np.flatnonzero(count[1:] > 1)
-    rows = [(*s.centre, s.radius_mm, s.angle_rad, s.sweep_rad) for s in (segments[k] for k in arcs.tolist())]
-    n = count[arcs + 1]
-    place = laid_out(np.zeros_like(n), n)
-    x, y, r, begin, sweep = np.repeat(np.array(rows), n, axis=0).T
-    angle = begin + sweep * (place + 1) / np.repeat(n, n)
-    at = np.repeat(last[arcs] + 1, n) + place
-    points[at, 0] = x + r * np.cos(angle)
-    points[at, 1] = y + r * np.sin(angle)
+    arcs = np.flatnonzero(count > 1)
+    if len(arcs):
+        rows = [(*s.centre, s.radius_mm, s.angle_rad, s.sweep_rad) for s in (segments[k] for k in arcs.tolist())]
+        n = count[arcs]
+        place = laid_out(np.zeros_like(n), n)
+        x, y, r, begin, sweep = np.repeat(np.array(rows), n, axis=0).T
+        angle = begin + sweep * (place + 1) / np.repeat(n, n)
+        at = np.repeat(last[arcs - 1] + 1, n) + place
+        points[at, 0] = x + r * np.cos(angle)
+        points[at, 1] = y + r * np.sin(angle)
     points[last] = ends
     return points

@@ -23,10 +23,11 @@ def meets_itself_too_often(points: Floats, closed: bool, most: int) -> bool:
     >>> [meets_itself_too_often(along, closed=False, most=10_000) for along in (points, points[:100])]
     [True, False]
     """
-    ends = np.roll(points, -1, axis=0)
-    chords = np.stack([points, ends], axis=1)[: None if closed else -1]
-    if len(chords) * (len(chords) - 1) // 2 <= most:
+    count = len(points) if closed else len(points) - 1
+    if count * (count - 1) // 2 <= most:
         return False
+    ends = np.roll(points, -1, axis=0)
+    chords = np.stack([points, ends], axis=1)[:count]
     lines, met = shapely.linestrings(chords), 0
     tree = shapely.STRtree(lines)
     last = len(lines) - 1 if closed else len(lines)

@@ -21,15 +21,20 @@ from .followed_rings import surely_on
 from .matching import Match
 from .program_rules import tolerance_mm
 from .splitting import Pieces, split
-from .torch_run import TorchRun, line_of
+from .torch_run import TorchRun, every_line_of
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Taken:
-    """The path of a burn taken apart, and its round as a line; `on_ring` says that this is known to lie on the ring."""
+    """The path of a burn taken apart, its round and its leads as lines; `on_ring` says that the round lies on the ring.
+
+    Where it does not, that is not known.
+    """
 
     pieces: Pieces
+    lead_in: shapely.LineString | None
     loop: shapely.LineString
+    lead_out: shapely.LineString | None
     on_ring: bool = False
 
 
@@ -46,9 +51,11 @@ def taken_apart(
     """What leads to the contours that burns match, once round, and what leads away."""
     rows = zip(burns, contours, matches, strict=True)
     apart = [_apart(burn, contour, match) for burn, contour, match in rows]
-    loops = [line_of(pieces.loop) or path for pieces, path in zip(apart, paths, strict=True)]
+    rounds = every_line_of([pieces.loop for pieces in apart])
+    leads_in, leads_out = every_line_of([p.lead_in for p in apart]), every_line_of([p.lead_out for p in apart])
+    loops = [path if line is None else line for line, path in zip(rounds, paths, strict=True)]
     on_ring = surely_on([match.ring for match in matches], loops, tolerance_mm(kerf_mm))
-    return [Taken(*row) for row in zip(apart, loops, on_ring.tolist(), strict=True)]
+    return [Taken(*row) for row in zip(apart, leads_in, loops, leads_out, on_ring.tolist(), strict=True)]
 
 
 def _apart(burn: Burn, contour: Contour, match: Match) -> Pieces:
@@ -71,7 +78,7 @@ def cut_from_burn(
         burn.start_s, burn.end_s,
     )  # fmt: skip
     where = f"line {burn.line}"
-    run = TorchRun(position, where, contour, line_of(lead_in), loop, line_of(pieces.lead_out), marks)
+    run = TorchRun(position, where, contour, taken.lead_in, loop, taken.lead_out, marks)
     wrong = list(_wrong(contour, match, taken, kerf_mm, marks))
     return cut, run, [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in wrong]
 

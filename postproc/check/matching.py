@@ -56,13 +56,50 @@ class Matcher:
         `marks` says that the path was made by another tool than the torch, `named` the contour that a comment before
         it names: that decides only between rings that the path follows equally well.
         """
-        votes: list[Counter[int]] = [Counter() for _ in lines]
-        points = [
-            shapely.line_interpolate_point(line, np.arange(_SAMPLES) / _SAMPLES, normalized=True) for line in lines
+        found = self._as_named(lines, marks, named)
+        left = [k for k, known in enumerate(found) if known is None]
+        voted = self._by_votes([lines[k] for k in left], [marks[k] for k in left], [named[k] for k in left])
+        for k, match in zip(left, voted, strict=True):
+            found[k] = match
+        return found
+
+    def _as_named(
+        self, lines: Sequence[shapely.LineString], marks: Sequence[bool], named: Sequence[int | None]
+    ) -> list[Match | None]:
+        """The match of each path that surely goes along all of the ring that is named; None elsewhere.
+
+        Of rings that a path comes near the named one is tried first: votes would find the same.
+        """
+        found: list[Match | None] = [None] * len(lines)
+        asked = [
+            (k, name, ring)
+            for k, (line, marked, name) in enumerate(zip(lines, marks, named, strict=True))
+            if name is not None and (self.nest.contours[name].kind == "mark") == marked
+            if (ring := self._ring_for(line, name, "right")) is not None
         ]
-        reach_mm = self.kerf_mm + NEAR_MM
-        if points:
-            samples, contours = self._tree.query(np.concatenate(points), predicate="dwithin", distance=reach_mm)
+        along, rings = [lines[k] for k, _, _ in asked], [ring for _, _, ring in asked]
+        middles = shapely.line_interpolate_point(along, _SAMPLES // 2 / _SAMPLES, normalized=True)
+        sure = surely_cover(along, rings, tolerance_mm(self.kerf_mm))
+        sure &= shapely.dwithin(middles, rings, self._reach_mm)
+        for known, (k, name, ring) in zip(sure.tolist(), asked, strict=True):
+            if known:
+                found[k] = Match(name, "right", ring, 0.0)
+        return found
+
+    @property
+    def _reach_mm(self) -> float:
+        """A path that comes no nearer to a ring than this has nothing to do with it."""
+        return self.kerf_mm + NEAR_MM
+
+    def _by_votes(
+        self, lines: Sequence[shapely.LineString], marks: Sequence[bool], named: Sequence[int | None]
+    ) -> list[Match | None]:
+        """See `match`: rings are tried in the order of how many points of a path they are near to."""
+        votes: list[Counter[int]] = [Counter() for _ in lines]
+        shares = np.tile(np.arange(_SAMPLES) / _SAMPLES, len(lines))
+        if lines:
+            points = shapely.line_interpolate_point(np.repeat(np.array(lines), _SAMPLES), shares, normalized=True)
+            samples, contours = self._tree.query(points, predicate="dwithin", distance=self._reach_mm)
             for sample, contour in zip(samples.tolist(), contours.tolist(), strict=True):
                 votes[sample // _SAMPLES][contour] += 1
         ranked = [sorted(of, key=lambda c: (c != name, -of[c], c)) for of, name in zip(votes, named, strict=True)]

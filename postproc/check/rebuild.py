@@ -25,7 +25,7 @@ from .planned import Planned
 from .resumed import burnt_by, read_resumed
 from .shared_cuts import Tabs, shared_cuts
 from .tabs_of_burns import up_to_tabs, with_tabs
-from .torch_run import TorchRun, line_of
+from .torch_run import TorchRun, every_line_of
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
 _SIDE = re.compile(r"START SIDE (LEFT|RIGHT|BOTTOM|TOP)", re.IGNORECASE)
@@ -70,7 +70,8 @@ def rebuild(
     holes = {(burn.line, burn.torch): burn for burn in program.burns if in_passes and burn.pierces_only}
     program = replace(program, burns=tuple(burn for burn in program.burns if (burn.line, burn.torch) not in holes))
     burns = program.burns if tabs_asked is None or not tabs_asked.at_end else up_to_tabs(program.burns, nest, matcher)
-    paths = [line_of(burn.path) or _dot(burn) for burn in burns]
+    drawn = every_line_of([burn.path for burn in burns])
+    paths = [_dot(burn) if line is None else line for burn, line in zip(burns, drawn, strict=True)]
     told = [_CUT.search(burn.comment) if burn.torch == 1 else None for burn in burns]
     ids = ids_by_name(nest, program.comments)
     names = [ids.get(folded(words["contour"])) if words else None for words in told]

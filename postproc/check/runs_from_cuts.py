@@ -18,7 +18,7 @@ from kerfwise.rules.rule import Violation
 from .covering.free import at_tabs
 from .program_rules import tolerance_mm
 from .rings import rings_of, torch_rings
-from .torch_run import TorchRun, line_of
+from .torch_run import TorchRun, every_line_of
 from .totals import end_of
 
 
@@ -29,7 +29,11 @@ def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple
     of_nest = rings_of(nest, kerf_mm)
     runs: list[TorchRun] = []
     violations: list[Violation] = []
-    for position, cut, contour in known:
+    leads_in, leads_out = (
+        every_line_of([c.lead_in for _, c, _ in known]),
+        every_line_of([c.lead_out for _, c, _ in known]),
+    )
+    for (position, cut, contour), lead_in, lead_out in zip(known, leads_in, leads_out, strict=True):
         ring, faults = of_nest[nest.index[cut.contour]], []
         if ring is None:
             faults.append(("contour-geometry", f"the kerf of {kerf_mm:g} mm leaves nothing of {contour.id} to follow"))
@@ -42,7 +46,6 @@ def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple
             faults += list(_off_span(cut, contour, cut.span, ring, join, kerf_mm))
             ring = _stretch(ring, join, cut.span.end, cut.direction == "ccw")
         where, marks, partial = f"cut {position}", contour.kind == "mark", cut.span is not None
-        lead_in, lead_out = line_of(cut.lead_in), line_of(cut.lead_out)
         off = unlit_tabs(cut, kerf_mm) if contour.encloses else ()
         faults += list(_faults_of_tabs(cut, off, ring, join, kerf_mm))
         runs.append(TorchRun(position, where, contour, lead_in, ring, lead_out, marks, cut.linked, partial, off))

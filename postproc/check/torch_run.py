@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import shapely
 from shapely import ops
 
 from kerfwise.encoder.cut import Tab
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.nest import Contour
 
 from .covering.free import at_tabs
@@ -79,6 +80,15 @@ class TorchRun:
         made = [*made[first:], *made[:first]]
         made[-1] = replace(made[-1], lead_out=self.lead_out)
         return tuple(made)
+
+
+def every_line_of(paths: Sequence[Curve | None]) -> list[shapely.LineString | None]:
+    """As `line_of` of each, in less time."""
+    found: list[shapely.LineString | None] = [None] * len(paths)
+    known = {k: path for k, path in enumerate(paths) if path is not None and path.segments}
+    for k, line in zip(known, lines_of(list(known.values()), _CHORD_MM), strict=True):
+        found[k] = line
+    return found
 
 
 def line_of(path: Curve | None) -> shapely.LineString | None:

@@ -95,9 +95,9 @@ def test_groups_that_tabs_hold_are_named(folder: Path, tabbed: bool) -> None:
     assert along_edges & set("EF")
     assert notes == (
         [
-            "note: cuts.common: no common cuts for A.outer, B.outer, C.outer, D.outer: tabs hold B.outer, and parts that "
-            "hang together by common edges are all cut all round where tabs hold one of them; without tabs on these "
-            "their edges are cut once"
+            "note: cuts.common: no common cuts for A.outer, B.outer, C.outer, D.outer: tabs hold B.outer, and parts "
+            "that hang together by common edges are all cut all round where tabs hold one of them; without tabs on "
+            "these their edges are cut once"
         ]
         if tabbed
         else []

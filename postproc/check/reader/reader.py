@@ -25,7 +25,7 @@ from .rows import in_file, rows_of
 from .tools import Tools
 from .tools_on import ToolsOn, what_was_done
 from .track import Track
-from .words import Block, block_of
+from .words import Block, block_of, plain_move
 
 
 def read_nc(
@@ -99,6 +99,7 @@ class Machine:
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []
         self.blocks = self.line = 0
+        self._without_conflicts: set[tuple[object, ...]] = set()
 
     def run(self, block: Block) -> None:
         """Comments, feed, tools, wait, modes, motion, end."""
@@ -110,14 +111,24 @@ class Machine:
         if self._names_program(block):
             return
         motion = self.moves.of(block)
-        refuse_conflicts(block, motion, self.control)
+        self._refuse_conflicts(block, motion)
         self.moves.feed(block)
-        self.tools.switch(block, motion, self.moves.modal(block))
+        if block.m or self.control.beam:
+            self.tools.switch(block, motion, self.moves.modal(block))
         self.moves.wait(block)
         if self.control.bare:  # there the torch, which this very block may have switched, tells a line from travel
             motion = self.moves.of(block)
         self.moves.move(block, motion)
-        self.tools.halt(block)
+        if block.m:
+            self.tools.halt(block)
+
+    def _refuse_conflicts(self, block: Block, motion: float | None) -> None:
+        """See `refuse_conflicts`: whether there are any hangs on words, not on the numbers of those by letter."""
+        codes = (tuple([word.value for word in block.g]), tuple([word.value for word in block.m]))
+        kind = (motion, *codes, *block.words)
+        if kind not in self._without_conflicts:
+            refuse_conflicts(block, motion, self.control)
+            self._without_conflicts.add(kind)
 
     def _names_program(self, block: Block) -> bool:
         """Whether a block only gives the program's number, as some controls want it to."""
@@ -140,6 +151,13 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
     opened: bool | None = None
     control = machine.control
     for line, raw in rows_of(text, control.longest, control.obeyed):
+        usual = machine.further is None and not machine.tools.ended and len(raw) <= control.longest_code
+        if usual and (move := plain_move(raw, line)) is not None:
+            opened = bool(opened)
+            if machine.filter is not None:
+                machine.filter.pass_move(raw, move, machine.moves.absolute)
+            yield move
+            continue
         row = row_of(raw, line)
         _expect_fit(row, line, control)
         if opened is None and raw.strip():
