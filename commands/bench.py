@@ -23,6 +23,8 @@ from .numbers import AMOUNT_OVER_ZERO
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock limit of each run, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,
               help="Limit of each run, the same on each machine; used without --time-limit.")  # fmt: skip
+@click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
+              help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.")  # fmt: skip
 @click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
               help="May be given more than once.")  # fmt: skip
 @click.option(
@@ -36,6 +38,7 @@ def command(
     engines: tuple[Any, ...],
     time_limit: float | None,
     work: float,
+    memory_gb: float,
     seeds: tuple[int, ...],
     best_known: str | None,
     profile: str,
@@ -53,7 +56,7 @@ def command(
         _expect(Path(file))
     best = read_best_known(best_known) if best_known else None
     jobs = [
-        BenchJob(file, engine, seed, work, time_limit, profile, trust)
+        BenchJob(file, engine, seed, work, time_limit, profile, trust, memory_gb)
         for file in files
         for engine in engines
         for seed in seeds

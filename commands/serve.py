@@ -22,9 +22,13 @@ NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any that is free, if left out.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="How much goes into a plan, as for solve.")  # fmt: skip
+@click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
+              help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.")  # fmt: skip
 @click.option("--open", "open_browser", is_flag=True, help="Open the page in the browser.")
 @TRUST
-def command(given: str, profile: str | None, port: int, work: float, open_browser: bool, trust: bool) -> None:
+def command(
+    given: str, profile: str | None, port: int, work: float, memory_gb: float, open_browser: bool, trust: bool
+) -> None:
     """Show NEST, or the nests of the folder DIR, in the browser: see, ask why, move, plan again and save.
 
     Only browsers of this machine reach it, by the address that is printed.
@@ -38,7 +42,7 @@ def command(given: str, profile: str | None, port: int, work: float, open_browse
         if open_browser:
             webbrowser.open_new_tab(address)
 
-    serve(Path(given), port=port, profile=_found(profile), work=work, trust=trust, ready=ready)
+    serve(Path(given), port=port, profile=_found(profile), work=work, memory_gb=memory_gb, trust=trust, ready=ready)
 
 
 def _is_there(name: str) -> bool:

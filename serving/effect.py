@@ -13,6 +13,7 @@ from kerfwise.jobs.listening import Listener, OnProgress
 from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.solve_options import options_for
+from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.models.plan.plan import Plan
 
 from .conflicts import first_told
@@ -41,27 +42,29 @@ class Effects:
     heard: Callable[[], OnProgress]
     _before: tuple[str, _Planned] | None = field(default=None)
 
-    def effect(self, wanted: Wanted, values: Sequence[tuple[str, str, str]]) -> dict[str, Any]:
+    def effect(
+        self, wanted: Wanted, values: Sequence[tuple[str, str, str]], memory_gb: float = MEMORY_GB
+    ) -> dict[str, Any]:
         """Figures `before` and `after` side by side, None where there is no plan, and then why, as `text`.
 
         Both have `breaches` by rule, as the profile before judges them: so it is seen what a rule that is switched off
         no longer forbids. `values` are rules, keys and values, as `with_rule_values` takes them.
         """
-        before = self._planned_before(wanted)
+        before = self._planned_before(wanted, memory_gb)
         changes = [{"set": f"rules.{rule}.{key}", "to": value} for rule, key, value in values]
         text, _ = edited(wanted, before.given, changes)
-        after = self._planned(replace(wanted, job_text=text))
+        after = self._planned(replace(wanted, job_text=text), memory_gb)
         told = {"before": _figures(before.plan, before.given), "after": _figures(after.plan, before.given)}
         return told | {"text": "; ".join(one.text for one in (before, after) if one.text)}
 
-    def _planned_before(self, wanted: Wanted) -> _Planned:
+    def _planned_before(self, wanted: Wanted, memory_gb: float) -> _Planned:
         if self._before is None or self._before[0] != wanted.key or not self._before[1].whole:
-            self._before = wanted.key, self._planned(wanted)
+            self._before = wanted.key, self._planned(wanted, memory_gb)
         return self._before[1]
 
-    def _planned(self, wanted: Wanted) -> _Planned:
+    def _planned(self, wanted: Wanted, memory_gb: float) -> _Planned:
         given = given_of(wanted)
-        limits = options_for(given.nest, given.profile, work=EFFECT_WORK)
+        limits = options_for(given.nest, given.profile, work=EFFECT_WORK, memory_gb=memory_gb)
         listener = Listener(self.heard())
         try:
             done = plan_nest(given, limits, already=already_of(wanted, given), listener=listener)

@@ -18,6 +18,7 @@ from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.page.page import page_data
 from kerfwise.jobs.solve_options import WORK, options_for
 from kerfwise.jobs.summary import summary_lines
+from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 
@@ -52,7 +53,9 @@ class Planner:
 
         return True
 
-    def solve(self, wanted: Wanted, work: float = WORK, relax: bool = False) -> dict[str, Any]:
+    def solve(
+        self, wanted: Wanted, work: float = WORK, relax: bool = False, memory_gb: float = MEMORY_GB
+    ) -> dict[str, Any]:
         """The plan with its program, or the conflict; what the engines reach is told meanwhile.
 
         Where less than the usual work finds neither a plan nor a contradiction, more is taken: `work` says how much.
@@ -62,7 +65,7 @@ class Planner:
         given = given_of(wanted)
         listener = Listener(self._reached())
         while True:
-            limits = options_for(given.nest, given.profile, work=work)
+            limits = options_for(given.nest, given.profile, work=work, memory_gb=memory_gb)
             try:
                 done = plan_nest(
                     given, limits, already=already_of(wanted, given), relax=relax, listener=listener, tell=notes.append
@@ -74,15 +77,18 @@ class Planner:
                 return {"conflict": conflict_told(no_plan, given.job)}
             except RulesConflict as error:
                 return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
-            return self._planned(wanted, given, done, listener.stopped) | {"notes": [*map(shown, notes)], "work": work}
+            said = {"notes": [*map(shown, notes)], "work": work, "memory_gb": memory_gb}
+            return self._planned(wanted, given, done, listener.stopped) | said
 
-    def tried(self, wanted: Wanted, changes: list[dict[str, Any]], relax: bool = False) -> dict[str, Any]:
+    def tried(
+        self, wanted: Wanted, changes: list[dict[str, Any]], relax: bool = False, memory_gb: float = MEMORY_GB
+    ) -> dict[str, Any]:
         """What a way out of a conflict would bring: a first plan's cost, or the sentence that is left in the way."""
         self._asking.begin()
         given = given_of(wanted)
         text, undone = edited(wanted, given, changes)
         given = given_of(replace(wanted, job_text=text))
-        limits = options_for(given.nest, given.profile, work=REMEDY_WORK)
+        limits = options_for(given.nest, given.profile, work=REMEDY_WORK, memory_gb=memory_gb)
         try:
             done = plan_nest(
                 given, limits, already=already_of(wanted, given), relax=relax, listener=Listener(self._reached())
@@ -98,10 +104,12 @@ class Planner:
         told = f"a plan with {idle_mm / 1000:.3f} m of idle travel" + (f", {relaxed} relaxed" if relaxed else "")
         return {"works": done.made.verdict.ok, "text": told, "idle_mm": float(idle_mm), "undone": undone}
 
-    def effect(self, wanted: Wanted, values: list[tuple[str, str, str]]) -> dict[str, Any]:
+    def effect(
+        self, wanted: Wanted, values: list[tuple[str, str, str]], memory_gb: float = MEMORY_GB
+    ) -> dict[str, Any]:
         """What other values of rules would bring: figures with them and without."""
         self._asking.begin()
-        return self._effects.effect(wanted, values)
+        return self._effects.effect(wanted, values, memory_gb)
 
     def _planned(self, wanted: Wanted, given: Given, done: Finished, stopped: bool) -> dict[str, Any]:
         """All that is kept of a plan: its files, and what a list of plans says of it."""

@@ -36,15 +36,23 @@ class Planning:
         Where it works.
     work
         How much goes into one plan, where nothing else is said.
+    memory_gb
+        What the tables of the engines may fill.
     planned
         Called with a session and the number of a plan that is shown now.
     """
 
     def __init__(
-        self, news: News, background: Background, work: float, planned: Callable[[Session, int], None]
+        self,
+        news: News,
+        background: Background,
+        work: float,
+        memory_gb: float,
+        planned: Callable[[Session, int], None],
     ) -> None:
         self.helper, self.turns = Helper("planner"), Turns(news)
         self._background, self._work, self._planned = background, work, planned
+        self._memory_gb = memory_gb
         self._now: Session | None = None
 
     def solve(self, session: Session, work: float | None = None, relax: bool = False) -> None:
@@ -85,7 +93,7 @@ class Planning:
         async def answered() -> Any:
             async with self.turns.turn(nest):
                 begun.set()
-                return await to_thread.run_sync(partial(self.helper.ask, question, **given))
+                return await to_thread.run_sync(partial(self.helper.ask, question, memory_gb=self._memory_gb, **given))
 
         answer, leaving = asyncio.ensure_future(answered()), asyncio.ensure_future(gone())
         try:
@@ -131,7 +139,8 @@ class Planning:
             self._now, session.solving = session, {**begun, "waits": False}
             session.tell("progress")
             try:
-                ask = partial(self.helper.ask, "solve", heard, wanted=wanted, work=work, relax=relax)
+                limits = {"work": work, "memory_gb": self._memory_gb}
+                ask = partial(self.helper.ask, "solve", heard, wanted=wanted, relax=relax, **limits)
                 told = await to_thread.run_sync(ask)
             except Refused as error:
                 session.changed(solving=None, problem=error.told["message"])

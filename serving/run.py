@@ -13,6 +13,7 @@ from starlette.types import ASGIApp
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.solve_options import WORK
+from kerfwise.models.engines.solution import MEMORY_GB
 
 from .app import make_app
 from .folder import Folder
@@ -30,6 +31,7 @@ def serve(
     port: int = 0,
     profile: str | None = None,
     work: float = WORK,
+    memory_gb: float = MEMORY_GB,
     trust: bool = False,
     ready: Callable[[str], None] = print,
 ) -> None:
@@ -45,6 +47,8 @@ def serve(
         What nests are planned by whose job file names none, as `load_profile` takes it.
     work
         How much goes into a plan.
+    memory_gb
+        What the tables of the engines may fill.
     trust
         Whether Python rules of profiles are run.
     ready
@@ -63,7 +67,7 @@ def serve(
         except OSError as error:
             raise InputError(f"--port {port}: {error.strerror}; leave it out for any that is free") from None
         port, token = listening.getsockname()[1], secrets.token_urlsafe(32)
-        app = make_app(Server(folder, profile, work, trust), token, port, first)
+        app = make_app(Server(folder, profile, work, trust, memory_gb), token, port, first)
         listening.listen()
         ready(f"http://{LOOPBACK}:{port}/?{TOKEN}={token}")
         with contextlib.suppress(KeyboardInterrupt):

@@ -15,6 +15,7 @@ from anyio import to_thread
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job.beside import beside_name
 from kerfwise.jobs.solve_options import WORK
+from kerfwise.models.engines.solution import MEMORY_GB
 
 from .alternative import Alternative
 from .background import Background
@@ -41,13 +42,22 @@ class Server:
         How much goes into one plan.
     trust
         Whether Python rules of profiles are run.
+    memory_gb
+        What the tables of the engines may fill.
     """
 
-    def __init__(self, folder: Folder, profile: str | None = None, work: float = WORK, trust: bool = False) -> None:
+    def __init__(
+        self,
+        folder: Folder,
+        profile: str | None = None,
+        work: float = WORK,
+        trust: bool = False,
+        memory_gb: float = MEMORY_GB,
+    ) -> None:
         self.folder, self.profile, self._trust = folder, profile, trust
         self.sessions: dict[str, Session] = {}
         self.news, self._background, self.desk = News(), Background(), Helper("desk")
-        self.planning = Planning(self.news, self._background, work, self._prepare)
+        self.planning = Planning(self.news, self._background, work, memory_gb, self._prepare)
 
     async def begin(self) -> None:
         """Start the processes, so that the first plan does not wait for them."""

@@ -9,6 +9,7 @@ from typing import Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job.beside import beside_name
 from kerfwise.jobs.solve_options import WORK
+from kerfwise.models.engines.solution import MEMORY_GB
 
 from .alternative import Alternative
 from .job_text import JobText
@@ -111,7 +112,9 @@ class Session:
     def add(self, told: dict[str, Any], wanted: Wanted, relax: bool) -> None:
         """Keep a plan that was made, and show it."""
         work = told["work"]
-        options = (f" --work {work:g}" if work != WORK else "") + (" --relax" if relax else "")
+        options = f" --work {work:g}" if work != WORK else ""
+        options += f" --memory {told['memory_gb']:g}" if told["memory_gb"] != MEMORY_GB else ""
+        options += " --relax" if relax else ""
         keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped")
         parts = {key: told[key] for key in keys}
         broken, notes = tuple(told["broken"]), tuple(told["notes"])

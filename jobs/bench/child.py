@@ -44,7 +44,9 @@ class _Stopwatch:
 
 def run_in_child(job: BenchJob) -> BenchResult:
     """Run a job in this process."""
-    options = SolveOptions(seed=job.seed, work=job.work, time_s=job.time_s, member=member_of(job.engine))
+    options = SolveOptions(
+        seed=job.seed, work=job.work, time_s=job.time_s, member=member_of(job.engine), memory_gb=job.memory_gb
+    )
     outcome = _route(job, options) if is_instance(job.path) else _nest(job)
     return BenchResult(
         instance=outcome.instance,
@@ -102,7 +104,15 @@ def _nest(job: BenchJob) -> _Outcome:
 
     profile = load_profile(job.profile, trust=job.trust) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())
-    limits = options_for(nest, profile, work=job.work, seed=job.seed, time_s=job.time_s, engine=job.engine)
+    limits = options_for(
+        nest,
+        profile,
+        work=job.work,
+        seed=job.seed,
+        time_s=job.time_s,
+        engine=job.engine,
+        memory_gb=job.memory_gb,
+    )
     load_kernels()
     spent = _Stopwatch()
     try:

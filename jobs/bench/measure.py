@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import Engine
+from kerfwise.models.engines.solution import MEMORY_GB
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +23,7 @@ class BenchJob:
     time_s: float | None = None
     profile: str = ""
     trust: bool = False
+    memory_gb: float = MEMORY_GB
 
 
 @dataclass(frozen=True, slots=True)

@@ -155,16 +155,16 @@ def test_little_work_that_finds_no_plan_is_followed_by_more(tmp_path: Path, monk
     """A lock may leave so few orders that a short search meets none: the command line of the plan says what it took."""
     monkeypatch.chdir(tmp_path)
     (nest := tmp_path / "small.json").write_text(SMALL, encoding="utf-8")
-    tried: list[float] = []
+    tried: list[tuple[float, float]] = []
 
     def plan_nest(given: Any, limits: Any, **rest: Any) -> Any:
-        tried.append(limits.work)
+        tried.append((limits.work, limits.memory_gb))
         if len(tried) < 3:
             raise NoPlan(RulesConflict("none was found within the limit"), cast(Any, None), given.profile)
         return main_job.plan_nest(given, limits, **rest)
 
     monkeypatch.setattr(planner, "plan_nest", plan_nest)
     asking = SimpleNamespace(begin=lambda: None, tell=lambda **told: None, stopped=False)
-    told = planner.Planner(cast(Any, asking)).solve(Wanted(str(nest)), 0.25)
-    assert tried == [0.25, 1.0, 4.0]
-    assert (told["work"], told["ok"]) == (4.0, True)
+    told = planner.Planner(cast(Any, asking)).solve(Wanted(str(nest)), 0.25, memory_gb=1.5)
+    assert tried == [(0.25, 1.5), (1.0, 1.5), (4.0, 1.5)]
+    assert (told["work"], told["memory_gb"], told["ok"]) == (4.0, 1.5, True)

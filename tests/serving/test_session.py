@@ -44,7 +44,8 @@ def test_lock_and_plan_and_back(opened: Open) -> None:
     assert tab.post("back", 422, to=9)["message"] == "there is no plan 9 in this session"
 
 
-def test_cut_up_to_here(opened: Open) -> None:
+def test_cut_up_to_here(opened: Open, served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(served.server.planning, "_memory_gb", 1.5)
     tab = opened()
     tab.solved()
     assert tab.post("cut", 200, upto=2)["upto"] == 2
@@ -52,7 +53,9 @@ def test_cut_up_to_here(opened: Open) -> None:
     saved = saved_files(tab)
     plan = json.loads(saved["plan.json"])
     assert ([cut["contour"] for cut in plan["cuts"]], plan["resumed_after"]) == (["B.outer", "C.outer"], 2)
-    assert told["alternatives"][1]["command"].endswith("--lock-from small.before.plan.json --upto 2 --work 1")
+    assert told["alternatives"][1]["command"].endswith(
+        "--lock-from small.before.plan.json --upto 2 --work 1 --memory 1.5"
+    )
     tab.nest.with_name("small.nc").unlink()
     command_line(tab.nest.parent, told["alternatives"][1]["command"])
     assert tab.nest.with_name("small.nc").read_bytes() == saved["nc"]

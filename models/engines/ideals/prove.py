@@ -8,7 +8,7 @@ soon, every limit that no plan kept to is a bound.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -29,6 +29,7 @@ from .lattice import THREADS
 from .local import Local
 from .missed import missed_in
 from .prune import least_in, least_rest, walked_rest
+from .rising import rising
 from .series import series
 from .sweep import Rests, sweep_through
 
@@ -39,9 +40,6 @@ STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
-NEAR, WIDER, FAR_OVER = 0.005, 1.6, 0.1
-"""By what share of the bound a plan may be dearer that is looked for first, how many times as much next, and from what
-share on a limit drops next to no states."""
 MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 """Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
@@ -188,7 +186,7 @@ class _Rounds:
         swept = False
         with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
             rests, least = self._rests(bound, budget, threads)
-            for limit in rising(least, self.known):
+            for limit in rising(least, self.known, lambda: budget.work.left):
                 if limit is not None and limit < self.least:
                     continue
                 best = sweep_through(self.problem, limit, rests, replace(budget), threads)  # layers are kept for once
@@ -206,21 +204,6 @@ class _Rounds:
             return (lambda number, local, earlier: walked_rest(local, earlier, bound)), bound.root
         least = least_in(self.problem)
         return (lambda number, local, earlier: least_rest(local, earlier, least)), inf
-
-
-def rising(least: float, known: int | None) -> Iterator[int | None]:
-    """What plans that are looked for may cost, from little more than the `least` on; at last as much as a known one.
-
-    Examples
-    --------
-    >>> list(rising(1000.0, 1020)), list(rising(1000.0, 1002)), list(rising(inf, None))
-    ([1005, 1008, 1012, 1020], [1002], [None])
-    """
-    over = NEAR * least
-    while known is not None and 1 <= over < FAR_OVER * least and least + over < known:
-        yield int(least + over)
-        over *= WIDER
-    yield known
 
 
 def _held(bound: Completion | _Apart | None) -> int:

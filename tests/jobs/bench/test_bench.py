@@ -56,6 +56,16 @@ def test_the_table_tells_the_gap(tmp_path: Path) -> None:
     assert "1 proven, at or under best known 1 of 1" in summary
 
 
+@pytest.mark.slow
+def test_tables_that_do_not_fit_into_the_memory_given_are_not_made() -> None:
+    nine = str(EXAMPLES / "routing" / "nine.pcglns")
+    asked = [nine, "--engine", "ideals", "--work", "1", "--json"]
+    plenty = CliRunner().invoke(command, asked, standalone_mode=False)
+    scarce = CliRunner().invoke(command, [*asked, "--memory", "1e-6"], standalone_mode=False)
+    assert (plenty.return_value, json.loads(plenty.stdout)[0]["proven"]) == (0, True)
+    assert (scarce.return_value, json.loads(scarce.stdout)[0]["cost"]) == (1, None)
+
+
 def test_gaps_are_of_feasible_tours_only() -> None:
     assert "+3.00%" in line(result(), 100.0)
     assert "%" not in line(result(fault="a cluster is not visited once"), 100.0)

@@ -1,0 +1,42 @@
+"""What plans that are looked for may cost: little at first, as the less it is the fewer states are gone through."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import log
+
+NEAR, WIDER, FAR_OVER = 0.005, 1.6, 0.1
+"""By what share of the bound a plan may be dearer that is looked for first, how many times as much next, and from what
+share on limits rise by what sweeps take."""
+DEARER, LITTLE = 4.0, 0.002
+"""How many times as much work as the last one the next sweep may take where limits are far; less than that share of
+what is left says nothing of the next."""
+
+
+def rising(least: float, known: int | None, left: Callable[[], float]) -> Iterator[int | None]:
+    """Limits from little more than the `least` on; at last as much as a plan that is `known`, None where none is.
+
+    `left` is the work that is left when it is called: what a sweep takes rises about as a power of its limit, so that
+    the last two say how far the next may reach. Where limits drop next to nothing, it is to the known plan.
+
+    Examples
+    --------
+    >>> plenty = lambda: 1e9
+    >>> list(rising(1000.0, 1020, plenty)), list(rising(1000.0, 1002, plenty)), list(rising(1000.0, None, plenty))
+    ([1005, 1008, 1012, 1020], [1002], [None])
+    """
+    over, step, before = NEAR * least, NEAR * least, 0.0
+    while known is not None and over >= 1 and least + over < known:
+        had = left()
+        yield int(least + over)
+        taken = had - left()
+        near = over < FAR_OVER * least / WIDER
+        if near or before <= 0.0 or taken < LITTLE * had:
+            step = (WIDER - 1.0) * over
+        else:
+            times = log(max(1.0, taken / before)) / step  # of the work, a unit of the limit more
+            if times * (known - least - over) <= log(DEARER):
+                break
+            step = log(DEARER) / times
+        over, before = over + step, taken
+    yield known

@@ -1,0 +1,111 @@
+"""Limits that rise, and proofs by them where no orders make the sets few: against every order, and against CP-SAT."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from functools import partial
+from itertools import pairwise, permutations
+from math import exp
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.models.engines.bounds import complete
+from kerfwise.models.engines.ideals import prove
+from kerfwise.models.engines.ideals.rising import DEARER, rising
+from kerfwise.models.engines.solution import Incumbent, SolveOptions
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.routing import Instance, solve_instance
+
+WORK = (3e-5, 2e-4, 10.0)
+"""Too little for most, enough for some, and plenty."""
+
+
+def without_orders(n: int, sites: int, seed: int) -> Instance:
+    """Any cost from anywhere to anywhere: bounds are far below such tours."""
+    random, m = np.random.default_rng((n, sites, seed)), n * sites
+    clusters = (*(tuple(range(i * sites, (i + 1) * sites)) for i in range(n)), (m,))
+    orders = np.empty((0, 2), dtype=np.int64)
+    return Instance("made", random.integers(0, 1001, (m + 1, m + 1)), clusters, orders, start=m, closed=True)
+
+
+def least_of_every_order(instance: Instance) -> int:
+    """The best tour's cost: every order of the clusters, each with the best vertex of every cluster."""
+    cost, (home,) = instance.cost.tolist(), instance.clusters[-1]
+    least = 1 << 60
+    for order in permutations(instance.clusters[:-1]):
+        row = {home: 0}
+        for members in (*order, (home,)):
+            row = {t: min(value + cost[s][t] for s, value in row.items()) for t in members}
+        least = min(least, row[home])
+    return least
+
+
+@pytest.fixture
+def nothing_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Walks that may come back to any contour, so that bounds of small problems are low, too."""
+    forgetful = partial(complete, most_neighbours=0)
+    module = importlib.import_module("kerfwise.models.engines.ideals.prove")
+    monkeypatch.setattr(module.bounds, "complete", forgetful)
+
+
+@pytest.mark.usefixtures("nothing_remembered")
+@pytest.mark.parametrize("sites", [1, 2, 3])
+def test_without_orders_the_proof_is_the_best_of_every_order(sites: int) -> None:
+    proven = left = 0
+    for seed in range(120):
+        instance = without_orders(6 - sites // 3, sites, seed)
+        problem, least = instance.problem, least_of_every_order(instance)
+        route = tuple(int(problem.first[c]) for c in range(problem.n))
+        far = Incumbent(route, route_cost(problem, route))
+        found = prove(problem, far, WORK[seed % len(WORK)])
+        if found is None or found.incumbent is None:
+            assert found is None or (found.least is not None and found.least <= least)
+            left += 1
+            continue
+        assert found.incumbent.cost == least == route_cost(problem, found.incumbent.route)
+        assert sorted(int(problem.site_contour[s]) for s in found.incumbent.route) == list(range(problem.n))
+        proven += 1
+    assert proven >= 40
+    assert left > 0
+
+
+@pytest.mark.parametrize(("n", "sites"), [(9, 1), (8, 2), (7, 3)])
+def test_without_orders_the_proof_is_what_cp_sat_proves(n: int, sites: int) -> None:
+    instance = without_orders(n, sites, seed=7)
+    ours = solve_instance(instance, SolveOptions(work=5.0, member="ideals"))
+    theirs = solve_instance(instance, SolveOptions(work=60.0, member="cp-sat"))
+    assert ours.proven
+    assert theirs.proven
+    assert ours.cost == theirs.cost
+
+
+def limits(least: float, known: int, rate: float, work: float = 1e4) -> Iterator[tuple[int, float]]:
+    """Limits, and what a sweep of each takes where that rises by `rate` a unit, up to what all states take."""
+    spent: list[float] = []
+    for limit in rising(least, known, lambda: work - sum(spent)):
+        assert limit is not None
+        taken = min(work / 50, exp(min(700.0, rate * (limit - least))))
+        yield limit, taken
+        spent.append(taken)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.floats(1.0, 1e9), st.integers(1, 1 << 40), st.floats(1e-9, 1.0))
+def test_limits_rise_to_what_is_known(least: float, known: int, rate: float) -> None:
+    found = [limit for limit, _ in limits(least, known, min(rate, 60.0 / known))]
+    assert found[-1] == known
+    assert all(a < b for a, b in pairwise(found))
+
+
+def test_far_from_the_bound_no_sweep_takes_far_more_than_the_one_before() -> None:
+    taken = [work for limit, work in limits(1000.0, 1600, rate=0.014) if limit >= 1100]
+    assert len(taken) >= 3
+    assert all(b <= 1.1 * DEARER * a for a, b in pairwise(taken))
+
+
+def test_where_limits_drop_nothing_it_is_to_the_known_plan_at_once() -> None:
+    assert [limit for limit, _ in limits(1000.0, 5000, rate=1.0, work=300.0)][-2] < 1200
