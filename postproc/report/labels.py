@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,8 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part
 
-from .text_room import TextPlace, find_room
+from .asking import Asking, all_asked
+from .text_room import Room, Shapes, TextPlace, find_room, find_rooms
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
@@ -47,32 +48,45 @@ def place_labels(
     larger.
     """
     filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
-    places: dict[str, TextPlace] = {}
-    for part in nest.parts:
-        size_mm, tried = wanted_mm, _of_part(part, labels, wanted_mm, filled, window)
-        while _meet(tried) and size_mm > wanted_mm * _LEAST:
-            size_mm /= 2.0
-            tried = _of_part(part, labels, size_mm, filled, window)
-        places |= tried
-    return places | _in_the_skeleton(nest, labels, wanted_mm, window)
+    tried = _of_parts(nest.parts, labels, wanted_mm, filled, window)
+    size_mm, crowded = wanted_mm, [k for k, places in enumerate(tried) if _meet(places)]
+    while crowded and size_mm > wanted_mm * _LEAST:
+        size_mm /= 2.0
+        again = _of_parts([nest.parts[k] for k in crowded], labels, size_mm, filled, window)
+        for k, places in zip(crowded, again, strict=True):
+            tried[k] = places
+        crowded = [k for k in crowded if _meet(tried[k])]
+    found = {name: place for places in tried for name, place in places.items()}
+    return found | _in_the_skeleton(nest, labels, wanted_mm, window)
 
 
-def _of_part(
-    part: Part,
+def _of_parts(
+    parts: Sequence[Part],
     labels: Mapping[str, Label],
     wanted_mm: float,
     filled: Mapping[str, shapely.Geometry],
     window: shapely.Polygon | None,
-) -> dict[str, TextPlace]:
-    metal = _free_metal(part, wanted_mm, window)
-    in_holes = {
-        hole.id: _in_hole(hole, labels[hole.id], wanted_mm, filled.get(hole.id), window)
-        for hole in part.holes
-        if hole.id in labels
-    }
-    tried = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False) or {}
-    if in_holes and (above_mm := _smallest(tried)) < _ENOUGH * wanted_mm:  # without holes it would be the same again
-        return _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True, above_mm=above_mm) or tried
+) -> list[dict[str, TextPlace]]:
+    """The labels of every part."""
+    metals = _free_metals(parts, wanted_mm, window)
+    holes = [hole for part in parts for hole in part.holes if hole.id in labels]
+    in_holes = dict(zip((h.id for h in holes), _in_holes(holes, labels, wanted_mm, filled, window), strict=True))
+    of_each = zip(parts, metals.tolist(), strict=True)
+    return all_asked([_of_part(part, metal, labels, wanted_mm, in_holes) for part, metal in of_each])
+
+
+def _of_part(
+    part: Part,
+    metal: shapely.Geometry,
+    labels: Mapping[str, Label],
+    wanted_mm: float,
+    in_holes: Mapping[str, TextPlace | None],
+) -> Asking[dict[str, TextPlace]]:
+    tried = (yield from _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False)) or {}
+    holes = any(hole.id in labels for hole in part.holes)
+    if holes and (above_mm := _smallest(tried)) < _ENOUGH * wanted_mm:  # without holes it would be the same again
+        better = yield from _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True, above_mm=above_mm)
+        return better or tried
     return tried
 
 
@@ -92,16 +106,14 @@ def place_names(
     """Where the name of each part stands in the metal that the numbers leave, by part id, where it has room."""
     taken = shapely.STRtree([place.box() for place in numbers.values()])
     boxes = taken.geometries
-    found: dict[str, TextPlace] = {}
-    for part in nest.parts:
-        metal = _free_metal(part, wanted_mm, None)
+    rooms: list[Room] = []
+    for part, metal in zip(nest.parts, _free_metals(nest.parts, wanted_mm, None), strict=True):
         near = boxes[taken.query(metal, predicate="intersects")]
         if len(near):
             metal = metal.difference(shapely.union_all(near).buffer(0.2 * wanted_mm, join_style="mitre"))
-        place = find_room(metal, part.id, _NAME * wanted_mm)
-        if place is not None and place.size_mm >= least_mm:
-            found[part.id] = place
-    return found
+        rooms.append(Room(metal, part.id, _NAME * wanted_mm))
+    found = zip(nest.parts, find_rooms(rooms), strict=True)
+    return {part.id: place for part, place in found if place is not None and place.size_mm >= least_mm}
 
 
 def _in_the_skeleton(
@@ -129,13 +141,15 @@ def _smallest(places: Mapping[str, TextPlace]) -> float:
     return min((p.size_mm for p in places.values()), default=math.inf)
 
 
-def _free_metal(part: Part, wanted_mm: float, window: shapely.Polygon | None) -> shapely.Geometry:
-    """The part's metal in the window, clear of its marks where these leave anything."""
-    metal = _seen(part.polygon, wanted_mm, window)
-    if not part.marks:
-        return metal
-    clear = metal.difference(shapely.union_all([m.line for m in part.marks]).buffer(0.15 * wanted_mm))
-    return metal if clear.is_empty else clear
+def _free_metals(parts: Sequence[Part], wanted_mm: float, window: shapely.Polygon | None) -> Shapes:
+    """The metal of parts in the window, clear of their marks where these leave anything."""
+    metals = _seen([part.polygon for part in parts], wanted_mm, window)
+    for k, part in enumerate(parts):
+        if part.marks:
+            marks = shapely.union_all([m.line for m in part.marks]).buffer(0.15 * wanted_mm)
+            clear = metals[k].difference(marks)
+            metals[k] = metals[k] if clear.is_empty else clear
+    return metals
 
 
 def _place_part(
@@ -146,7 +160,7 @@ def _place_part(
     in_holes: Mapping[str, TextPlace | None],
     outer_first: bool,
     above_mm: float = 0.0,
-) -> dict[str, TextPlace] | None:
+) -> Asking[dict[str, TextPlace] | None]:
     """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none).
 
     `in_holes` is where those of holes stand within them. None where one of them is no larger than `above_mm`.
@@ -154,64 +168,85 @@ def _place_part(
     whole, open_lines = metal, (*part.marks, *part.slits)
     contours = (part.outer, *part.holes, *open_lines) if outer_first else (*part.holes, part.outer, *open_lines)
     places: dict[str, TextPlace] = {}
+    last: TextPlace | None = None
     for contour in contours:
         if contour.id not in labels:
             continue
         label = labels[contour.id]
-        if contour.kind == "outer":
-            place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, _point(label), bold=True)
-        elif not contour.encloses:
-            place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, contour.line)
-        else:
-            place = in_holes[contour.id]
-            if place is None or place.size_mm < _ENOUGH * wanted_mm:
+        place = in_holes.get(contour.id)
+        inside = contour.encloses and contour.kind != "outer"
+        if not inside or place is None or place.size_mm < _ENOUGH * wanted_mm:
+            if last is not None:
+                metal, last = (yield _less, (metal, last)), None
+            if inside:
                 least_mm = 0.0 if place is None else max(above_mm, place.size_mm)
-                beside = _beside(metal, contour, label, wanted_mm, least_mm)
-                if beside is not None and (place is None or beside.size_mm > place.size_mm):
-                    place = beside
+                band = yield _around, (metal, contour.polygon, _BESIDE * wanted_mm)
+                room = Room(band, label.text, wanted_mm, _point(label) or contour.line, above_mm=least_mm)
+            else:
+                near, bold = (_point(label), True) if contour.kind == "outer" else (contour.line, False)
+                room = Room(whole if metal.is_empty else metal, label.text, wanted_mm, near, bold)
+            found = yield find_rooms, room
+            if not inside or (found is not None and (place is None or found.size_mm > place.size_mm)):
+                place = found
         if place is not None:
             if place.size_mm <= above_mm:
                 return None
             places[contour.id] = place
-            metal = metal.difference(place.box().buffer(0.12 * place.size_mm, join_style="mitre"))
+            if last is not None:
+                metal = yield _less, (metal, last)
+            last = place
     return places
+
+
+def _less(asked: Sequence[tuple[shapely.Geometry, TextPlace]]) -> Shapes:
+    """What texts, with some air around them, leave of areas."""
+    areas, places = zip(*asked, strict=True)
+    air_mm = np.array([0.12 * place.size_mm for place in places])
+    boxes = shapely.buffer([place.box() for place in places], air_mm, join_style="mitre")
+    left: Shapes = shapely.difference(np.array(areas, dtype=object), boxes)
+    return left
+
+
+def _around(asked: Sequence[tuple[shapely.Geometry, shapely.Geometry, float]]) -> Shapes:
+    """What of areas lies so near to others."""
+    areas, others, far_mm = zip(*asked, strict=True)
+    bands = shapely.buffer(np.array(others, dtype=object), np.array(far_mm), quad_segs=4)
+    near: Shapes = shapely.intersection(np.array(areas, dtype=object), bands)
+    return near
 
 
 def _point(label: Label) -> shapely.Point | None:
     return None if label.near is None else shapely.Point(label.near)
 
 
-def _in_hole(
-    hole: Contour,
-    label: Label,
+def _in_holes(
+    holes: Sequence[Contour],
+    labels: Mapping[str, Label],
     wanted_mm: float,
-    filled: shapely.Geometry | None,
+    filled: Mapping[str, shapely.Geometry],
     window: shapely.Polygon | None,
-) -> TextPlace | None:
-    """The place in a hole, clear of what lies in it and of its lead."""
-    area = _seen(hole.polygon, wanted_mm, window)
-    if filled is not None:
-        area = area.difference(filled)
-    leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
-    clear = area.difference(shapely.union_all(leads)) if leads else area
-    return find_room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label))
+) -> list[TextPlace | None]:
+    """The places in holes, clear of what lies in them and of their leads."""
+    areas = _seen([hole.polygon for hole in holes], wanted_mm, window)
+    rooms = []
+    for hole, area in zip(holes, areas.tolist(), strict=True):
+        label = labels[hole.id]
+        if hole.id in filled:
+            area = area.difference(filled[hole.id])
+        leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
+        clear = area.difference(shapely.union_all(leads)) if leads else area
+        rooms.append(Room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label)))
+    return find_rooms(rooms)
 
 
-def _beside(
-    metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: float, above_mm: float
-) -> TextPlace | None:
-    """The place in the metal by a hole, for a text larger than it could be elsewhere."""
-    band = metal.intersection(hole.polygon.buffer(_BESIDE * wanted_mm, quad_segs=4))
-    return find_room(band, label.text, wanted_mm, _point(label) or hole.line, above_mm=above_mm)
-
-
-def _seen(area: shapely.Geometry, wanted_mm: float, window: shapely.Polygon | None) -> shapely.Geometry:
+def _seen(areas: Sequence[shapely.Geometry], wanted_mm: float, window: shapely.Polygon | None) -> Shapes:
     """What lies in the window, with no more points than a label can tell: curves of a thousand chords are slow."""
-    exact = shapely.make_valid(area)
+    exact = shapely.make_valid(np.array(areas, dtype=object))
     # A simplified outline may stray outwards, so it is drawn in by as much: labels stay inside the exact one.
-    simple = shapely.make_valid(exact.simplify(_FINE * wanted_mm)).buffer(-_FINE * wanted_mm, join_style="mitre")
-    seen = exact if simple.is_empty else simple
-    return seen if window is None else seen.intersection(window)
+    fewer = shapely.make_valid(shapely.simplify(exact, _FINE * wanted_mm))
+    simple = shapely.buffer(fewer, -_FINE * wanted_mm, quad_segs=16, join_style="mitre")
+    seen: Shapes = np.where(shapely.is_empty(simple), exact, simple)
+    return seen if window is None else shapely.intersection(seen, window)
 
 
 def _nested_metal(nest: Nest, holes: list[Contour]) -> dict[str, shapely.Geometry]:

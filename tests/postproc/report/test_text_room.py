@@ -7,7 +7,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kerfwise.postproc.report.text_room import find_room
+from kerfwise.postproc.report.text_room import Room, find_room, find_rooms
 
 
 def test_a_text_with_room_has_the_wanted_size_and_stands_near_its_target() -> None:
@@ -81,3 +81,20 @@ def test_where_no_larger_text_fits_than_is_known_there_is_none(size: tuple[float
     assert place is not None
     assert find_room(area, "123", 30.0, above_mm=0.8 * place.size_mm) == place
     assert find_room(area, "123", 30.0, above_mm=3 * place.size_mm) is None
+
+
+def test_many_texts_are_each_placed_as_if_alone() -> None:
+    corner = shapely.Polygon([(0, 0), (80, 0), (80, 15), (15, 15), (15, 90), (0, 90)])
+    areas = [shapely.box(0, 0, 100, 10), corner, shapely.Polygon(), shapely.box(0, 0, 4, 60)]
+    near = [None, shapely.Point(70, 5), shapely.LineString([(0, 80), (9, 80)])]
+    rooms = [
+        Room(area, text, wanted_mm, target, bold, above_mm)
+        for area in areas
+        for text, bold in (("7", False), ("1234", True))
+        for wanted_mm, above_mm in ((5.0, 0.0), (30.0, 3.0))
+        for target in near
+    ]
+    together = find_rooms(rooms)
+    assert together == [find_rooms([room])[0] for room in rooms]
+    assert {True, False} == {place.turned for place in together if place is not None}
+    assert None in together
