@@ -70,17 +70,18 @@ class Forcing:
             {self._number[b] for name in group for b in self._directly[name]} - {k}
             for k, group in enumerate(self._groups)
         ]
-        before = [0] * len(self._groups)
+        with_itself = [1 << k for k in range(len(self._groups))]
+        in_turn = all(other < k for k, others in enumerate(straight) for other in others)
         changed = True
         while changed:
             changed = False
             for k, others in enumerate(straight):
-                reached = before[k]
+                reached = with_itself[k]
                 for other in others:
-                    reached |= before[other] | 1 << other
-                if reached != before[k]:
-                    before[k], changed = reached, True
-        return before
+                    reached |= with_itself[other]
+                if reached != with_itself[k]:
+                    with_itself[k], changed = reached, not in_turn
+        return [reached & ~(1 << k) for k, reached in enumerate(with_itself)]
 
     @cached_property
     def _directly(self) -> dict[str, set[str]]:

@@ -104,7 +104,10 @@ def _asked(
     mine = np.array([-1 if own[k] is None else own[k] for k in burns.tolist()], dtype=np.int64)
     other = ring != mine[row]
     row, ring = row[other], ring[other]
+    some = asked[np.unique(row)]
+    shapely.prepare(some)
     near = shapely.dwithin(asked[row], around[ring], within_mm)
+    shapely.destroy_prepared(some)
     return set(burns[row[near]].tolist())
 
 
