@@ -11,10 +11,12 @@ import shapely
 
 from kerfwise.arrays import Bools
 from kerfwise.encoder.cut import Cut, CutSequence
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.nest import Contour, Nest
 
 from .pierce_places import SLACK_MM, Finding, pairs_found, spot
+
+CHORD_MM = 0.01
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -138,13 +140,15 @@ def _older(burn: _BurntLine, position: int, contour: Contour) -> bool:
 
 
 def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterator[_BurntLine]:
-    for k, cut, contour in through:
+    leads = [list(_named_leads(cut)) for _, cut, _ in through]
+    lines = iter(lines_of([lead for row in leads for _, lead in row], CHORD_MM))
+    for (k, _, contour), row in zip(through, leads, strict=True):
         yield _BurntLine(
             k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm if contour.encloses else kerf_mm / 2
         )
-        for name, lead in _named_leads(cut):
+        for name, _ in row:
             what = f"the {name} of {contour.id} (cut {k})"
-            yield _BurntLine(k, contour, what, lead.line(), kerf_mm / 2, is_own_lead=name != "link")
+            yield _BurntLine(k, contour, what, next(lines), kerf_mm / 2, is_own_lead=name != "link")
 
 
 def _leads_of(
@@ -155,15 +159,15 @@ def _leads_of(
     A link is also without what lies in the kerf of the contour it comes from, `before` by position, and its first kerf.
     """
     named = [(*row, name, lead) for row in through for name, lead in _named_leads(row[1])]
-    free: list[Any] = []
+    ways: list[Curve | None] = []
     for _, _, _, name, lead in named:
         free_mm = lead.length_mm - kerf_mm / 2
         if name == "lead-out":
-            free.append(lead.line())
+            ways.append(lead)
         else:
-            free.append(
-                lead.between(0.0, free_mm).line() if free_mm > SLACK_MM / 100 else None
-            )  # else none but rounding
+            ways.append(lead.between(0.0, free_mm) if free_mm > SLACK_MM / 100 else None)  # else none but rounding
+    made = iter(lines_of([way for way in ways if way is not None], CHORD_MM))
+    free = [None if way is None else next(made) for way in ways]
     ways_out = [k for k, (_, _, _, name, _) in enumerate(named) if name == "lead-out"]
     kerfs = shapely.buffer(np.array([named[k][2].line for k in ways_out], dtype=object), kerf_mm + SLACK_MM)
     lines = np.array([free[k] for k in ways_out], dtype=object)
