@@ -15,6 +15,7 @@ from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import About, AtLeast, Before, Statement
 
 from .cycles import Link
+from .in_runs import order_in_runs
 
 MOST_ROWS = 100_000
 """Where the program had more rows, nothing is dropped: the contradiction is told as any other."""
@@ -116,6 +117,8 @@ def in_the_way(
     >>> in_the_way(3, [(0, 2), (1, 2)], [2, 1], [], {2: 2})
     ([1], True)
     """
+    if not cycles and _nothing_in_the_way(n, links, runs, at):
+        return [], True
     sizes = sorted({size for place in at.values() for size in (place - 1, place)} - {0, n})
     group = np.arange(n)
     for run in runs:
@@ -160,6 +163,16 @@ def in_the_way(
     for cycle in cycles:
         program.row([(number, 1) for number in sorted(cycle) if weights[number] is not None], 1, ANY)
     return program.least([w or 0 for w in weights])
+
+
+def _nothing_in_the_way(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], at: Mapping[int, int]) -> bool:
+    """Whether an order was found in which all links, runs and positions hold."""
+    firm = {contour: position - 1 for contour, position in at.items()}
+    place = order_in_runs(n, links, runs, firm, firm)
+    if place is None or any(place[contour] != position for contour, position in firm.items()):
+        return False
+    spans = [[place[contour] for contour in run] for run in runs]
+    return all(max(span) - min(span) < len(set(span)) for span in spans)
 
 
 class _Program:

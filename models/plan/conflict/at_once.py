@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from kerfwise.rules.stating.cycles import Link, components, contracted
+from kerfwise.rules.stating.likely_order import likely_order
 
 from .group import Group
-from .likely_order import likely_order
 from .orders import Orders
 from .shortest_cycle import shortest_cycle
 from .shrinking import shrink, without_rules

@@ -40,10 +40,10 @@ from kerfwise.rules.statements import (
     Precede,
     plain,
 )
+from kerfwise.rules.stating.likely_order import likely_order
 from kerfwise.rules.stating.places import ends_of
 
 from .group import CanClash, Group, contours_of
-from .likely_order import likely_order
 from .solver import WORK_PER_STATEMENT, NotAnswered, solver_within
 
 WORK = 20.0

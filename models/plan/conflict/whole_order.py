@@ -27,10 +27,10 @@ from kerfwise.rules.statements import (
     Precede,
 )
 from kerfwise.rules.stating.cycles import Link
+from kerfwise.rules.stating.in_runs import order_in_runs
 
 from .at_once import bounds
 from .group import CanClash, Group
-from .in_runs import order_in_runs
 from .orders import Orders, forced
 
 TRIES = 20

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from kerfwise.encoder.components import weak_components
-from kerfwise.rules.stating.cycles import Link
 
+from .cycles import Link
 from .likely_order import likely_order
 
 
