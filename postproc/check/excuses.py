@@ -119,10 +119,12 @@ def _out_of_place(
     kept = [pair for pair in asked if at[pair[0]] < at[pair[1]]]
     told = ", ".join(f"{name} at position {place}" for name, place in sorted(places.items(), key=lambda p: p[1]))
     found, room = {}, Room(list(at), runs, places)
+    firm_by: dict[int, list[Ids]] = {}
     for pair, rule in asked.items():
         softest = book[rule].gives_way
         if softest and at[pair[0]] > at[pair[1]]:
-            firm = [k for k in kept if book[asked[k]].gives_way <= softest]
-            if room.none([*firm, pair]):
+            if softest not in firm_by:
+                firm_by[softest] = [k for k in kept if book[asked[k]].gives_way <= softest]
+            if room.none(firm_by[softest], [pair]):
                 found[pair] = f"locks leave no room for this order: {told}"
     return found

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from ortools.sat.python.cp_model import CpModel
 
 WORK, WORK_IN_ALL = 5.0, 20.0
 """CP-SAT's deterministic seconds for a question, and for all; where they do not show that there is no room, some
@@ -32,12 +35,17 @@ class Room:
     def __init__(self, names: Sequence[str], runs: Sequence[Sequence[str]], at: Mapping[str, int]) -> None:
         self._names, self._at = names, at
         self._run_of = {name: (name,) for name in names} | {name: tuple(run) for run in runs for name in run}
+        self._runs = list(dict.fromkeys(self._run_of.values()))
         self._left = WORK_IN_ALL
+        self._asked: tuple[Sequence[OrderedPair], CpModel] | None = None
         self.questions = 0
 
-    def none(self, orders: Sequence[OrderedPair]) -> bool:
-        """Whether no order of the names keeps the runs together, all orders (before, after), and the positions."""
-        return self._crowded(orders) or (self._left > 0 and self._refuted(orders))
+    def none(self, orders: Sequence[OrderedPair], more: Sequence[OrderedPair] = ()) -> bool:
+        """Whether no order of the names keeps the runs together, all orders (before, after), and the positions.
+
+        What is asked with `more` orders beside the same list as before is answered sooner.
+        """
+        return self._crowded([*orders, *more]) or (self._left > 0 and self._refuted(orders, more))
 
     def _crowded(self, orders: Sequence[OrderedPair]) -> bool:
         """Whether more must come before a position, or after it, than there is room for."""
@@ -59,27 +67,14 @@ class Room:
                 between[other].add(one)
         return len(_reached(within, name)) + sum(map(len, _reached(between, self._run_of[name])))
 
-    def _refuted(self, orders: Sequence[OrderedPair]) -> bool:
+    def _refuted(self, orders: Sequence[OrderedPair], more: Sequence[OrderedPair]) -> bool:
         """Whether the model shows that there is no room."""
-        from ortools.sat.python.cp_model import INFEASIBLE, CpModel, CpSolver
+        from ortools.sat.python.cp_model import INFEASIBLE, CpSolver
 
-        model, run_of = CpModel(), self._run_of
-        last = len(self._names) + 1
-        begin = {run: model.new_int_var(1, last - len(run), "") for run in dict.fromkeys(run_of.values())}
-        model.add_no_overlap(model.new_fixed_size_interval_var(first, len(run), "") for run, first in begin.items())
-        place = {}
-        for run, first in begin.items():
-            within = {name: model.new_int_var(0, len(run) - 1, "") for name in run}
-            model.add_all_different(within.values())
-            for name, offset in within.items():
-                place[name] = first + offset
-        for before, after in orders:
-            model.add(place[before] < place[after])
-            one, other = run_of[before], run_of[after]
-            if one != other:
-                model.add(begin[one] + len(one) <= begin[other])
-        for name, position in self._at.items():
-            model.add(place[name] == position)
+        if self._asked is None or self._asked[0] is not orders:
+            self._asked = orders, self._model(orders)
+        model = self._asked[1].clone()
+        self._ask(model, more)
         solver = CpSolver()
         solver.parameters.num_workers = 1
         solver.parameters.random_seed = 1
@@ -89,6 +84,33 @@ class Room:
         self.questions += 1
         self._left -= solver.response_proto.deterministic_time
         return bool(answer == INFEASIBLE)
+
+    def _model(self, orders: Sequence[OrderedPair]) -> CpModel:
+        """Where each run begins, then where each name is within its run, from 0 on."""
+        from ortools.sat.python.cp_model import CpModel
+
+        model, last = CpModel(), len(self._names) + 1
+        begin = {run: model.new_int_var(1, last - len(run), "") for run in self._runs}
+        model.add_no_overlap(model.new_fixed_size_interval_var(first, len(run), "") for run, first in begin.items())
+        for run, first in begin.items():
+            within = {name: model.new_int_var(0, len(run) - 1, "") for name in run}
+            model.add_all_different(within.values())
+            for name in sorted(self._at.keys() & within.keys()):
+                model.add(first + within[name] == self._at[name])
+        self._ask(model, orders)
+        return model
+
+    def _ask(self, model: CpModel, orders: Sequence[OrderedPair]) -> None:
+        """Put orders to a model: of names in one run, or of the runs that they are in."""
+        begin = {run: model.get_int_var_from_proto_index(k) for k, run in enumerate(self._runs)}
+        names = enumerate((name for run in self._runs for name in run), len(begin))
+        within = {name: model.get_int_var_from_proto_index(k) for k, name in names}
+        for before, after in orders:
+            one, other = self._run_of[before], self._run_of[after]
+            if one == other:
+                model.add(within[before] < within[after])
+            else:
+                model.add(begin[one] + len(one) <= begin[other])
 
 
 def _reached(straight: Mapping[Node, set[Node]], start: Node) -> set[Node]:

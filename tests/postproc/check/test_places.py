@@ -35,6 +35,9 @@ def test_no_room_is_said_exactly_where_no_order_is_left(
     orders: list[tuple[str, str]], runs: list[tuple[str, ...]], at: dict[str, int]
 ) -> None:
     assert Room(NAMES, runs, at).none(orders) is not there_is_room(orders, runs, at)
+    room, others = Room(NAMES, runs, at), orders[1:]
+    for order in orders:  # each beside the same others
+        assert room.none(others, [order]) is not there_is_room([*others, order], runs, at)
 
 
 def test_what_counting_tells_is_asked_of_no_model() -> None:
