@@ -18,10 +18,11 @@ MOST = 40
 def conflict_told(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
     """The conflict as JSON.
 
-    `clash` is what was found, `minimal` if nothing of it can be left out. Each statement has `undo`, the lines of the
-    job file that make it, and `soften`, the change of the job file that makes its rule soft; either is empty where
-    there is none. `relax` is the cheapest way out of all contradictions, which `kerfwise solve --relax` takes, or one
-    that relaxes as few statements where not all were `compared`; None where nothing helps.
+    `clash` is what was found, `minimal` if nothing of it can be left out, or `alone` where no plan can keep any of it.
+    Each statement has `undo`, the lines of the job file that make it, and `soften`, the change of the job file that
+    makes its rule soft; either is empty where there is none. `relax` is the cheapest way out of all contradictions,
+    which `kerfwise solve --relax` takes, or one that relaxes as few statements where not all were `compared`; None
+    where nothing helps.
     """
     conflict = no_plan.conflict
     if conflict is None:
@@ -29,6 +30,7 @@ def conflict_told(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
     return {
         "text": shown_lines(str(conflict)),
         "minimal": conflict.minimal,
+        "alone": conflict.alone,
         "more": max(0, len(conflict.clash) - MOST),
         "clash": [_statement(about, no_plan.profile, job) for about in conflict.clash[:MOST]],
         "compared": conflict.compared,

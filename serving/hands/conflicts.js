@@ -44,10 +44,19 @@ function drawConflict(app, work, place, conflict) {
     one.soften.length ? way(`make ${one.rule} soft for this nest`, one.soften) : null));
   place.replaceChildren(
     make("h2", {}, conflict.clash.length ? "These cannot all hold" : "There is no plan"),
+    conflict.clash.length ? make("p", {}, saidOf(conflict)) : "",
     conflict.clash.length ? make("ul", {}, ...rows) : make("pre", {}, conflict.text),
     conflict.relax ? way(`relax ${conflict.relax.length} statement${conflict.relax.length > 1 ? "s" : ""}, ${conflict.compared ? "the cheapest" : "a"} way out`, [], true) : conflict.stuck || "");
   app.set({ marked: numbersOf(app, conflict.clash.flatMap((/** @type {any} */ one) => one.contours)) });
   return ways;
+}
+
+/** @type {(conflict: any) => string} what a planner is to make of the sentences */
+function saidOf(conflict) {
+  const { alone, minimal, more } = conflict, rest = more ? ` (${more} more are not listed)` : "";
+  return alone ? `No plan can keep any of these${rest}. They are marked in the drawing.`
+    : minimal ? `Without any one of these the others can${rest}. They are marked in the drawing. Take one of the ways out:`
+    : `Some of these may have no part in it: that was not shown in the time${rest}. They are marked in the drawing.`;
 }
 
 /** Asks what each way would bring, one after the other, where somebody looks: tabs in the back would ask the same. */

@@ -27,10 +27,17 @@ export function planBar(app, work) {
     cancel.hidden = !solving;
     undo.toggleAttribute("disabled", !beforeShown(work) || Boolean(solving));
     save.toggleAttribute("disabled", !work.plan?.ok || Boolean(solving));
-    reached.textContent = solving ? reachedText(solving, work.planner) : fits ? "" : upto ? `cuts 1 to ${upto} are made; not planned yet` : "not planned yet";
+    reached.textContent = solving ? reachedText(solving, work.planner) : `${upto && !fits ? `cuts 1 to ${upto} are made; ` : ""}${stillText(work)}`;
     if (wasSolving && !solving) work.say(problem || (work.state.conflict ? "the rules contradict each other" : plannedText(work)));
     wasSolving = Boolean(solving);
   });
+}
+
+/** @type {(work: Work) => string} what is to be said of a plan that is not what is wanted; "" of one that is */
+function stillText({ state, plan }) {
+  if (state.fits) return "";
+  if (state.conflict) return plan ? "no plan keeps all that is wanted; shown is the one before:" : "no plan:";
+  return plan ? "not planned yet; shown is the plan before" : "not planned yet: press Plan";
 }
 
 /** @type {(work: Work) => Promise<any>} */
