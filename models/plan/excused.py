@@ -28,18 +28,19 @@ def excused(facts: Facts, stated: Stated, route: Sequence[int]) -> dict[str, tup
 
     That is where the route breaks a statement that weighs EXEMPTION_MM, and where a rule is exempt in any order.
     """
+    return excused_and_used(facts, stated, route)[0]
+
+
+def excused_and_used(facts: Facts, stated: Stated, route: Sequence[int]) -> tuple[dict[str, tuple[str, ...]], int]:
+    """See `excused`; and how many statements that weigh EXEMPTION_MM a route breaks: its objective holds each."""
     rules: dict[str, set[str]] = defaultdict(set)
     for about in stated.exempt:
         for name in about.contours:
             rules[name].add(about.rule)
-    for condition, name in _used(facts, stated, route):
+    used = list(_used(facts, stated, route))
+    for condition, name in used:
         rules[name].add(condition.about.rule)
-    return {name: tuple(sorted(of)) for name, of in rules.items()}
-
-
-def excuses_used(facts: Facts, stated: Stated, route: Sequence[int]) -> int:
-    """How many statements that weigh EXEMPTION_MM a route breaks, each of which its objective holds."""
-    return sum(1 for _ in _used(facts, stated, route))
+    return {name: tuple(sorted(of)) for name, of in rules.items()}, len(used)
 
 
 def _used(facts: Facts, stated: Stated, route: Sequence[int]) -> Iterator[tuple[Condition, str]]:

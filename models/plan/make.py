@@ -27,7 +27,7 @@ from kerfwise.rules.statements import Link
 from kerfwise.rules.stating.state_rules import Stated
 
 from .common import common_because
-from .excused import excused, excuses_used
+from .excused import excused_and_used
 from .plan import Dropped, LeftOut, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
 from .tabs import tabs_because
@@ -50,7 +50,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         for c, k, way, link in zip(candidates, contours, ways, links, strict=True)
     ]
     times = schedule(legs, feeds, home)
-    excuses = excused(facts, stated, solution.route)
+    excuses, used = excused_and_used(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, home, links)
     small = not_cut_because(facts.whole_nest, profile.hole_limits())
     told = small | slit_because(facts.whole_nest, profile.material.kerf_mm) | tabs_because(facts, profile)
@@ -104,7 +104,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             seed,
             solution.found_by,
             solution.proved_by,
-            excuses_used(facts, stated, solution.route),
+            used,
         ),
         dropped=(
             *(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
