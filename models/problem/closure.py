@@ -98,16 +98,22 @@ def immediate(before: Bools) -> Bools:
     >>> immediate(chain).astype(int).tolist()
     [[0, 1, 0], [0, 0, 1], [0, 0, 0]]
     """
-    kept = np.zeros_like(before)
-    mark_immediate(packed(before.T), kept)
-    return kept
+    near = np.zeros_like(before)
+    near[tuple(immediate_pairs(packed(before.T)))] = True
+    return near
 
 
-def mark_immediate(sooner: Masks, near: Bools) -> None:
-    """Set `near[i, j]` where i comes before j with no third between them; rows of `sooner` are what comes before j."""
+def immediate_pairs(sooner: Masks) -> Ints:
+    """The same as columns i, j, (2, pairs), by j; rows of `sooner` are what comes before each.
+
+    Examples
+    --------
+    >>> immediate_pairs(np.array([[0], [1], [3]], dtype=np.uint64)).tolist()
+    [[0, 1], [1, 2]]
+    """
     rank = np.bitwise_count(sooner).sum(axis=1, dtype=np.int64)
     latest_first = np.argsort(-rank, kind="stable")
-    suited(_mark_immediate, len(rank) * len(rank))(sooner, rank, latest_first, near)
+    return suited(_immediate_pairs, len(rank) * len(rank))(sooner, rank, latest_first)
 
 
 def packed(relation: Bools) -> Masks:
@@ -127,9 +133,11 @@ def packed(relation: Bools) -> Masks:
 
 
 @kept(nogil=True)
-def _mark_immediate(sooner: Masks, rank: Ints, latest_first: Ints, near: Bools) -> None:  # pragma: no cover - compiled
+def _immediate_pairs(sooner: Masks, rank: Ints, latest_first: Ints) -> Ints:  # pragma: no cover - compiled
     """Of what comes before every contour, all that is not before another of them; those of the highest rank first."""
     covered = np.empty(sooner.shape[1], np.uint64)
+    pairs = np.empty((2, 4 * len(rank) + 1), np.int64)
+    count = 0
     for j in range(len(rank)):
         covered[:] = 0
         left = rank[j]
@@ -142,6 +150,13 @@ def _mark_immediate(sooner: Masks, rank: Ints, latest_first: Ints, near: Bools) 
             left -= 1
             if covered[word] >> bit & np.uint64(1):
                 continue
-            near[i, j] = True
+            if count == pairs.shape[1]:
+                wider = np.empty((2, 2 * count), np.int64)
+                for k in range(count):  # numba takes seconds to compile what copies a block
+                    wider[0, k], wider[1, k] = pairs[0, k], pairs[1, k]
+                pairs = wider
+            pairs[0, count], pairs[1, count] = i, j
+            count += 1
             for w in range(len(covered)):
                 covered[w] |= sooner[i, w]
+    return pairs[:, :count].copy()

@@ -121,7 +121,7 @@ def _with_links(problem: Problem, statements: Sequence[Link]) -> Problem:
         return problem
     links = Links.of(statements, problem.candidate_site, problem.m)
     one, other = problem.site_contour[links.leave], problem.site_contour[links.reach]
-    lawful = problem.successors()[one, other] & (one != other)
+    lawful = problem.followers().at(one, other) & (one != other)
     timed = np.array([(lag.first, lag.second) for lag in problem.lags if lag.seconds > 0]).reshape(-1, 2)
     for first, second in timed.tolist():
         lawful &= ~(((one == first) & (other == second)) | ((one == second) & (other == first)))
@@ -133,13 +133,13 @@ def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: P
         return problem
     sites = np.append(problem.first, problem.m + 1)
     if any(s.over is None for s in statements):
-        lawful, pierces = problem.successors(), problem.pierces()
+        lawful, pierces = problem.followers(), problem.pierces()
         begun = [_not_first(problem, site, statements[k]) for site, k in from_home(statements, lawful, sites, pierces)]
         problem = replace(problem, conditions=(*problem.conditions, *begun))
     if earlier is not None and (earlier.left_out or _same_moves(problem, earlier)):
         return replace(problem, crossings=earlier.crossings, left_out=earlier.left_out)
     hard = any(s.weight is None for s in statements)
-    lawful, ends, pierces = problem.successors(), problem.ends(), problem.pierces()
+    lawful, ends, pierces = problem.followers(), problem.ends(), problem.pierces()
     try:
         asked = (statements, problem.before, lawful, sites, ends, pierces)
         found = find_crossings(*asked, (lambda share: going(share) or True) if hard else going)

@@ -15,6 +15,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Crossing
 
 from .crossed_areas import Going, IdleMoves, Stopped, crossed_areas
+from .followers import Followers
 
 FORBIDDEN = -1
 MOST_MOVES = 3_000_000
@@ -60,7 +61,7 @@ class TooManyMoves(InputError):
 def find_crossings(
     statements: Sequence[Crossing],
     before: Bools,
-    lawful: Bools,
+    lawful: Followers,
     first: Ints,
     ends_um: Ints,
     pierces_um: Ints,
@@ -68,8 +69,8 @@ def find_crossings(
 ) -> Crossings:
     """All crossings between contours that may follow each other, of areas that may be out before the move.
 
-    `before` (n, n) is the closed order, `lawful` the matrix of `successors.lawful_successors` (n + 1, n + 1), `first`
-    the first site of every contour and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
+    `before` (n, n) is the closed order, `lawful` who may follow whom, `first` the first site of every contour and of
+    home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
 
     `going` is asked now and then, with the share of the moves that has been looked at, whether to go on.
 
@@ -81,9 +82,7 @@ def find_crossings(
     if not statements:
         return Crossings()
     sites = np.diff(first)
-    if (
-        moves := sum(int(k) * int(sites[follows].sum()) for k, follows in zip(sites, lawful, strict=True))
-    ) > MOST_MOVES:
+    if (moves := sum(int(k) * int(sites[lawful[c]].sum()) for c, k in enumerate(sites.tolist()) if k)) > MOST_MOVES:
         zones = " or ".join(name for name, rule in RULES.items() if rule.makes_zones)
         raise TooManyMoves(
             f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
@@ -120,7 +119,9 @@ def find_crossings(
     return Crossings(leave, reach, out, np.array(price, dtype=np.int64)[area], area)
 
 
-def from_home(statements: Sequence[Crossing], lawful: Bools, first: Ints, pierces_um: Ints) -> list[tuple[int, int]]:
+def from_home(
+    statements: Sequence[Crossing], lawful: Followers, first: Ints, pierces_um: Ints
+) -> list[tuple[int, int]]:
     """Site, and number of the statement, of every move from home that leads over what is out from the start.
 
     The other arguments are those of `find_crossings`.

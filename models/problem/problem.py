@@ -17,9 +17,10 @@ from kerfwise.rules.statements import About, AtLeast, Lag
 
 from .conditions import Condition
 from .crossings import Crossings
+from .followers import Followers
 from .links import Links
 from .pace import Pace
-from .successors import known_successors
+from .successors import known_followers
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +103,11 @@ class Problem:
 
     def successors(self) -> Bools:
         """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""
-        return known_successors(self.before, self.block, self.apart())
+        return self.followers().whole()
+
+    def followers(self) -> Followers:
+        """The same, as bits: for large problems."""
+        return known_followers(self.before, self.block, self.apart())
 
     def apart(self) -> list[tuple[int, int]]:
         """Contours that may not follow each other, whichever comes first."""

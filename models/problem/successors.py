@@ -5,33 +5,32 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.kernels import kept, suited
 
 from .bits import Masks
-from .closure import mark_immediate, packed
+from .closure import immediate_pairs, packed
+from .followers import Followers
 from .last import LastOf, digest
 
-_last = LastOf[NDArray[np.uint8]]()
-"""Who may follow whom, as bits."""
+_ROWS = 512
+_last = LastOf[Followers]()
 
 
-def known_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Bools:
-    """The same as `lawful_successors`, made once of orders that are asked for again; they must not change meanwhile."""
+def known_followers(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Followers:
+    """The same as `lawful_followers`, made once of orders that are asked for again; they must not change meanwhile."""
     unlike = np.array(list(apart), dtype=np.int64).reshape(-1, 2)
     asked = digest(block, unlike)
-    bits = _last.known(before, asked)
-    if bits is not None:
-        return np.unpackbits(bits, axis=1, count=len(before) + 1, bitorder="little").view(np.bool_)
-    lawful = lawful_successors(before, block, [(i, j) for i, j in unlike.tolist()])
-    _last.keep(before, asked, np.packbits(lawful, axis=1, bitorder="little"))
-    return lawful
+    followers = _last.known(before, asked)
+    if followers is None:
+        followers = lawful_followers(before, block, [(i, j) for i, j in unlike.tolist()])
+        _last.keep(before, asked, followers)
+    return followers
 
 
-def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Bools:
-    """Matrix (n + 1, n + 1): j may directly follow i; n is the machine's home.
+def lawful_followers(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Followers:
+    """Which of n + 1 may directly follow which; n is the machine's home.
 
     `before` is the closed relation of what must come before what, `block` the contiguous block of every contour, and
     `apart` pairs that may not follow each other either way round.
@@ -39,20 +38,31 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     Examples
     --------
     >>> chain = np.array([[0, 1, 1], [0, 0, 1], [0, 0, 0]], dtype=bool)
-    >>> lawful_successors(chain, np.arange(3)).astype(int).tolist()
+    >>> lawful_followers(chain, np.arange(3)).whole().astype(int).tolist()
     [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0]]
     """
     n = len(before)
-    lawful = np.zeros((n + 1, n + 1), dtype=np.bool_)
     sooner = packed(before.T)
-    mark_immediate(sooner, lawful)
+    near = immediate_pairs(sooner)
+    near = near[:, np.argsort(near[0], kind="stable")]
+    from_row = np.searchsorted(near[0], np.arange(0, n + _ROWS, _ROWS))
     enters, leaves = _ends_of_blocks(before, block)
-    suited(_mark_lawful, n * n)(before, sooner, block, enters, leaves, lawful)
-    lawful[n, :n] = ~before.any(axis=0)
-    lawful[:n, n] = ~before.any(axis=1)
-    for i, j in apart:
-        lawful[i, j] = lawful[j, i] = False
-    return lawful
+    first, last = (np.asarray(~before.any(axis=axis)) for axis in (0, 1))
+    unlike = np.array([(i, j) for i, j in apart], dtype=np.int64).reshape(-1, 2)
+    unlike = np.concatenate([unlike, unlike[:, ::-1]])
+    bits = np.zeros((n + 1, n // 8 + 1), dtype=np.uint8)
+    mark = suited(_mark_lawful, n * n)
+    for k, row in enumerate(range(0, n, _ROWS)):
+        lawful = np.zeros((min(_ROWS, n - row), n + 1), dtype=np.bool_)
+        one, other = near[:, from_row[k] : from_row[k + 1]]
+        lawful[one - row, other] = True
+        mark(before, sooner, block, enters, leaves, row, lawful)
+        lawful[:, n] = last[row : row + _ROWS]
+        of = unlike[(unlike[:, 0] >= row) & (unlike[:, 0] < row + _ROWS)]
+        lawful[of[:, 0] - row, of[:, 1]] = False
+        bits[row : row + len(lawful)] = np.packbits(lawful, axis=1, bitorder="little")
+    bits[n] = np.packbits(np.append(first, False), bitorder="little")
+    return Followers(bits)
 
 
 def _ends_of_blocks(before: Bools, block: Ints) -> tuple[Bools, Bools]:
@@ -68,16 +78,16 @@ def _ends_of_blocks(before: Bools, block: Ints) -> tuple[Bools, Bools]:
 
 @kept(nogil=True)
 def _mark_lawful(  # pragma: no cover - compiled
-    before: Bools, sooner: Masks, block: Ints, enters: Bools, leaves: Bools, lawful: Bools
+    before: Bools, sooner: Masks, block: Ints, enters: Bools, leaves: Bools, row: int, lawful: Bools
 ) -> None:
-    """Contours: not backwards, nothing in between, and blocks are entered at a first and left at a last of them.
+    """Contours from a row on: not backwards, nothing in between, blocks entered at a first and left at a last of them.
 
     Where nothing is in between is marked already; `sooner` are the sets of what comes before each.
     """
-    n = len(before)
-    for i in range(n):
-        for j in range(n):
+    for k in range(len(lawful)):
+        i = row + k
+        for j in range(len(before)):
             if not before[i, j] and i != j and not sooner[i, j >> 6] >> np.uint64(j & 63) & np.uint64(1):
-                lawful[i, j] = True
-            if lawful[i, j]:
-                lawful[i, j] = block[i] == block[j] or (leaves[i] and enters[j])
+                lawful[k, j] = True
+            if lawful[k, j]:
+                lawful[k, j] = block[i] == block[j] or (leaves[i] and enters[j])

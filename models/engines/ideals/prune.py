@@ -49,11 +49,13 @@ def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Cal
 
 def least_in(problem: Problem) -> list[float]:
     """For every contour a lower bound on the travel that leads to it from what may come right before."""
-    follows = np.ascontiguousarray(problem.successors().T)
+    follows = problem.followers()
     sites = np.append(np.diff(problem.first), 1)
     least = []
     for contour in range(problem.n):
-        ways = problem.travel(np.flatnonzero(np.repeat(follows[contour], sites)), np.array(problem.sites(contour)))
+        ways = problem.travel(
+            np.flatnonzero(np.repeat(follows.ahead_of(contour), sites)), np.array(problem.sites(contour))
+        )
         if len(problem.links):  # which save a pierce that the site is paid for with
             ways += problem.site_cost[problem.first[contour] : problem.first[contour + 1]]
         least.append(float(ways.min(initial=NOWHERE)))

@@ -6,23 +6,38 @@ from itertools import pairwise
 
 import numpy as np
 
+from kerfwise.models.problem.last import LastOf, digest
 from kerfwise.models.problem.problem import Problem
+
+_ROWS = 512
+_last = LastOf[list[tuple[int, ...]]]()
 
 
 def series(problem: Problem) -> list[tuple[int, ...]]:
     """Contours in as many groups as possible, such that every member of a group precedes all later groups.
 
-    Soft groups are never split, so that what they cost is known within one group.
+    Soft groups are never split, so that what they cost is known within one group. The last answer is kept: a proof
+    asks for it a few times.
 
     Examples
     --------
     Two zones of one contour each come back as `[(0,), (1,)]` when 0 must precede 1.
     """
+    asked = digest(*(np.array(group.contours, dtype=np.int64) for group in problem.soft_groups))
+    found = _last.known(problem.before, asked)
+    if found is None:
+        found = _apart(problem)
+        _last.keep(problem.before, asked, found)
+    return list(found)
+
+
+def _apart(problem: Problem) -> list[tuple[int, ...]]:
     order = np.argsort(problem.before.sum(axis=0), kind="stable")
-    before = problem.before[np.ix_(order, order)]
     n = problem.n
-    # settled[i]: from this place on, every contour is known to follow the i-th
-    settled = n - np.argmin(np.column_stack([before[:, ::-1], np.zeros(n, dtype=np.bool_)]), axis=1)
+    settled = np.empty(n, dtype=np.int64)  # from this place on, every contour is known to follow the i-th
+    for k in range(0, n, _ROWS):
+        rows = problem.before[order[k : k + _ROWS]].take(order[::-1], axis=1)
+        settled[k : k + _ROWS] = n - np.argmin(rows, axis=1)  # of the last that does not follow: it does not itself
     reach = np.maximum.accumulate(settled) if n else settled
     breaks = {k for k in range(1, n) if reach[k - 1] <= k}
     place = {int(c): k for k, c in enumerate(order)}

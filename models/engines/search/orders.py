@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.problem.closure import immediate
+from kerfwise.models.problem.closure import immediate_pairs, packed
 from kerfwise.models.problem.problem import Problem
 
 from .legs import Legs
@@ -37,17 +38,21 @@ class OrderLists(NamedTuple):
 
 def make_orders(problem: Problem, legs: Legs) -> OrderLists:
     """The orders of a problem."""
-    n = problem.n
-    direct = immediate(problem.before)
-    sooner, later = np.nonzero(direct)
+    n, before = problem.n, problem.before
+    sooner, later = immediate_pairs(packed(before.T))
     _, block = np.unique(problem.block, return_inverse=True)
     covers_first, covers = _grouped(later, sooner, n)
     covered_first, covered = _grouped(sooner, later, n)
     block_first, in_block = _grouped(block, np.arange(n), int(block.max(initial=-1)) + 1)
-    may_follow = ~problem.before.T & (~problem.before | direct)
-    np.fill_diagonal(may_follow, False)
+    direct = np.sort(sooner * n + later)
+
+    def may_follow(one: Ints, other: Ints) -> Bools:
+        at = np.searchsorted(direct, key := one * n + other)
+        near = direct[np.minimum(at, len(direct) - 1)] == key if len(direct) else np.zeros(key.shape, dtype=np.bool_)
+        return np.asarray((one != other) & ~before[other, one] & (near | ~before[one, other]))
+
     return OrderLists(
-        before=np.ascontiguousarray(problem.before),
+        before=np.ascontiguousarray(before),
         covers_first=covers_first,
         covers=covers,
         covered_first=covered_first,
@@ -56,7 +61,7 @@ def make_orders(problem: Problem, legs: Legs) -> OrderLists:
         block_first=block_first,
         in_block=in_block,
         near=_nearest(legs, may_follow, forward=True),
-        near_in=_nearest(legs, may_follow.T, forward=False),
+        near_in=_nearest(legs, lambda one, other: may_follow(other, one), forward=False),
     )
 
 
@@ -66,25 +71,28 @@ def _grouped(key: Ints, value: Ints, groups: int) -> tuple[Ints, Ints]:
     return np.searchsorted(key[by], np.arange(groups + 1)).astype(np.int64), value[by].astype(np.int64)
 
 
-def _nearest(legs: Legs, allowed: Bools, forward: bool) -> Ints:
+def _nearest(legs: Legs, allowed: Callable[[Ints, Ints], Bools], forward: bool) -> Ints:
     """The `NEAR` nearest allowed contours of each, nearest first."""
-    k = min(NEAR, max(legs.n - 1, 1))
-    found = np.full((legs.n, k), -1, dtype=np.int64)
-    if legs.n == 0:
+    n, k = legs.n, min(NEAR, max(legs.n - 1, 1))
+    found = np.full((n, k), -1, dtype=np.int64)
+    if n == 0:
         return found
     if legs.travel.size:
         least = np.minimum.reduceat(legs.leave[:-1], legs.first[:-1], axis=0)
         cost = least if forward else least.T
-        for i in range(legs.n):
-            others = np.flatnonzero(allowed[i])
+        for i in range(n):
+            others = np.flatnonzero(allowed(np.full(n, i), np.arange(n)))
             best = others[np.argsort(cost[i, others], kind="stable")[:k]]
             found[i, : len(best)] = best
         return found
     here, there = (legs.end_circle, legs.pierce_circle) if forward else (legs.pierce_circle, legs.end_circle)
     from scipy.spatial import KDTree
 
-    _, around = KDTree(there[:, :2]).query(here[:, :2], k=min(4 * k, legs.n))
-    for i, others in enumerate(around.reshape(legs.n, -1)):
-        best = others[allowed[i, others]][:k]
-        found[i, : len(best)] = best
+    _, around = KDTree(there[:, :2]).query(here[:, :2], k=min(4 * k, n))
+    around = around.reshape(n, -1)
+    lawful = allowed(np.repeat(np.arange(n), around.shape[1]), around.ravel()).reshape(around.shape)
+    row, column = np.nonzero(lawful)
+    rank = np.cumsum(lawful, axis=1)[row, column] - 1
+    first = rank < k
+    found[row[first], rank[first]] = around[row[first], column[first]]
     return found

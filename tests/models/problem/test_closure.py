@@ -5,7 +5,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.models.problem.closure import close, immediate
-from kerfwise.models.problem.successors import lawful_successors
+from kerfwise.models.problem.successors import lawful_followers
 
 
 def plainly(n: int, pairs: list[tuple[int, int]], block: list[int]) -> np.ndarray:
@@ -71,6 +71,11 @@ def test_who_may_follow_whom_is_told_pair_by_pair(
 
     expected = [[follows(i, j) for j in range(n)] + [not before[i].any()] for i in range(n)]
     expected.append([not before[:, j].any() for j in range(n)] + [False])
-    assert lawful_successors(before, np.array(block), apart).tolist() == expected
+    followers = lawful_followers(before, np.array(block), apart)
+    assert followers.whole().tolist() == expected
+    assert [followers[i].tolist() for i in range(n + 1)] == expected
+    assert np.array([followers.ahead_of(j) for j in range(n + 1)]).T.tolist() == expected
+    one, other = np.indices((n + 1, n + 1)).reshape(2, -1)
+    assert followers.at(one, other).reshape(n + 1, n + 1).tolist() == expected
     near = [[bool(before[i, j]) and not between(i, j) for j in range(n)] for i in range(n)]
     assert immediate(before).tolist() == near

@@ -9,7 +9,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.engines.search.orders import OrderLists
 from kerfwise.models.engines.search.tables import SearchTables
-from kerfwise.models.problem.successors import lawful_successors
+from kerfwise.models.problem.successors import lawful_followers
 
 from .reduced_costs import reduced_costs
 
@@ -65,7 +65,7 @@ def detour_share(fields: SearchTables) -> float:
 
 
 def _lawful(fields: SearchTables) -> Bools:
-    return lawful_successors(fields.orders.before, np.arange(fields.legs.n, dtype=np.int64))
+    return lawful_followers(fields.orders.before, np.arange(fields.legs.n, dtype=np.int64)).whole()
 
 
 def make_chain_tables(fields: SearchTables) -> ChainTables:
