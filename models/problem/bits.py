@@ -14,6 +14,9 @@ Masks = NDArray[np.uint64]
 LOW = np.uint64(63)
 ONE = np.uint64(1)
 
+ROWS_AT_ONCE = 512
+"""Rows of a matrix of all pairs of contours that are looked at together: all of it again would be large."""
+
 
 def words(n: int) -> int:
     """Words that a set of n contours takes."""

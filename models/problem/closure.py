@@ -11,9 +11,7 @@ from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.components import strong_components
 from kerfwise.models.kernels import kept, suited
 
-from .bits import LOW, ONE, Masks, words
-
-_ROWS = 512
+from .bits import LOW, ONE, ROWS_AT_ONCE, Masks, words
 
 
 def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools:
@@ -126,8 +124,8 @@ def packed(relation: Bools) -> Masks:
     """
     rows, columns = relation.shape
     padded = np.zeros((rows, words(columns) * 8), dtype=np.uint8)
-    for k in range(0, rows, _ROWS):  # a relation turned over is copied for it
-        some = slice(k, k + _ROWS)
+    for k in range(0, rows, ROWS_AT_ONCE):  # a relation turned over is copied for it
+        some = slice(k, k + ROWS_AT_ONCE)
         padded[some, : -(-columns // 8)] = np.packbits(relation[some], axis=1, bitorder="little")
     return padded.view("<u8").astype(np.uint64, copy=False)
 

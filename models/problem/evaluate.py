@@ -9,6 +9,7 @@ import numpy as np
 from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Pick
 
+from .bits import ROWS_AT_ONCE
 from .crossings import FORBIDDEN
 from .problem import Problem
 
@@ -66,10 +67,12 @@ def broken_orders(problem: Problem, order: Sequence[int]) -> list[About]:
     found: list[About] = []
     at = np.empty(problem.n, dtype=np.int64)
     at[list(order)] = np.arange(problem.n)
-    rows, columns = np.nonzero(problem.before & (at[:, None] > at[None, :]))
-    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
-        names = (problem.ids[i], problem.ids[j])
-        found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
+    for first in range(0, problem.n, ROWS_AT_ONCE):
+        some = slice(first, first + ROWS_AT_ONCE)
+        rows, columns = np.nonzero(problem.before[some] & (at[some, None] > at))
+        for i, j in zip((first + rows).tolist(), columns.tolist(), strict=True):
+            names = (problem.ids[i], problem.ids[j])
+            found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
     along = problem.block[list(order)]
     begun = along[np.flatnonzero(np.diff(along, prepend=-1))]  # the block of every piece of the order
     for block, pieces in zip(*np.unique(begun, return_counts=True), strict=True):

@@ -9,12 +9,11 @@ import numpy as np
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.kernels import kept, suited
 
-from .bits import Masks
+from .bits import ROWS_AT_ONCE, Masks
 from .closure import immediate_pairs, packed
 from .followers import Followers
 from .last import LastOf, digest
 
-_ROWS = 512
 _last = LastOf[Followers]()
 
 
@@ -45,20 +44,20 @@ def lawful_followers(before: Bools, block: Ints, apart: Iterable[tuple[int, int]
     sooner = packed(before.T)
     near = immediate_pairs(sooner)
     near = near[:, np.argsort(near[0], kind="stable")]
-    from_row = np.searchsorted(near[0], np.arange(0, n + _ROWS, _ROWS))
+    from_row = np.searchsorted(near[0], np.arange(0, n + ROWS_AT_ONCE, ROWS_AT_ONCE))
     enters, leaves = _ends_of_blocks(before, block)
     first, last = (np.asarray(~before.any(axis=axis)) for axis in (0, 1))
     unlike = np.array([(i, j) for i, j in apart], dtype=np.int64).reshape(-1, 2)
     unlike = np.concatenate([unlike, unlike[:, ::-1]])
     bits = np.zeros((n + 1, n // 8 + 1), dtype=np.uint8)
     mark = suited(_mark_lawful, n * n)
-    for k, row in enumerate(range(0, n, _ROWS)):
-        lawful = np.zeros((min(_ROWS, n - row), n + 1), dtype=np.bool_)
+    for k, row in enumerate(range(0, n, ROWS_AT_ONCE)):
+        lawful = np.zeros((min(ROWS_AT_ONCE, n - row), n + 1), dtype=np.bool_)
         one, other = near[:, from_row[k] : from_row[k + 1]]
         lawful[one - row, other] = True
         mark(before, sooner, block, enters, leaves, row, lawful)
-        lawful[:, n] = last[row : row + _ROWS]
-        of = unlike[(unlike[:, 0] >= row) & (unlike[:, 0] < row + _ROWS)]
+        lawful[:, n] = last[row : row + ROWS_AT_ONCE]
+        of = unlike[(unlike[:, 0] >= row) & (unlike[:, 0] < row + ROWS_AT_ONCE)]
         lawful[of[:, 0] - row, of[:, 1]] = False
         bits[row : row + len(lawful)] = np.packbits(lawful, axis=1, bitorder="little")
     bits[n] = np.packbits(np.append(first, False), bitorder="little")

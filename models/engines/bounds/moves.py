@@ -54,7 +54,6 @@ def sure_crossings(problem: Problem) -> csr_matrix:
 def _surely_out(problem: Problem, over: Ints, leave: Ints, reach: Ints) -> Bools:
     """Whether contour `over[k]` is out whenever the torch goes from contour `leave[k]` to `reach[k]`; home is n."""
     n = problem.n
-    sooner = np.zeros((n, n + 1), dtype=np.bool_)  # must be out before the column; all is, before the way home
-    sooner[:, :n], sooner[:, n] = problem.before, True
-    at_leave = (leave < n) & ((over == leave) | sooner[over, np.minimum(leave, n - 1)])
-    return np.asarray(at_leave | sooner[over, reach])
+    at_leave = (leave < n) & ((over == leave) | problem.before[over, np.minimum(leave, n - 1)])
+    at_reach = (reach == n) | problem.before[over, np.minimum(reach, n - 1)]  # before the way home all is out
+    return np.asarray(at_leave | at_reach)

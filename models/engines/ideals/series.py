@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from kerfwise.models.problem.bits import ROWS_AT_ONCE
 from kerfwise.models.problem.last import LastOf, digest
 from kerfwise.models.problem.problem import Problem
 
-_ROWS = 512
 _last = LastOf[list[tuple[int, ...]]]()
 
 
@@ -35,9 +35,11 @@ def _apart(problem: Problem) -> list[tuple[int, ...]]:
     order = np.argsort(problem.before.sum(axis=0), kind="stable")
     n = problem.n
     settled = np.empty(n, dtype=np.int64)  # from this place on, every contour is known to follow the i-th
-    for k in range(0, n, _ROWS):
-        rows = problem.before[order[k : k + _ROWS]].take(order[::-1], axis=1)
-        settled[k : k + _ROWS] = n - np.argmin(rows, axis=1)  # of the last that does not follow: it does not itself
+    for k in range(0, n, ROWS_AT_ONCE):
+        rows = problem.before[order[k : k + ROWS_AT_ONCE]].take(order[::-1], axis=1)
+        settled[k : k + ROWS_AT_ONCE] = n - np.argmin(
+            rows, axis=1
+        )  # of the last that does not follow: it does not itself
     reach = np.maximum.accumulate(settled) if n else settled
     breaks = {k for k in range(1, n) if reach[k - 1] <= k}
     place = {int(c): k for k, c in enumerate(order)}

@@ -85,9 +85,8 @@ def _surely_out(problem: Problem) -> Bools:
     """Rows that cost and whose contour is cut before the one that the move leaves, or is it; or the move leads home."""
     rows, n, m = problem.crossings, problem.n, problem.m
     leave = np.append(problem.site_contour, n)[rows.leave]
-    before = np.zeros((n, n + 1), dtype=np.bool_)
-    before[:, :n] = problem.before
-    out = before[rows.over, leave] | (rows.over == leave) | (rows.reach == m)
+    before = problem.before[rows.over, np.minimum(leave, n - 1)] & (leave < n)
+    out = before | (rows.over == leave) | (rows.reach == m)
     return np.asarray(out & (rows.leave < m) & (rows.cost != FORBIDDEN))
 
 
@@ -95,9 +94,8 @@ def _surely_in(problem: Problem) -> Bools:
     """Rows whose contour is cut after the one that the move leads to, or is it."""
     rows, n = problem.crossings, problem.n
     reach = np.append(problem.site_contour, n)[rows.reach]
-    after = np.zeros((n + 1, n), dtype=np.bool_)
-    after[:n] = problem.before
-    return np.asarray(after[reach, rows.over] | (rows.over == reach))
+    after = problem.before[np.minimum(reach, n - 1), rows.over] & (reach < n)
+    return np.asarray(after | (rows.over == reach))
 
 
 @compiled
