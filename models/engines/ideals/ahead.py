@@ -20,6 +20,7 @@ from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
+from .by_contour import ByContour
 from .crossed import HOME
 from .kernels import RestBound
 from .local import Local
@@ -75,11 +76,13 @@ def look_ahead(
     remembered = int(np.log2(max(1.0, SHARE * most_bytes / BYTES_A_NUMBER / max(1, numbers))))
     until = np.cumsum([len(group) for group in groups]).tolist()
     found: list[Ahead] = []
+    parts = ByContour(problem)
     for k in reversed(range(len(groups))):
         before = ends[k - 1][1] if k else np.array([HOME])
-        onward = _onward(problem, ends[k][1], found[-1] if found else None)
-        enter = travel_between(problem, before, sites[k]).min(axis=0)
-        alone = _alone(problem, groups[k], sites[k], enter, ends[k][1], onward)
+        asked = parts.of(groups[k])
+        onward = _onward(asked, ends[k][1], found[-1] if found else None)
+        enter = travel_between(asked, before, sites[k]).min(axis=0)
+        alone = _alone(asked, groups[k], sites[k], enter, ends[k][1], onward)
         own = list(route[until[k] - len(groups[k]) : until[k]])
         known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
         known += int(onward[ends[k][1] == own[-1]][0])
