@@ -30,6 +30,18 @@ A_TRY = 0.6
 """Share of what is left that one of them may take, but for the last."""
 
 
+@dataclass(slots=True)
+class Account:
+    """What has been `spent` on plans by zones, of no avail or not; `limits` says what that leaves (None: no more)."""
+
+    spent: float
+    limits: Callable[[float], SolveOptions | None]
+
+    def left(self) -> SolveOptions | None:
+        """How long the next plan may take."""
+        return self.limits(self.spent)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class ByZones:
     """A plan by zones: what was asked of it, its solution, and the best plan known without zones, if one was asked for.
@@ -91,24 +103,23 @@ def better_zones(
     def left(spent: float) -> SolveOptions | None:
         in_time = ends_s is None or running_s() + beside_s < ends_s
         stopped = progress is not None and not progress("zones", None, None)
-        return once_more(limits, ends_s, solution.seconds + spent) if in_time and not stopped else None
+        return once_more(limits, ends_s, spent) if in_time and not stopped else None
 
-    found = list(along(asked.facts, profile, solution, free, left, progress))
-    spent = sum(other.seconds for _, other in found)
-    if not any(_rank(other) < _rank(solution) for _, other in found) and left(spent) is not None:
+    account = Account(solution.seconds, left)
+    found = list(along(asked.facts, profile, solution, free, account, progress))
+    if not any(_rank(other) < _rank(solution) for _, other in found) and account.left() is not None:
         borders = tuple(of_neighbours(asked.facts, zoned_by(asked, profile)))
         looked = look_for(asked.facts, limits, ends_s)
         mixed = without_zones(asked, further, profile, solution, looked, progress, borders)
         if mixed is not None and mixed.solution.route != free.solution.route:
-            found += along(asked.facts, profile, solution, mixed, lambda more: left(spent + more), progress)
+            found += along(asked.facts, profile, solution, mixed, account, progress)
     every = [(asked, solution), *found]
     by, best = min(every, key=lambda plan: _rank(plan[1]))
     elsewhere = _proven(best, [other for _, other in every])
     if best is solution:
         return ByZones(asked, solution, free, elsewhere)
-    spent = solution.seconds + free.seconds + sum(other.seconds for _, other in found)
     notes = (*solution.notes, "zones: moved along the best plan known without them", *best.notes)
-    return ByZones(by, replace(best, seconds=spent, notes=notes), free, elsewhere)
+    return ByZones(by, replace(best, seconds=account.spent + free.seconds, notes=notes), free, elsewhere)
 
 
 def _rank(solution: Solution) -> tuple[float, bool]:
@@ -128,29 +139,31 @@ def along(
     profile: Profile,
     solution: Solution,
     free: Free,
-    limits: Callable[[float], SolveOptions | None],
+    account: Account,
     progress: Progress | None = None,
 ) -> Iterator[tuple[Asked, Solution]]:
     """Plans by zones along another plan, until one is proven and costs less than `solution` by the zones of `facts`.
 
-    The zones are as large as a proof bears, so a proof alone is tried; where it fails, by smaller ones. `limits` are
-    what is left after so much more is spent (None: no more).
+    The zones are as large as a proof bears, so a proof alone is tried; where it fails, by smaller ones. `account` is
+    told what every try takes.
     """
-    tried, unproven, spent = 0, 0, 0.0
+    tried, unproven = 0, 0
     for zone in zones_along(facts, [facts.candidates[c].contour for c in free.solution.route]):
         if int(zone.max()) <= unproven:  # as large as zones of which a proof took too long
             continue
         tried += 1
-        if tried > TRIES or (left := limits(spent)) is None:
+        if tried > TRIES or (left := account.left()) is None:
             break
         if tried < TRIES:
             left = replace(left, work=A_TRY * left.work, time_s=left.time_s and A_TRY * left.time_s)
+        began_s = running_s()
         found = _by_zones(replace(facts, zone=zone), profile, free.solution, left, progress)
         if found is None:
-            spent, unproven = spent + left.work, int(zone.max())
+            account.spent += left.work if left.time_s is None else running_s() - began_s
+            unproven = int(zone.max())
             continue
         by, moved = found
-        spent += moved.seconds
+        account.spent += moved.seconds
         if moved.left_out != solution.left_out:  # the one is not asked for what the other pays for
             continue
         yield by, moved

@@ -16,7 +16,7 @@ from kerfwise.encoder.facts.zone_runs import zones_along
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import zones_moved
+from kerfwise.jobs import zones_cost, zones_moved
 from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.zones_cost import Free
@@ -107,6 +107,29 @@ def test_the_best_plan_is_taken_proven_or_not(
 def test_what_the_first_plan_has_left_is_for_other_zones(monkeypatch: pytest.MonkeyPatch) -> None:
     _, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")])
     assert works == pytest.approx([zones_moved.A_TRY * 8.0, 7.0])
+
+
+def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
+    profile = load_profile()
+    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=2.0)
+    routes = iter((solution.route, solution.route[::-1]))
+    works: list[float] = []
+
+    def without_zones(*given: object) -> Free:
+        better = replace(solution, objective=solution.objective - 1.0, route=next(routes))
+        return Free(asked.stated, better, 0.5)
+
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, progress: object) -> None:
+        works.append(limits.work)
+
+    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
+    monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter(np.minimum(np.arange(1, 7), k) for k in (2, 3)))
+    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    better_zones(asked, (), profile, solution, SolveOptions(work=10.0))
+    first = zones_moved.A_TRY * 8.0
+    least = zones_cost.SHARE * 10.0
+    assert works == pytest.approx([first, 8.0 - first, zones_moved.A_TRY * least, least])
 
 
 @pytest.mark.parametrize("tries", [0, 1])

@@ -25,18 +25,16 @@ from .costs import Stopped
 from .demands import DemandColumns
 from .flow_program import FlowProgram
 from .flow_work import sets_out_s
-from .inequalities import Inequalities, block_inequalities
+from .inequalities import block_inequalities
 from .merged import merged
 from .network import Network, network_of
 from .passages import size_without_inner
 from .separation import Separation
 
-EVERY, EVERY_WIDE, WIDE = 1, 2, 2000
-"""Rounds of cuts from one look at all moves to the next; and where there are more sites than so many."""
 LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
 PATIENCE = 20
-LOOSE = 0.01
+LOOSE = 0.004
 """Share of what the program costs, by which the bound may lag behind before the program is cut again."""
 CROWD = 3
 """Inequalities per contour, beyond which those are dropped that nothing is paid for."""
@@ -123,7 +121,6 @@ class CutLoop:
         blocks = block_inequalities(problem, len(demands.cost))
         self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, in_time, ends_s)
         self._kept, self._most = len(blocks), CROWD * problem.n
-        self._every = EVERY_WIDE if problem.m > WIDE else EVERY
         self.best, self.stalled, self._dropped_at = 0.0, False, 0.0
 
     def run(self, patience: int, least_gain: float) -> float:
@@ -133,17 +130,15 @@ class CutLoop:
         """
         flow, best, seen = self.flow, 0.0, [0.0] * patience
         between = Between(self._separation)
-        found: Inequalities | None = None
         self.stalled = False
         while flow.solve(self._work):
-            if len(seen) % self._every == 0 or (found is not None and not len(found)):
+            flow.look_at_all()
+            best = max(best, flow.bound)
+            self._note(best)
+            if self._loose(flow.value - flow.bound) and flow.solve(self._work):
                 flow.look_at_all()
                 best = max(best, flow.bound)
                 self._note(best)
-                if self._loose(flow.value - flow.bound) and flow.solve(self._work):
-                    flow.look_at_all()
-                    best = max(best, flow.bound)
-                    self._note(best)
             if best > self._plan.cost - 1 or not self.go():
                 break
             before = self._separation.work
@@ -153,10 +148,10 @@ class CutLoop:
             if (flow.complete and not len(found)) or best < (1 + least_gain) * seen[-1 - patience]:
                 self.stalled = True
                 break
+            between.keep(flow.drop_dear(between.uses(len(flow.moves.leave))))
             if (flow.complete or flow.inequalities > self._most) and best > (1 + RISEN) * self._dropped_at:
                 flow.drop_idle(self._kept)
                 self._dropped_at = best
-            between.keep(flow.drop_dear(between.uses(len(flow.moves.leave))))
             flow.ask(found)
         if flow.look_at_all():
             best = max(best, flow.bound)

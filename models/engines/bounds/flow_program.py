@@ -10,11 +10,12 @@ from scipy.sparse import csr_matrix, hstack, vstack
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.kernels import running_s
 
-from .flow_work import look_s, made_s, round_s
+from .flow_work import PRIMAL, look_s, made_s, products_s, round_s
 from .inequalities import Inequalities
 from .least_cuts import Flow
 from .network import Network
 from .pricing import AllMoves, Multipliers, whole
+from .resting import Resting
 from .restricted_master import restricted_master
 
 AT_ONCE_S, AT_ONCE = 1.0, 0.2
@@ -28,6 +29,8 @@ MANY_MOVES, FEWER_MOVES = 8, 5
 """Moves for every site, beyond which the dearest are dropped, and how many stay."""
 DEAR_UM = 1.0
 """A move that is no dearer than this is not dropped."""
+FEW_SITES = 1200
+"""With no more sites none is put to rest: such a program is solved quickly as it is."""
 NARROW = 24
 """Binary digits that narrow numbers hold."""
 
@@ -65,11 +68,12 @@ class FlowProgram:
         self.bound, self.value, self.complete, self.restricted = 0.0, 0.0, False, False
         self._idle, self._reduced = np.zeros(0, dtype=np.bool_), np.zeros(0)
         self._multipliers: Multipliers | None = None
+        self._resting = Resting(m + 1) if m > FEW_SITES else None
 
     def solve(self, work: float) -> bool:
         """Find the cheapest flow over the moves in use. False where it cannot be found within that work."""
         n, cuts = self._n, len(self._inequalities)
-        each_s = round_s(n, self._m, cuts)
+        each_s = round_s(n, self._awake, cuts)
         left_s = max(0.0, work - self.work)
         left = FEW + int(left_s / each_s)
         at_once = 1 + int(max(AT_ONCE_S, AT_ONCE * left_s) / each_s) if self._program.goes_on else left
@@ -79,7 +83,7 @@ class FlowProgram:
             if asked <= 0 or not self._in_time():
                 return False
             solved = self._program.solve(asked, self._ends_s - running_s())
-            self.work += (self._program.iterations + 1) * each_s
+            self.work += (self._program.iterations + 1) * each_s * (PRIMAL if self._program.primal else 1.0)
             left -= self._program.iterations
             if solved is None and self._program.iterations < asked:
                 return False
@@ -91,7 +95,13 @@ class FlowProgram:
         self.moves = Flow(self._leave, self._reach, np.maximum(solved.value[columns:], 0.0))
         self.value = float(self._moves.costs(self._leave, self._reach) @ self.moves.amount)
         self.value += float(self._beside_cost @ self.beside)
-        self._multipliers = Multipliers(solved.multiplier[n + 1 : n + self._m + 2], paid, self._inequalities)
+        price, resting = solved.multiplier[n + 1 : n + self._m + 2], self._resting
+        if resting is not None and len(resting.leave):
+            some, paying = self._inequalities.only(~self._idle), paid[~self._idle]
+            cost = self._moves.costs(resting.leave, resting.reach)
+            cost -= paying @ some.across(resting.leave, resting.reach)
+            price = resting.priced(price, solved.multiplier[self.owner], cost)
+        self._multipliers = Multipliers(price, paid, self._inequalities)
         return True
 
     def look_at_all(self) -> bool:
@@ -101,10 +111,10 @@ class FlowProgram:
         """
         if self._multipliers is None:
             return False
-        paying = int((self._multipliers.paid > 0).sum())
-        takes_s = look_s(self._moves.open.size, paying)
+        takes_s = look_s(self._moves.open.size)
         self.work += takes_s
         self._learn(self._multipliers, self._in_time if takes_s > SHORT_S else lambda: True)
+        self.work += products_s(self._moves.products)
         self._multipliers = None
         return True
 
@@ -128,6 +138,11 @@ class FlowProgram:
     def inequalities(self) -> int:
         """Number of inequalities."""
         return len(self._inequalities)
+
+    @property
+    def _awake(self) -> int:
+        """Number of sites that are in the program."""
+        return self._m - (0 if self._resting is None else int(self._resting.sites.sum()))
 
     def drop_idle(self, kept: int) -> None:
         """Drop the inequalities that nothing is paid for, but for the first few."""
@@ -160,25 +175,49 @@ class FlowProgram:
             self._program.limit(len(self._beside_cost) + shut, np.zeros(len(shut)))
         if missing is not None:
             open_ = moves.open[missing]
-            self._use(missing[0][open_], missing[1][open_])
+            leave, reach = missing[0][open_], missing[1][open_]
+            self._use(leave, reach)
+            if self._resting is not None:
+                leave, reach = self._resting.wake(np.append(leave, reach))
+                wanted = moves.open[leave, reach] & ~moves.used[leave, reach]
+                self._use(leave[wanted], reach[wanted])
 
     def drop_dear(self, in_use: Bools) -> Bools:
         """Drop the moves that the last multipliers leave dearest where there are many, and say which moves stay.
 
         Those `in_use` (moves,) stay, and those that have come since.
         """
-        known, fewer = len(self._reduced), FEWER_MOVES * (self._m + 1)
+        known = len(self._reduced)
         kept = np.ones(len(self._leave), dtype=np.bool_)
-        if known <= MANY_MOVES * (self._m + 1):
-            return kept
-        enough = max(float(np.partition(self._reduced, fewer)[fewer]), DEAR_UM)
-        kept[:known] = (self._reduced <= enough) | in_use[:known] | self._moves.is_own(self._leave, self._reach)[:known]
+        sites = self._awake + 1
+        if known > MANY_MOVES * sites:
+            enough = max(float(np.partition(self._reduced, FEWER_MOVES * sites)[FEWER_MOVES * sites]), DEAR_UM)
+            kept[:known] = (self._reduced <= enough) | in_use[:known]
+            kept[:known] |= self._moves.is_own(self._leave, self._reach)[:known]
+        emptied = (
+            self._lay_down(self._resting, in_use, kept) if self._resting is not None else np.zeros(0, dtype=np.int64)
+        )
         gone = np.flatnonzero(~kept)
-        self._program.drop_columns(len(self._beside_cost) + gone)
+        self._program.drop_columns(len(self._beside_cost) + gone, emptied)
         self._moves.used[self._leave[gone], self._reach[gone]] = False
         self._leave, self._reach = self._leave[kept], self._reach[kept]
         self._reduced = self._reduced[kept[:known]]
         return kept
+
+    def _lay_down(self, resting: Resting, in_use: Bools, kept: Bools) -> Ints:
+        """Put sites to rest, mark their moves as not `kept`, and answer which rows are left without a move."""
+        known, first = len(self._reduced), self._n + 1
+        stays = self._moves.is_own(self._leave, self._reach)
+        stays[known:] = True
+        stays[:known] |= in_use[:known] | (self.moves.amount > 0.0)
+        column, row = self._program.basic()
+        column = column[len(self._beside_cost) :]
+        bound = row[first : first + self._m + 1].astype(np.int64)
+        for ends in (self._leave, self._reach):
+            bound += np.bincount(ends[column], minlength=self._m + 1)
+        chosen, gone = resting.lay_down(self._leave, self._reach, self._reduced, stays, bound)
+        kept &= ~gone
+        return first + chosen
 
     def restrict(self, allowed: Bools) -> None:
         """Go on with these moves alone, (m + 1, m + 1).

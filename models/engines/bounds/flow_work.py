@@ -5,22 +5,31 @@ from __future__ import annotations
 ROWS_PER_S = 1e7
 """Rows times rounds of the simplex method that a second is counted for, where there are half as many cuts as contours
 or more."""
+PRIMAL = 0.4
+"""Share of that which a round of the primal simplex method takes."""
 FREE = 0.2
-"""Share of that which a round takes without cuts."""
-PRODUCTS_PER_S, BESIDE = 2.5e10, 650
-"""Of multipliers above 0 and moves, in the same way; and so many multipliers take as long as all else with a move."""
+"""Share of either which a round takes without cuts."""
+LOOKED_PER_S = 4e7
+"""Moves that a look at all goes through."""
+PRODUCTS_PER_S = 2.5e10
+"""Multiplications of what inequalities pay for moves."""
 MADE_PER_S = 1e7
 """Moves whose costs are worked out, and that are gone through for the first ones."""
 
 
 def round_s(contours: int, sites: int, cuts: int) -> float:
-    """What a round of the simplex method takes in a program with so many cuts."""
+    """What a round of the simplex method takes in a program of so many sites that do not rest, with so many cuts."""
     return (contours + sites + 2 + cuts) * min(1.0, FREE + cuts / (2 * contours)) / ROWS_PER_S
 
 
-def look_s(moves: int, paying: int) -> float:
-    """What a look at so many moves takes, where so many multipliers of cuts are above 0."""
-    return (paying + BESIDE) * moves / PRODUCTS_PER_S
+def look_s(moves: int) -> float:
+    """What a look at so many moves takes, beside the multiplications."""
+    return moves / LOOKED_PER_S
+
+
+def products_s(products: int) -> float:
+    """What so many multiplications take."""
+    return products / PRODUCTS_PER_S
 
 
 def made_s(moves: int) -> float:
@@ -34,4 +43,4 @@ def sets_out_s(contours: int, sites: int) -> float:
     Such a program takes about three rounds of the simplex method for every site, twice, and two looks at all moves.
     """
     rows = contours + sites
-    return made_s(sites**2) + 2 * look_s(sites**2, 0) + 6 * sites * rows * FREE / ROWS_PER_S
+    return made_s(sites**2) + 2 * look_s(sites**2) + 6 * sites * rows * FREE / ROWS_PER_S

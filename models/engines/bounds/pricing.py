@@ -20,8 +20,8 @@ from .network import Network
 
 NEAREST = 3
 """Moves from and to every site that are looked at from the start."""
-MORE = 8000
-"""Moves that are added at once at the most."""
+MORE, MORE_EACH = 8000, 30
+"""Moves that are added at once at the most, or so many for every contour, where those are more."""
 MARGIN_UM = 0.5
 """Plans cost whole numbers: one that is cheaper than the known one costs 1 less."""
 ENOUGH, ENOUGH_OF_PLAN = 1.0, 1e-6
@@ -45,8 +45,8 @@ class AllMoves:
     ----------
     open, used
         Both (m + 1, m + 1).
-    bound
-        What the last multipliers prove, less what the columns beside the moves add.
+    products
+        Multiplications that the last look took.
     """
 
     def __init__(self, network: Network, plan_um: int) -> None:
@@ -59,6 +59,8 @@ class AllMoves:
         self._forced = np.zeros(len(network.plan) + 1, dtype=np.bool_)
         self._left: Floats | Float32s = np.zeros((0, 0))
         self._enough = min(ENOUGH, ENOUGH_OF_PLAN * plan_um)
+        self._at_once = max(MORE, MORE_EACH * network.problem.n)
+        self.products, self._most_um = 0, 0.0
 
     @property
     def narrow(self) -> bool:
@@ -109,25 +111,32 @@ class AllMoves:
         paid, some = by.paid[paying], by.inequalities.only(paying)
         gain = by.price - paid @ some.into
         kind: Any = self._cost.dtype
-        heads, each = some.head.astype(kind), paid.astype(kind)
+        (tails, tail), (heads, head) = (kinds(side) for side in (some.tail, some.head))
+        worth = (some.tail[:, tails].T * paid.astype(kind)) @ some.head[:, heads].astype(kind)
+        self.products = worth.size * len(paid)
         if not self._left.size:
             self._left = np.empty_like(self._cost)
         left, starts = self._left, range(0, len(owner), ROWS)
-        least_in = np.empty((len(starts), len(owner)))
+        least_in, most_in = np.empty((len(starts), len(owner))), np.empty(len(starts))
 
         def look_from(start: int) -> None:
             rows = slice(start, start + ROWS)
-            part = self._cost[rows] - ((some.tail[:, rows].T * each) @ heads).astype(np.float64)
+            part = self._cost[rows].astype(np.float64)
+            part -= worth[tail[rows]][:, head]
             part += by.price[rows, None]
             part -= gain[None, :]
             for row, column in zip(*(ends[self._forced] for ends in self._own), strict=True):
                 if start <= row < start + ROWS:
                     part[row - start, column] += self._plan_um
-            part[~self.open[rows]] = np.inf
+            closed = ~self.open[rows]
+            part[closed] = -np.inf
+            most_in[start // ROWS] = part.max()
+            part[closed] = np.inf
             least_in[start // ROWS] = part.min(axis=0)
             left[rows] = part
 
         by_threads(look_from, starts, go)
+        self._most_um = max(float(most_in.max()), -float(least_in.min()))
         self._least: Floats = np.minimum.reduceat(least_in.min(axis=0), self._first)
         return float(self._least.sum()), self._missing(*in_use)
 
@@ -145,7 +154,7 @@ class AllMoves:
         moves, missing = np.concatenate(found, axis=1), np.concatenate(by)
         if not len(missing):
             return None
-        chosen = moves[:, np.argsort(missing, kind="stable")[:MORE]]
+        chosen = moves[:, np.argsort(missing, kind="stable")[: self._at_once]]
         return chosen[0], chosen[1]
 
     def close(self, bound: float) -> bool:
@@ -155,7 +164,7 @@ class AllMoves:
         cheapest one. The known plan's own stay, so that there is always a flow.
         """
         left, closes = self._left, False
-        wrong = 2.0**-23 * float(np.abs(left, where=self.open, out=np.zeros_like(left)).max())
+        wrong = 2.0**-23 * self._most_um
         room = (self._plan_um - MARGIN_UM - bound + (wrong if self.narrow else 0.0) + self._least)[self._owner]
         own = self.open[self._own]
         for start in range(0, len(self._owner), ROWS):
@@ -184,6 +193,19 @@ class AllMoves:
         allowed = self.open.copy()
         allowed[tuple(ends[self._forced] for ends in self._own)] = False
         return allowed
+
+
+def kinds(sides: Bools) -> tuple[Ints, Ints]:
+    """Of sites that lie on the same sides (k, m + 1) the first, and the kind of every site.
+
+    Most sites of a contour lie on the same side of all inequalities, so that what is paid is summed once for them all.
+    """
+    packed = np.ascontiguousarray(np.packbits(sides, axis=0).T)
+    if not packed.shape[1]:
+        return np.zeros(1, dtype=np.int64), np.zeros(len(packed), dtype=np.int64)
+    names = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()
+    _, first, kind = np.unique(names, return_index=True, return_inverse=True)
+    return first, kind
 
 
 def whole(by: Multipliers, width: int) -> Multipliers:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, hstack, vstack
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 
 try:
     from scipy.optimize._highspy import _core as highs
@@ -39,11 +39,12 @@ class MasterSolution:
 class RestrictedMaster(Protocol):
     """Minimises over columns between 0 and a most, under equations with given right sides, and then inequalities.
 
-    `iterations` are those of the simplex method that the last call of `solve` took, and `goes_on` says whether the next
-    one goes on from where it ended.
+    `iterations` are those of the simplex method that the last call of `solve` took, `primal` whether they were of the
+    primal one, and `goes_on` says whether the next call goes on from where that ended.
     """
 
     iterations: int
+    primal: bool
     goes_on: bool
 
     def add_columns(self, cost: Floats, entries: csr_matrix, most: float = np.inf) -> None:
@@ -55,8 +56,14 @@ class RestrictedMaster(Protocol):
     def drop_rows(self, rows: Ints) -> None:
         """Drop some of the rows that were added, counted from the first equation on; those after them move up."""
 
-    def drop_columns(self, columns: Ints) -> None:
-        """Drop some columns, none of them in use; those after them move up."""
+    def basic(self) -> tuple[Bools, Bools]:
+        """Which columns and which rows are in the basis of the last solution: as many as there are rows."""
+
+    def drop_columns(self, columns: Ints, emptied: Ints) -> None:
+        """Drop some columns, none of them in use; those after them move up.
+
+        `emptied` are equations that are left without a column, each in place of one of them in the basis.
+        """
 
     def limit(self, columns: Ints, most: Floats) -> None:
         """Keep these columns at no more than so much each from now on."""
@@ -91,7 +98,8 @@ class GoesOn:
 
     def __init__(self, right: Floats) -> None:
         self._highs = highs._Highs()
-        self._lawful, self._value, self.iterations = False, np.zeros(0), 0
+        self._lawful, self._value = False, np.zeros(0)
+        self.iterations, self.primal = 0, False
         for option, value in {"output_flag": False, "solver": "simplex", "presolve": "off", "threads": 1}.items():
             self._highs.setOptionValue(option, value)
         self._add_rows(csr_matrix((len(right), 0)), right, right)
@@ -109,7 +117,21 @@ class GoesOn:
         if len(rows):
             self._told(self._highs.deleteRows(len(rows), rows.astype(np.int32)))
 
-    def drop_columns(self, columns: Ints) -> None:
+    def basic(self) -> tuple[Bools, Bools]:
+        basis, status = self._highs.getBasis(), highs.HighsBasisStatus
+        column = np.array([kind == status.kBasic for kind in basis.col_status], dtype=np.bool_)
+        return column, np.array([kind == status.kBasic for kind in basis.row_status], dtype=np.bool_)
+
+    def drop_columns(self, columns: Ints, emptied: Ints) -> None:
+        if len(emptied):
+            basis, status = self._highs.getBasis(), highs.HighsBasisStatus
+            of_column, of_row = list(basis.col_status), list(basis.row_status)
+            for column in columns.tolist():
+                of_column[column] = status.kLower
+            for row in emptied.tolist():
+                of_row[row] = status.kBasic
+            basis.col_status, basis.row_status = of_column, of_row
+            self._told(self._highs.setBasis(basis))
         if len(columns):
             self._value = np.delete(self._value, columns)
             self._told(self._highs.deleteCols(len(columns), columns.astype(np.int32)))
@@ -127,7 +149,8 @@ class GoesOn:
     def solve(self, most: int, most_s: float = np.inf) -> MasterSolution | None:
         self._highs.setOptionValue("time_limit", self._highs.getRunTime() + max(0.0, most_s))
         self._highs.setOptionValue("simplex_iteration_limit", min(most, MOST_ROUNDS))
-        self._highs.setOptionValue("simplex_strategy", PRIMAL if self._lawful else DUAL)
+        self.primal = self._lawful
+        self._highs.setOptionValue("simplex_strategy", PRIMAL if self.primal else DUAL)
         self._highs.run()
         self.iterations = int(self._highs.getInfo().simplex_iteration_count)
         if self._highs.getModelStatus() != highs.HighsModelStatus.kOptimal:
@@ -154,7 +177,7 @@ class Anew:
     goes_on = False
 
     def __init__(self, right: Floats) -> None:
-        self._right, self.iterations = right, 0
+        self._right, self.iterations, self.primal = right, 0, False
         self._cost: Floats = np.zeros(0)
         self._most: Floats = np.zeros(0)
         self._least: Floats = np.zeros(0)
@@ -174,7 +197,10 @@ class Anew:
         kept[rows] = False
         self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
 
-    def drop_columns(self, columns: Ints) -> None:
+    def basic(self) -> tuple[Bools, Bools]:
+        return np.zeros(len(self._cost), dtype=np.bool_), np.ones(self._entries.shape[0], dtype=np.bool_)
+
+    def drop_columns(self, columns: Ints, emptied: Ints) -> None:
         self._cost, self._most = np.delete(self._cost, columns), np.delete(self._most, columns)
         kept = np.ones(self._entries.shape[1], dtype=np.bool_)
         kept[columns] = False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Bools, Floats
-from kerfwise.models.engines.bounds import flow, flow_bound, flow_program
+from kerfwise.models.engines.bounds import flow, flow_bound, flow_program, resting
 from kerfwise.models.engines.bounds.costs import Stopped, by_threads
 from kerfwise.models.engines.bounds.demands import DemandColumns
 from kerfwise.models.engines.bounds.flow_program import FlowProgram
@@ -239,3 +240,41 @@ def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, m
     monkeypatch.setattr(flow_program, "FEWER_MOVES", 0)
     assert 0.999 * whole <= flow_bound(seen, best, 5.0).bound <= best.cost
     assert sum(dropped) > 0
+
+
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(problems(contours=5), st.integers(0, 2**32 - 1))
+def test_no_plan_costs_less_where_sites_rest(tiny: Problem, seed: int) -> None:
+    """All that can rest do, and any moves cost what they will."""
+    matrix = np.random.default_rng(seed).integers(0, 100_000, (tiny.m + 1, tiny.m + 1))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(flow_program, "FEW_SITES", 0)
+        patch.setattr(resting, "AWAKE", 1.0)
+        for seen in (tiny, replace(tiny, matrix=matrix)):
+            best = cheapest(seen)
+            if best is not None:
+                for dear in (0, 10**9):
+                    assert flow_bound(seen, replace(best, cost=best.cost + dear), 1.0).bound <= best.cost
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_bound_is_as_high_where_sites_rest_again_and_again(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = scattered(seed, 12, 4, pairs=seed)
+    route = next(iter(lawful(seen)))
+    dear = Incumbent(route, 2 * route_cost(seen, route))  # nothing is closed
+    monkeypatch.setattr(flow, "MOST_BRANCHED", 0)
+    whole = flow_bound(seen, dear, 20.0).bound
+    rested: list[int] = []
+    lay_down = resting.Resting.lay_down
+
+    def noted(sites: resting.Resting, *given: Any) -> Any:
+        found = lay_down(sites, *given)
+        rested.append(len(found[0]))
+        return found
+
+    monkeypatch.setattr(resting.Resting, "lay_down", noted)
+    monkeypatch.setattr(flow_program, "FEW_SITES", 0)
+    monkeypatch.setattr(resting, "AWAKE", 1.0)
+    assert flow_bound(seen, dear, 20.0).bound == pytest.approx(whole, rel=0.005)
+    assert sum(rested) > 0

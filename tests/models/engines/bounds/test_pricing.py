@@ -9,7 +9,7 @@ from scipy.sparse import csr_matrix
 from kerfwise.models.engines.bounds import costs, flow_bound
 from kerfwise.models.engines.bounds.inequalities import Inequalities
 from kerfwise.models.engines.bounds.network import network_of
-from kerfwise.models.engines.bounds.pricing import Multipliers, whole
+from kerfwise.models.engines.bounds.pricing import Multipliers, kinds, whole
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problem, scattered
 
@@ -46,3 +46,14 @@ def test_what_is_paid_is_summed_exactly() -> None:
     assert (paid >= given.paid - 1e9 * 2.0**-20).all()
     narrow = (tail.T * paid.astype(np.float32)) @ head.astype(np.float32)
     assert (narrow == (tail.T * paid) @ head.astype(np.float64)).all()
+
+
+def test_sites_that_lie_on_the_same_sides_are_of_one_kind() -> None:
+    sides = np.random.default_rng(1).random((11, 9)) < 0.5
+    sides[:, [3, 7]] = sides[:, [0]]
+    first, kind = kinds(sides)
+    assert (sides[:, first][:, kind] == sides).all()
+    assert kind[0] == kind[3] == kind[7]
+    assert len(first) == len({tuple(column) for column in sides.T.tolist()})
+    first, kind = kinds(sides[:0])
+    assert (len(first), kind.tolist()) == (1, [0] * 9)

@@ -132,9 +132,39 @@ def test_columns_that_are_not_in_use_can_be_dropped(kind: type[RestrictedMaster]
     solved = program.solve(100)
     assert solved is not None
     assert solved.reduced.tolist() == [3.0, 0.0, 7.0, 1.0]
-    program.drop_columns(np.array([0, 2]))
+    program.drop_columns(np.array([0, 2]), np.zeros(0, dtype=np.int64))
     program.add_rows(csr_matrix([[0.0, 1.0]]), np.array([1.0]))
     program.add_columns(np.array([1.0]), csr_matrix([[1.0], [0.0]]), 2.0)
     solved = program.solve(100)
     assert solved is not None
     assert solved.value.tolist() == [1.0, 1.0, 2.0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [GoesOn, Anew])
+@pytest.mark.parametrize("seed", range(6))
+def test_equations_can_be_left_without_a_column(kind: type[RestrictedMaster], seed: int) -> None:
+    """Two equations of a column each besides those that share them: one that nothing goes by is emptied, and filled."""
+    random = np.random.default_rng(seed)
+    right, goes = np.array([2.0, 0.0, 0.0]), np.array([[1, 0, 1, 0, 1], [1, -1, 0, 0, 0], [0, 0, 1, -1, 0]])
+    cost = np.append(random.integers(1, 9, 4), random.integers(1, 20)).astype(np.float64)
+    program = kind(right)  # type: ignore[call-arg]
+    program.add_columns(cost, csr_matrix(goes.astype(np.float64)))
+    solved = program.solve(100)
+    assert solved is not None
+    best = solved.value @ cost
+    ways = {1: [0, 1], 2: [2, 3]}
+    column, row = program.basic()
+    for equation, columns in ways.items():
+        if column[columns].sum() + row[equation] == 1 and not solved.value[columns].any():
+            program.drop_columns(np.array(columns), np.array([equation]))
+            left = [k for k in range(5) if k not in columns]
+            again = program.solve(100)
+            assert again is not None
+            assert again.value @ cost[left] == best
+            program.add_columns(cost[columns] - 8, csr_matrix(goes[:, columns].astype(np.float64)))
+            cheaper = program.solve(100)
+            assert cheaper is not None
+            assert cheaper.value @ np.append(cost[left], cost[columns] - 8) <= best
+            return
+    raise AssertionError("every equation is in use")
