@@ -7,10 +7,12 @@ FOLDER holds a folder for every set, with `.pcglns` and `.sop` files in it, gzip
 instance and best_upper. Prints the page: every instance run once by the default engine, judged, beside the best cost
 known; what is worse than that comes first, then remarks that people wrote, and what
 `sparse_orders.py` printed. `--also cnc=1` runs a set once more, with another limit. `--only soplib/R.*.1` runs the
-instances alone whose set and name fit one of the patterns; sets run again do not heed it. With `--together` all run in
+instances alone whose set and name fit one of the patterns; sets run again do not heed it. `--also cnc/e1x_*=30` runs
+those of a set once more that fit the pattern. With `--together` all run in
 one process, which saves that of each its start; memory is then the most until then. With `--work` the limits are
 deterministic, so that other programs on the machine change no cost and no bound, and what they took is counted in
-seconds of processor. FILE keeps each result as it comes, with the commit; what it has is not run again.
+seconds of processor. FILE keeps each result as it comes, with the commit; what it has is not run again. Where the page
+has results of several commits, every set says which its own are of.
 """
 
 from __future__ import annotations
@@ -73,6 +75,7 @@ class Run:
     set: str
     result: BenchResult
     best: float | None
+    commit: str = ""
 
     @property
     def gap(self) -> float | None:
@@ -140,7 +143,7 @@ def run_set(name: str, folder: Path, best: BestKnown, limit: float, limits: Limi
             job = limits.job(path, limit)
             key = f"{name} {path.name} {job.work:g} {job.time_s} {job.seed}"
             result = kept.result(key) or kept.keep(key, run(job))
-            runs.append(Run(name, result, best.of(path)))
+            runs.append(Run(name, result, best.of(path), kept.commit(key)))
             print(runs[-1], file=sys.stderr, flush=True)
     return runs
 
@@ -154,6 +157,10 @@ class Kept:
         self._known = {row["key"]: row for row in map(json.loads, lines)}
         self._used: dict[str, None] = {}
 
+    def commit(self, key: str) -> str:
+        """That a result is of."""
+        return str(self._known[key]["commit"])
+
     def result(self, key: str) -> BenchResult | None:
         """What is known."""
         if (row := self._known.get(key)) is None:
@@ -165,7 +172,7 @@ class Kept:
         """The same result, kept."""
         commit = _commit()
         row = {"key": key, "commit": commit, "result": asdict(result)}
-        self._used[commit] = None
+        self._used[commit], self._known[key] = None, row
         if self._file is not None:
             with self._file.open("a", encoding="utf-8", newline="\n") as file:
                 file.write(json.dumps(row) + "\n")
@@ -185,7 +192,7 @@ def with_proven(runs: Sequence[Run]) -> list[Run]:
 
 def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = (), commits: str = "unknown") -> str:
     """The whole page."""
-    names = list(dict.fromkeys(run.set for run in runs))
+    names, several = list(dict.fromkeys(run.set for run in runs)), len({run.commit for run in runs}) > 1
     of = {name: [run for run in runs if run.set == name] for name in names}
     worse = [run for run in runs if not run.result.feasible or (run.gap is not None and run.gap > 0)]
     return PAGE.format(
@@ -211,8 +218,16 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = (), comm
         worse="| set " + HEAD.replace("|---|", "|---|---|", 1) + "\n".join(f"| {r.set} {r}" for r in worse)
         if worse
         else "Nowhere.",
-        sets="\n\n".join(f"## {name}\n\n{HEAD}" + "\n".join(map(str, of[name])) for name in names),
+        sets="\n\n".join(
+            f"## {name}\n\n{_of_commits(of[name]) if several else ''}{HEAD}" + "\n".join(map(str, of[name]))
+            for name in names
+        ),
     )
+
+
+def _of_commits(runs: Sequence[Run]) -> str:
+    """What the results of a set are of."""
+    return f"At commit {', '.join(dict.fromkeys(run.commit for run in runs))}.\n\n"
 
 
 def _in_all(runs: Sequence[Run]) -> str:
@@ -253,7 +268,8 @@ def main() -> None:
     runs, kept = [], Kept(given.keep)
     for name, less in limits.also:
         title = f"{name} with {less:g} of work" if by_work else f"{name} in {less:g} s"
-        runs += run_set(title, given.folder / name, best, less, replace(limits, only=()), kept)
+        asked = replace(limits, only=(name,) if "/" in name else ())
+        runs += run_set(title, given.folder / name.partition("/")[0], best, less, asked, kept)
     for folder in sorted(path for path in given.folder.iterdir() if path.is_dir()):
         runs += run_set(folder.name, folder, best, limits.limit, limits, kept)
     print(page(with_proven(runs), limits, given.remarks, kept.commits), end="")

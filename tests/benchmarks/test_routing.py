@@ -47,6 +47,14 @@ def test_a_page_by_work_and_a_proven_cost_for_one_that_is_not_published() -> Non
     assert "at most 25.0% above what is proven" in text
 
 
+def test_where_results_are_of_several_commits_each_set_says_which() -> None:
+    runs = [Run(name, result(1.0, True), None, commit) for name, commit in (("a", "1234"), ("b", "5678"))]
+    limits = Limits(1.0, 1, by_work=True)
+    assert "\n## a\n\nAt commit 1234.\n\n| instance" in page(runs, limits)
+    assert "\n## b\n\nAt commit 5678.\n\n| instance" in page(runs, limits)
+    assert "At commit" not in page(runs[:1], limits)
+
+
 def test_patterns_choose_instances() -> None:
     limits = Limits(1.0, 1, only=("soplib/R.*.1", "cnc/*"))
     named = {name: limits.wanted(Path(name)) for name in ("soplib/R.200.100.1.sop", "cnc/a.pcglns.gz")}
@@ -71,5 +79,6 @@ def test_what_is_kept_is_not_run_again(tmp_path: Path, monkeypatch: pytest.Monke
     first, again = (run_set("two", ROUTING, best, 2.0, limits, Kept(tmp_path / "kept")) for _ in range(2))
     assert len(jobs) == len(first) == 2
     assert first == again
+    assert first[0].commit
     run_set("two", ROUTING, best, 3.0, limits, Kept(tmp_path / "kept"))
     assert len(jobs) == 4, "another limit is another run"

@@ -1,0 +1,118 @@
+"""Whether limits hold: seconds by the clock that `kerfwise solve` takes, and what its process holds at the most.
+
+Usage: python benchmarks/limits.py [--plates 115:10 308:20 1000:30] [--memory GB] [--seed 1] > docs/limits.md
+
+Made plates (examples/gen_sheet.py) under the default profile, cut zone after zone and without zones. Every plate is
+solved within so many seconds by the command itself, in a process of its own, once compiled kernels are kept. Prints the
+page: what the limit is for (the planning), and the whole command, reading, checking and writing included. Seconds by
+the clock mean something only where nothing else runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import kerfwise
+from kerfwise.examples.gen_sheet import make_sheet
+
+PAGE = """\
+# Limits
+
+Made by `python benchmarks/limits.py --plates {plates} --memory {memory:g} --seed {seed}` with kerfwise {kerfwise},
+Python {python}, {system}. Programs that run beside it make the bounds lower and the command longer.
+
+Made plates under the default profile, cut zone after zone and without zones, solved by `kerfwise solve --time-limit S
+--memory GB`, each in a process of its own, compiled kernels kept. `planned in` is by the clock, from the statements to
+the plan: that is what the limit is for. The gap is to what was proven by then, empty where nothing was. The
+command takes longer: it reads the nest, works out facts, checks the plan, and writes program and picture. Memory is the
+most that the process held, the interpreter and its libraries included; `--memory` caps the tables of the engines.
+"""
+HEAD = """\
+| plate | limit, s | planned in, s | over the limit, s | gap | command, s | memory, MB |
+|---|---:|---:|---:|---:|---:|---:|"""
+WARM_S = 5.0
+"""A first run, within as many seconds, compiles what is missing and is not counted."""
+RUN = """\
+import sys
+from kerfwise.cli import main
+from kerfwise.jobs.bench.memory import peak_mb
+try:
+    main(sys.argv[1:])
+finally:
+    print(f"peak {peak_mb():.0f}")
+"""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a run within `limit_s` took, seconds by the clock; `gap` is None where nothing is proven."""
+
+    plate: str
+    limit_s: float
+    planned_s: float
+    command_s: float
+    gap: float | None
+    memory_mb: float
+
+    def __str__(self) -> str:
+        gap = "" if self.gap is None else f"{self.gap:.1%}"
+        over = f"{self.planned_s - self.limit_s:+.1f}"
+        return (
+            f"| {self.plate} | {self.limit_s:g} | {self.planned_s:.1f} | {over} | {gap} | {self.command_s:.1f} | "
+            f"{self.memory_mb:.0f} |"
+        )
+
+
+def run(nest: Path, plate: str, limit_s: float, options: Sequence[str]) -> Kept:
+    """Solve a nest by the command.
+
+    Raises
+    ------
+    RuntimeError
+        If the command does not end with a program.
+    """
+    plan = nest.with_suffix(".plan.json")
+    asked = ["solve", str(nest), "--plan", str(plan), "--time-limit", f"{limit_s:g}", *options]
+    began_s = time.monotonic()
+    done = subprocess.run([sys.executable, "-c", RUN, *asked], capture_output=True, encoding="utf-8", check=False)
+    command_s = time.monotonic() - began_s
+    if done.returncode != 0:
+        raise RuntimeError(f"kerfwise {' '.join(asked)} ended with {done.returncode}: {done.stderr}")
+    told = json.loads(plan.read_text(encoding="utf-8"))["solve"]
+    memory_mb = float(done.stdout.rpartition("peak ")[2])
+    return Kept(plate, limit_s, told["seconds"], command_s, told.get("gap"), memory_mb)
+
+
+def main() -> None:
+    """Print the page, every row as it comes."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--plates", nargs="+", default=["115:10", "308:20", "1000:30"], metavar="CONTOURS:S")
+    parser.add_argument("--memory", type=float, default=2.0, metavar="GB")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    system = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+    told = {"plates": " ".join(given.plates), "memory": given.memory, "seed": given.seed, "system": system}
+    told |= {"kerfwise": kerfwise.__version__, "python": platform.python_version()}
+    print(f"{PAGE.format(**told)}\n{HEAD}", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for contours, limit in (plate.split(":") for plate in given.plates):
+            nest = Path(folder) / f"{contours}.json"
+            nest.write_text(json.dumps(make_sheet(given.seed, int(contours))), encoding="utf-8", newline="\n")
+            for name, off in (("", []), (", no zones", ["--set", "rules.zone-order=off"])):
+                options = ["--memory", f"{given.memory:g}", "--seed", str(given.seed), *off]
+                run(nest, "", min(WARM_S, float(limit)), options)
+                print(run(nest, f"{contours} contours{name}", float(limit), options), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,33 @@
+"""The page of limits: every row is a run of the command itself."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import kerfwise
+from kerfwise.benchmarks.limits import HEAD, run
+
+NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
+
+
+@pytest.mark.slow
+def test_a_row_is_what_a_run_of_the_command_took(tmp_path: Path) -> None:
+    nest = tmp_path / NEST.name
+    shutil.copy(NEST, nest)
+    kept = run(nest, "16 contours", 60.0, ["--memory", "1"])
+    assert 0.0 < kept.planned_s < kept.command_s
+    assert kept.gap == 0.0
+    assert 50 < kept.memory_mb < 3000
+    assert str(kept).count("|") == HEAD.splitlines()[0].count("|")
+    assert (tmp_path / "e1x_6.nc").exists() or (tmp_path / "e1x_6.plan.json").exists()
+
+
+@pytest.mark.slow
+def test_a_run_that_ends_without_a_plan_is_no_row(tmp_path: Path) -> None:
+    nest = tmp_path / "broken.json"
+    nest.write_text("{}", encoding="utf-8")
+    with pytest.raises(RuntimeError, match="ended with 2"):
+        run(nest, "broken", 1.0, [])
