@@ -43,7 +43,7 @@ def shared(
     rings
         The rings of all contours, None where the torch goes round nothing.
     own
-        For each path the ring that it covers all by itself.
+        For each path the contour that it cuts all by itself. One without a ring, such as a slit, shares nothing.
     within_mm
         How far a burn may be from a ring that it runs along.
     tabbed
@@ -55,7 +55,7 @@ def shared(
         return Shared()
     along = stretches_of(paths, rings, sorted(asked), within_mm)
     touched = {burn: _touched(along.get(burn, []), own[burn], rings) for burn in sorted(asked)}
-    odd = {burn for burn, met in touched.items() if own[burn] is None or met}
+    odd = {burn for burn, met in touched.items() if (ring := own[burn]) is None or (met and rings[ring] is not None)}
     whole = {ring for burn, ring in enumerate(own) if ring is not None and burn not in odd}
     burns_of: dict[int, set[int]] = {}
     for burn, row in along.items():

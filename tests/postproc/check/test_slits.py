@@ -11,6 +11,7 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, check_cuts
+from kerfwise.postproc.check.check import check_program
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.tests.postproc.plans import cut_of, profile
 
@@ -135,3 +136,13 @@ def test_every_width_up_to_the_kerf_has_its_loss(width_mm: float) -> None:
     result = judged(a_pass(), width_mm=width_mm)
     assert result.broken() == ()
     assert any(f"loses {(1.5 - width_mm) / 2:.2f} mm at each side" in text for text in result.warnings)
+
+
+def test_what_is_left_of_a_hole_s_cut_is_a_pass_in_no_slot() -> None:
+    hole = [(40, 40), (80, 40), (80, 80), (40, 80)]
+    drawn = nest(150, 150, part("P", [(20, 20), (100, 20), (100, 120), (20, 120)], [hole]))
+    moves = "G1 X60 Y40.75 F2000\nG1 X75 Y40.75\nG1 X75 Y60\n"  # along some of the hole, and away from it
+    result = check_program(drawn, f"G21 G90\nG0 X60 Y60\nM3 $0 S1\n{moves}M5 $0\nM2\n", PLANT)
+    assert {"every-contour-once", "features-kept"} <= set(result.broken())
+    assert "P.hole1 is not cut" in told(result, "every-contour-once")
+    assert "P.slit1) at (75.0, 40.8) runs along no slot narrower than the kerf" in told(result, "features-kept")
