@@ -105,12 +105,13 @@ def better_zones(
         stopped = progress is not None and not progress("zones", None, None)
         return once_more(limits, ends_s, spent) if in_time and not stopped else None
 
-    account = Account(solution.seconds, left)
+    account, mixed_s = Account(solution.seconds, left), 0.0
     found = list(along(asked.facts, profile, solution, free, account, progress))
     if not any(_rank(other) < _rank(solution) for _, other in found) and account.left() is not None:
         borders = tuple(of_neighbours(asked.facts, zoned_by(asked, profile)))
         looked = look_for(asked.facts, limits, ends_s)
         mixed = without_zones(asked, further, profile, solution, looked, progress, borders)
+        mixed_s = 0.0 if mixed is None else mixed.seconds
         if mixed is not None and mixed.solution.route != free.solution.route:
             found += along(asked.facts, profile, solution, mixed, account, progress)
     every = [(asked, solution), *found]
@@ -119,7 +120,10 @@ def better_zones(
     if best is solution:
         return ByZones(asked, solution, free, elsewhere)
     notes = (*solution.notes, "zones: moved along the best plan known without them", *best.notes)
-    return ByZones(by, replace(best, seconds=account.spent + free.seconds, notes=notes), free, elsewhere)
+    spent = account.spent + free.seconds + mixed_s
+    if limits.time_s is not None:
+        spent = solution.seconds + running_s() - began_s
+    return ByZones(by, replace(best, seconds=spent, notes=notes), free, elsewhere)
 
 
 def _rank(solution: Solution) -> tuple[float, bool]:

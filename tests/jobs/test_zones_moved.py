@@ -132,6 +132,33 @@ def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkey
     assert works == pytest.approx([first, 8.0 - first, zones_moved.A_TRY * least, least])
 
 
+@pytest.mark.parametrize("timed", [False, True])
+def test_a_plan_by_other_zones_says_all_that_it_took(timed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    profile = load_profile()
+    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=2.0)
+    routes, costs, clock = iter((solution.route, solution.route[::-1])), iter((1.0, -1.0)), [100.0]
+
+    def without_zones(*given: object) -> Free:
+        clock[0] += 0.75
+        better = replace(solution, objective=solution.objective - 2.0, route=next(routes))
+        return Free(asked.stated, better, 0.5)
+
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, progress: object) -> object:
+        clock[0] += 1.5
+        return Asked(facts, asked.stated), replace(solution, objective=solution.objective + next(costs), seconds=1.0)
+
+    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
+    monkeypatch.setattr(zones_moved, "running_s", lambda: clock[0])
+    monkeypatch.setattr(zones_cost, "running_s", lambda: clock[0])
+    monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
+    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    limits = SolveOptions(time_s=10.0) if timed else SolveOptions(work=10.0)
+    moved = better_zones(asked, (), profile, solution, limits, 108.0 if timed else None).solution
+    assert moved.objective == solution.objective - 1.0
+    assert moved.seconds == (2.0 + 2 * 0.75 + 2 * 1.5 if timed else 2.0 + 2 * 0.5 + 2 * 1.0)
+
+
 @pytest.mark.parametrize("tries", [0, 1])
 def test_told_to_stop_it_tries_no_more_zones(tries: int, monkeypatch: pytest.MonkeyPatch) -> None:
     found, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")], tries)
