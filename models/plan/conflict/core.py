@@ -18,6 +18,9 @@ from .solver import DEFAULT_WORK, NotAnswered
 from .suspects import suspects
 from .whole_order import whole_order
 
+FIRM = 1.0
+"""Work, or seconds where they count, for a look whether rules that do not give way contradict each other as well."""
+
 
 @dataclass(frozen=True, slots=True)
 class Core:
@@ -49,12 +52,12 @@ def find_core(
     budget = budget or Budget(DEFAULT_WORK)
     said = orders_of(facts, groups)
     if of_orders := clash_of_orders(facts.n, groups, said, gives_way):
-        return _of_orders(facts, groups, of_orders, budget)
+        return _firmest(facts, groups, _of_orders(facts, groups, of_orders, budget), gives_way, budget)
     if whole_order(facts, groups, said) is not None:
         return None
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
     if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], budget):
-        return in_order(groups, *locked)
+        return _firmest(facts, groups, in_order(groups, *locked), gives_way, budget)
     at_once = partial(clash_at_once, facts, budget=budget)
     try:
         if at_once(ranked) is None:
@@ -82,6 +85,24 @@ def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], bud
     if not exactly(orders_of(facts, clashing)):
         clashing, minimal = shrink(clashing, partial(clash, facts, budget=budget))
     return replace(in_order(groups, clashing, minimal), by_orders=True)
+
+
+def _firmest(facts: Facts, groups: Sequence[Group], core: Core, gives_way: Mapping[str, int], budget: Budget) -> Core:
+    """The core, or one without what gives way first in it, where little work shows one that is minimal."""
+    most = max(gives_way.get(group.about.rule, 0) for group in core.groups)
+    had = budget.left
+    if not most or had <= 0:
+        return core
+    firmer = [group for group in groups if gives_way.get(group.about.rule, 0) < most]
+    part = budget.part(min(1.0, FIRM / had))
+    left = part.left
+    try:
+        found = find_core(facts, firmer, gives_way, part)
+    except NotAnswered:
+        return core
+    finally:
+        budget.spend(left - part.left)
+    return found if found is not None and found.minimal else core
 
 
 def _among(facts: Facts, suspected: list[Group], budget: Budget) -> tuple[list[Group], bool] | None:

@@ -51,7 +51,7 @@ def find_relaxation(
     Raises
     ------
     NotAnswered
-        If no answer was found within the work allowed.
+        If no answer was found within the work, or the time, allowed.
     """
     budget = budget or Budget(DEFAULT_WORK)
     weights = _weights(groups, book)
@@ -70,6 +70,8 @@ def find_relaxation(
             soft = [k for k in left if groups[k].about in named and weights[k] is not None]
             if not soft:
                 return None
+            if budget.timed and budget.left <= 0:
+                raise NotAnswered  # a contradiction that is shown without a solver takes time as well
             clashes.append(soft)
             asked += len(groups) * (BY_ORDERS if core.by_orders else 1.0)
             left = [k for k in left if k not in soft]

@@ -9,15 +9,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.plan.conflict import core as core_module
 from kerfwise.models.plan.conflict.at_once import clash_of_orders, exactly
-from kerfwise.models.plan.conflict.core import find_core
+from kerfwise.models.plan.conflict.core import Core, find_core
 from kerfwise.models.plan.conflict.group import CanClash, Group, hard_groups
 from kerfwise.models.plan.conflict.orders import orders_of
+from kerfwise.models.plan.conflict.relax import find_relaxation
 from kerfwise.models.plan.conflict.shortest_cycle import shortest_cycle
+from kerfwise.models.plan.conflict.solver import NotAnswered
 from kerfwise.models.plan.conflict.whole_order import whole_order
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Pick, Precede
 from kerfwise.tests.models.plan.conflict.statements import can_hold, row, statements
 
@@ -158,3 +162,33 @@ def test_no_solver_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
         core = find_core(FACTS, hard_groups(asked_for), {"level-ahead": 1})
         assert (core and [group.about.sentence for group in core.groups]) == said
         assert core is None or (core.minimal and core.by_orders)
+
+
+@pytest.mark.parametrize("firm", ["cut-direction", "locks"])
+def test_what_gives_way_is_not_named_where_firm_rules_contradict_by_themselves(firm: str) -> None:
+    """Neither in an order that a graph shows, nor among what is about locked contours."""
+    ahead, back = Precede(0, 1, About("level-ahead", (), "ahead")), Precede(1, 0, About("pierce", (), "back"))
+    entries = [Forbid(c, About(firm, (), f"entry {c}")) for c in FACTS.candidates_of(2)]
+    core = find_core(FACTS, hard_groups([ahead, back, *entries]), {"level-ahead": 1})
+    assert core is not None
+    assert [group.about.sentence for group in core.groups] == ["entry 4", "entry 5"]
+    assert core.minimal
+    kept = find_core(FACTS, hard_groups([ahead, back, *entries[1:]]), {"level-ahead": 1})
+    assert kept is not None
+    assert [group.about.sentence for group in kept.groups] == ["ahead", "back"]
+
+
+def test_contradictions_named_without_a_solver_are_not_looked_for_past_the_limit() -> None:
+    times = iter(range(1000))
+    budget = Budget(time_s=4.0, clock=lambda: float(next(times)))
+    looked: list[int] = []
+
+    def core_of(groups: Sequence[Group]) -> Core | None:
+        looked.append(len(groups))
+        return find_core(FACTS, groups, {}, Budget())
+
+    turns = [(a, b) for i, j, k in permutations(range(4), 3) for a, b in ((i, j), (j, k), (k, i))]
+    asked = [Precede(*turn, About("locks", (), f"order {number}")) for number, turn in enumerate(turns)]
+    with pytest.raises(NotAnswered):
+        find_relaxation(hard_groups(asked), RULES, core_of, budget)
+    assert len(looked) <= 4
