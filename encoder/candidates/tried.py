@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.compensation import compensate_together, compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow import Lost, lost_walls, said_of
@@ -75,6 +75,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
     paths: dict[int, tuple[Contour, Curve]] = {}
     uncut: dict[int, str] = {}
     beyond: dict[int, str] = {}
+    compensate_together((nest.contours[k] for k in chosen if k not in small), options.kerf_mm)
     for k in (k for k in chosen if k not in small):
         contour = nest.contours[k]
         path = contour.curve

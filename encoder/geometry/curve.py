@@ -170,6 +170,11 @@ class Curve:
         """The points of a closed curve by tolerance."""
         return {}
 
+    @cached_property
+    def beside(self) -> dict[float, Curve | None]:
+        """Offsets of a closed curve by distance, mm, as far as they are known; None where neighbours do not tell it."""
+        return {}
+
     def _flattened(self, tolerance_mm: float) -> Floats:
         if not self.segments:
             return self.vertices[:1, :2].copy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,11 +14,14 @@ from kerfwise.arrays import Floats
 
 from .crossing import Circle, Line, LineOrCircle, crossings
 from .curve import Curve
+from .offset_beside import offsets_beside
 from .offset_nearest import NOTHING, Nearest
-from .offset_region import SLIVER_MM, offset_ring
+from .offset_region import offset_ring
 from .offset_sources import Sources
 from .segment import Point, Segment
 
+LEAST_MM, LEAST_MM2 = 1e-9, 1e-9
+"""What is shorter has no length, what encloses less no area."""
 TOLERANCE_MM = 0.004
 """How far a point of the answer may be from the distance asked for before chords are taken instead."""
 MANY_POINTS = 10_000
@@ -56,15 +60,14 @@ def offset_curve(curve: Curve, distance_mm: float) -> Curve:
     """
     if not curve.closed:
         raise ValueError("only a closed curve has an offset; this one is open")
-    if abs(curve.signed_area_mm2) < 1e-9:
+    if abs(curve.signed_area_mm2) < LEAST_MM2:
         raise ValueError("the curve encloses no area")
-    if abs(distance_mm) < 1e-9:
+    if abs(distance_mm) < LEAST_MM:
         return curve
+    offset_together([curve], [distance_mm])
+    if (local := curve.beside[distance_mm]) is not None:
+        return local
     sources = Sources.of(curve, distance_mm)
-    if sources.is_convex:
-        local = _beside_convex(sources)
-        if local is not None:
-            return local
     nearest = Nearest.among(sources, curve)
     for patient in (False, True):
         ring = offset_ring(nearest.outline, distance_mm, patient)
@@ -76,16 +79,16 @@ def offset_curve(curve: Curve, distance_mm: float) -> Curve:
     return Curve(np.column_stack([ring, np.zeros(len(ring))]))
 
 
-def _beside_convex(sources: Sources) -> Curve | None:
-    """The offset of a convex curve, where only neighbours meet; None where some source vanishes."""
-    if (sources.radius_mm[sources.drawn.bulge != 0] < SLIVER_MM).any():
-        return None
-    corners = set(np.flatnonzero(sources.rounded).tolist())
-    order = [x for k in range(len(sources)) for x in ((2 * k, 2 * k + 1) if k in corners else (2 * k,))]
-    curve = _closed(_joined(sources, [_Stretch(source) for source in order]))
-    if curve is None or abs(curve.signed_area_mm2) < SLIVER_MM * curve.length_mm:
-        return None
-    return curve
+def offset_together(curves: Sequence[Curve], distances_mm: Sequence[float]) -> None:
+    """Look for the offsets of closed curves in one go, each by its distance, so that `offset_curve` finds them made."""
+    pairs = [
+        (curve, mm)
+        for curve, mm in zip(curves, distances_mm, strict=True)
+        if mm not in curve.beside and abs(mm) >= LEAST_MM and abs(curve.signed_area_mm2) >= LEAST_MM2
+    ]
+    found = offsets_beside([curve for curve, _ in pairs], [mm for _, mm in pairs])
+    for (curve, mm), beside in zip(pairs, found, strict=True):
+        curve.beside[mm] = beside
 
 
 @dataclass(slots=True)
@@ -112,10 +115,10 @@ def _stretches(nearest: Nearest, ring: Floats) -> list[_Stretch]:
     return runs[begin:] + runs[:begin]
 
 
-def _joined(sources: Sources, runs: list[_Stretch], ring: Floats | None = None) -> list[Segment]:
+def _joined(sources: Sources, runs: list[_Stretch], ring: Floats) -> list[Segment]:
     """The stretches as exact lines and arcs between the points where they meet; empty if they do not.
 
-    With a ring, stretches that would run backwards are left out.
+    Stretches that would run backwards are left out.
     """
     tracks = {run.source: sources.track(run.source) for run in runs}
     while len(runs) > 1:
@@ -131,21 +134,17 @@ def _joined(sources: Sources, runs: list[_Stretch], ring: Floats | None = None) 
                 pieces.append(Segment(start, end, bulge))
         if len(kept) == len(runs):
             return pieces
-        if ring is None:
-            break
         runs = kept
     return []
 
 
 def _closed(pieces: list[Segment]) -> Curve | None:
     """The pieces as one closed curve, those without length left out; None if fewer than two are left."""
-    rows = [(*piece.start, piece.bulge) for piece in pieces if piece.chord_mm > 1e-9]
+    rows = [(*piece.start, piece.bulge) for piece in pieces if piece.chord_mm > LEAST_MM]
     return Curve.of(rows) if len(rows) > 1 else None
 
 
-def _meet(
-    sources: Sources, tracks: dict[int, LineOrCircle], a: _Stretch, b: _Stretch, ring: Floats | None
-) -> Point | None:
+def _meet(sources: Sources, tracks: dict[int, LineOrCircle], a: _Stretch, b: _Stretch, ring: Floats) -> Point | None:
     """Where stretch b follows on stretch a."""
     step = (b.source - a.source) % (2 * len(sources))
     k = a.source // 2
@@ -154,12 +153,10 @@ def _meet(
     mitre = sources.mitre(k) if step == 2 and a.source % 2 == 0 else None
     if mitre is not None and sources.is_smooth(k):
         return mitre
-    near = mitre if ring is None else _ring_point(ring, a.last, b.first, mitre)
-    if near is None:
-        return None
+    near = _ring_point(ring, a.last, b.first, mitre)
     found = crossings(tracks[a.source], tracks[b.source])
     best = min(found, key=lambda p: math.dist(p, near), default=None)
-    if ring is None or (best is not None and math.dist(best, near) < abs(sources.right_mm) / 4):
+    if best is not None and math.dist(best, near) < abs(sources.right_mm) / 4:
         return best
     return near
 

@@ -19,6 +19,11 @@ MITRE_MM = 0.001
 """A corner whose pointed offset reaches less than this beyond its rounding arc is left pointed."""
 
 
+def bridged_rad(offset_mm: float) -> float:
+    """By how much a corner may bend away from an offset that leaves it pointed."""
+    return 2 * math.acos(abs(offset_mm) / (abs(offset_mm) + MITRE_MM))
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Sources:
     """The n segments of a closed curve and the n corners between them, ready to be offset.
@@ -46,17 +51,9 @@ class Sources:
     def rounded(self) -> NDArray[np.bool_]:
         """Corners that bend away from the offset side by more than a mitre can bridge."""
         turn_rad = self.drawn.turn_rad
-        bridged_rad = 2 * math.acos(abs(self.right_mm) / (abs(self.right_mm) + MITRE_MM))
         # A cusp turns by half a turn either way, and is gone around on both sides.
-        return (turn_rad * math.copysign(1.0, self.right_mm) > bridged_rad) | (np.abs(turn_rad) > math.pi - 1e-6)
-
-    @property
-    def is_convex(self) -> bool:
-        """True when the curve bounds a convex area."""
-        turns_rad = np.concatenate([self.drawn.turn_rad, 4 * np.arctan(self.drawn.bulge)])
-        total_rad = float(turns_rad.sum())
-        one_way = bool((math.copysign(1.0, total_rad) * turns_rad > -1e-9).all())
-        return one_way and abs(abs(total_rad) - math.tau) < 1e-6
+        bent = turn_rad * math.copysign(1.0, self.right_mm) > bridged_rad(self.right_mm)
+        return bent | (np.abs(turn_rad) > math.pi - 1e-6)
 
     def track(self, source: int) -> LineOrCircle:
         """The line or circle that the offset of a source lies on."""

@@ -112,11 +112,16 @@ class SegmentArrays:
         return np.asarray(self.starts_mm[self.first[1:] + np.arange(len(self.curves))])
 
     @cached_property
-    def turn_rad(self) -> Floats:
-        """Array (n,): the angle that a closed curve turns through at the end of each segment, positive to the left."""
+    def following(self) -> Ints:
+        """Array (n,): the number of the segment after each of a closed curve; the first follows the last."""
         following = np.arange(1, len(self) + 1)
         following[self.first[1:] - 1] = self.first[:-1]
-        after = self.tangent_in[following]
+        return following
+
+    @cached_property
+    def turn_rad(self) -> Floats:
+        """Array (n,): the angle that a closed curve turns through at the end of each segment, positive to the left."""
+        after = self.tangent_in[self.following]
         return np.asarray(np.arctan2(_cross(self.tangent_out, after), (self.tangent_out * after).sum(axis=1)))
 
     def frames(self, at_mm: Floats, of: Ints | None = None) -> tuple[Floats, Floats, Floats]:
