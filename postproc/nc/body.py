@@ -54,14 +54,13 @@ def body_of_plan(
     pierces, first = tuple((hole.contour, hole.at, hole.before) for hole in plan.pierces), plan.resumed_after + 1
     spelt = _Spelt(cuts, pierces, first, names, profile, dialect)
     known = nest.kept.setdefault(body_of_plan, OrderedDict())
-    if spelt not in known:
+    body: tuple[str, ...] | None = known.get(spelt)
+    if body is None:
         paths = toolpaths(plan, nest, profile) if paths is None else paths
         body = tuple(_body(paths, names, nest, profile, dialect, first, plan.pierces))
         known.clear()
         known[spelt] = body
-        return body
-    found: tuple[str, ...] = known[spelt]
-    return found
+    return body
 
 
 def blocks_of_plan(plan: Plan, nest: Nest, profile: Profile, paths: Sequence[Toolpath]) -> int:

@@ -75,7 +75,7 @@ class Conflict:
             yield "these hard rules cannot all hold; " + (
                 "without any one of them the others can:"
                 if self.minimal
-                else "a smallest set was not proven within the limit, so that some may have no part in it:"
+                else "within the limit it was not shown that each of them has a part in it, so some may have none:"
             )
             yield from _listed(self.clash)
         yield from (f"  note: {note}" for note in self.notes)

@@ -26,7 +26,8 @@ FIRM = 1.0
 class Core:
     """Groups that contradict each other; `minimal` unless a question about them was too hard to answer.
 
-    With `by_orders` what they say of the order was enough to see it, and no solver was asked.
+    With `by_orders` what they say of the order was enough to see it; a solver was at most asked which
+    of a few can be left out.
     """
 
     groups: tuple[Group, ...]
