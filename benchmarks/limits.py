@@ -34,9 +34,9 @@ Python {python}, {system}. Programs that run beside it make the bounds lower and
 Made plates under the default profile, cut zone after zone and without zones, solved by `kerfwise solve --time-limit S
 --memory GB`, each in a process of its own, compiled kernels kept. `planned in` is by the clock, from the statements to
 the plan that the program is written of: that is what the limit is for. Where there are zones, plans without them and by
-other zones are in it. The gap is to what was proven by then, empty where nothing was. The command takes longer: it
-reads the nest, works out facts, checks the plan, and writes program, plan and picture. Memory is the most that the
-process held, the interpreter and its libraries included; `--memory` caps the tables of the engines.
+other zones are in it. The gap is to what had been proven when it ended, empty where nothing was. The command takes
+longer: it reads the nest, works out facts, checks the plan, and writes program, plan and picture. Memory is the most
+that the process held, the interpreter and its libraries included; `--memory` caps the tables of the engines.
 """
 HEAD = """\
 | plate | limit, s | planned in, s | over the limit, s | gap | command, s | memory, MB |

@@ -64,7 +64,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
     run([str(commands / "python"), "-m", "build", "--outdir", str(work / "dist"), str(work / "checkout")], work)
     (sdist,), (wheel,) = (work / "dist").glob("*.tar.gz"), (work / "dist").glob("*.whl")
     with tarfile.open(sdist) as archive:
-        archive.extractall(work, filter="data")
+        archive.extractall(work, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     return Built(sdist, wheel, work / sdist.name.removesuffix(".tar.gz"))
 
 

@@ -218,10 +218,12 @@ def lines_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_
     for curve, known in zip(curves, kept, strict=True):
         points = next(new) if known is None else known
         rows += [points, points[:1] if curve.closed or len(points) < 2 else points[:0]]
-    count = [len(points) + len(first) for points, first in zip(rows[::2], rows[1::2], strict=True)]
-    lines: NDArray[np.object_] = shapely.linestrings(
-        np.concatenate(rows), indices=np.repeat(np.arange(len(curves)), count)
-    )
+    count = np.array([len(points) + len(first) for points, first in zip(rows[::2], rows[1::2], strict=True)])
+    lines: NDArray[np.object_] = np.full(len(curves), shapely.LineString(), dtype=object)
+    (some,) = np.nonzero(count)
+    if len(some):
+        each = np.repeat(np.arange(len(some)), count[some])
+        lines[some] = shapely.linestrings(np.concatenate(rows), indices=each)
     return lines
 
 
@@ -237,8 +239,8 @@ def _flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterato
             segments += own[:1] + own
             count += [1, *(s.chords_within(tolerance_mm) for s in own)]
             ends += [own[0].start, *(s.end for s in own)]
-        else:
-            (x, y), *_ = curve.vertices[:1, :2].tolist()
+        elif len(curve.vertices):
+            x, y = curve.vertices[0, :2].tolist()
             segments.append(Segment((x, y), (x, y)))
             count.append(1)
             ends.append((x, y))

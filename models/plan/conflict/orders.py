@@ -79,12 +79,15 @@ def _of_group(facts: Facts, group: Group, contour_of: Sequence[int]) -> Orders:
 
 
 def forced(s: AtLeast) -> Iterator[tuple[Link, int]]:
-    """The orders that must hold where the statement does, each with its literal's number."""
+    """The orders that must hold where the statement does, each with its literal's number.
+
+    A literal that has a contour before itself is never true, and asks for no order.
+    """
     most = sum(w for w in s.weights if w > 0)
     if most < s.bound:
         return
     for k, (literal, weight) in enumerate(zip(s.literals, s.weights, strict=True)):
-        if isinstance(literal, Before) and most - abs(weight) < s.bound:
+        if isinstance(literal, Before) and literal.i != literal.j and most - abs(weight) < s.bound:
             yield ((literal.i, literal.j) if weight > 0 else (literal.j, literal.i)), k
 
 

@@ -10,7 +10,7 @@ from kerfwise.encoder.geometry.curve import Curve, lines_of
 
 places = st.one_of(st.integers(-3, 3).map(float), st.floats(-50, 50))
 bulges = st.one_of(st.just(0.0), st.floats(0.01, 2), st.floats(-2, -0.01))
-curves = st.builds(Curve.of, st.lists(st.tuples(places, places, bulges), min_size=1, max_size=8), st.booleans())
+curves = st.builds(Curve.of, st.lists(st.tuples(places, places, bulges), max_size=8), st.booleans())
 
 
 @given(curves, st.sampled_from([0.002, 0.01, 0.5]))

@@ -141,6 +141,12 @@ def test_orders_are_told_apart_from_what_hangs_on_entries() -> None:
     assert [of.whole for of in found] == [True, False, True, True, False]
 
 
+def test_that_a_contour_is_not_before_itself_asks_for_no_order() -> None:
+    never = AtLeast((Before(0, 0),), (-1,), 0, About("level-ahead", (), "never before itself"))
+    assert [of.links for of in orders_of(FACTS, hard_groups([never]))] == [()]
+    assert can_hold(FACTS, [never])
+
+
 def test_no_solver_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither for a cycle nor for a place that no order leaves, nor to see that all can hold."""
 
