@@ -10,7 +10,7 @@ from math import exp
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import complete
@@ -94,6 +94,7 @@ def limits(least: float, known: int, rate: float, work: float = 1e4) -> Iterator
 
 
 @settings(max_examples=300, deadline=None)
+@example(200.0, 202, 1.0)
 @given(st.floats(1.0, 1e9), st.integers(1, 1 << 40), st.floats(1e-9, 1.0))
 def test_limits_rise_to_what_is_known(least: float, known: int, rate: float) -> None:
     found = [limit for limit, _ in limits(least, known, min(rate, 60.0 / known))]
