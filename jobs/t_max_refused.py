@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.listed import listed
 from kerfwise.models.physics.heat.pacing import Pacing
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
@@ -35,15 +36,14 @@ def said(contour: str, spot: HotSpot) -> str:
 
 
 def _waits(paced: Pacing, limit: TemperatureLimit) -> str:
-    listed = [f"{wait_s:.1f} s before {contour}" for contour, wait_s in paced.waits.items()]
-    more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
+    waits = listed([f"{wait_s:.1f} s before {contour}" for contour, wait_s in paced.waits.items()], LISTED)
     allowed = f"longest_dwell is {limit.longest_dwell_s:g} s" if limit.dwells else "dwells are not allowed"
     longest_s = max(paced.waits.values())
     if longest_s <= limit.allowed_dwell_s:  # enough by the plan's clock
         allowed = f"by the program's own times it takes more than {allowed.replace(' is', ',')}"
         longest_s = 1.5 * limit.longest_dwell_s
     return (
-        f"waits of {paced.wait_s:.1f} s in all would keep it ({', '.join(listed[:LISTED])}{more}), but {allowed}: "
+        f"waits of {paced.wait_s:.1f} s in all would keep it ({waits}), but {allowed}: "
         f"give {limit.rule} {{dwells: true, longest_dwell: {longest_s + 1:.0f} s}}"
     )
 

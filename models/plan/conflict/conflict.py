@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.listed import listed
 from kerfwise.models.engines.budget import Budget
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.plan import RELAXED
@@ -32,7 +33,7 @@ from .relax import find_relaxation, may_give_way, soften
 from .solver import DEFAULT_WORK, NotAnswered
 from .whole import Engines, find_whole_core
 
-MOST = 20
+MOST, MOST_NAMED = 20, 8
 CORE = 0.6
 """Share of what may be spent that goes into what contradicts what; the rest goes into the way out of it."""
 PLANS = 4.0
@@ -89,7 +90,7 @@ class Conflict:
         for rule, abouts in by_rule.items():
             count = f"{len(abouts)} statement" + ("s" if len(abouts) > 1 else "")
             names = tuple(dict.fromkeys(name for about in abouts for name in about.contours))
-            yield f"  relax {rule}: {count}" + (f" about {_few(names)}" if names else "")
+            yield f"  relax {rule}: {count}" + (f" about {listed(names, MOST_NAMED)}" if names else "")
 
 
 def find_conflict(facts: Facts, profile: Profile, budget: Budget | None = None) -> Conflict | None:
@@ -258,7 +259,3 @@ def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:
 def _times(abouts: Sequence[About]) -> str:
     counts = Counter(about.rule for about in abouts)
     return ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
-
-
-def _few(names: Sequence[str], most: int = 8) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -9,6 +9,7 @@ from typing import Any
 
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.listed import listed
 from kerfwise.rules.statements import EXEMPTION_MM
 
 from .entry import Entry, OtherEntry
@@ -118,9 +119,8 @@ def _unlawful(entry: Entry, everything: bool) -> Iterator[str]:
     lines = []
     for about in dict.fromkeys(about for way in entry.unlawful for about in way.against):
         where = list(dict.fromkeys(f"{_at(w.entry)} {w.direction}" for w in entry.unlawful if about in w.against))
-        shown = where if everything else where[:FEW]
-        more = f" and {len(where) - len(shown)} more" if len(where) > len(shown) else ""
-        lines.append(f"unlawful: {', '.join(shown)}{more}, {about.rule}: {about.sentence}")
+        shown = listed(where, len(where) if everything else FEW)
+        lines.append(f"unlawful: {shown}, {about.rule}: {about.sentence}")
     yield from _listed(lines, everything)
 
 
@@ -130,12 +130,8 @@ def _moved(contour: str, move: Relocation) -> str:
     head = f"{move.label} ({_nth(move.place)}){together}: "
     if not move.breaks:
         return head + difference(move.more_um)
-    rules = _few([f"{about.rule} ({about.sentence})" for about in move.breaks])
+    rules = listed([f"{about.rule} ({about.sentence})" for about in move.breaks], 1)
     return head + f"breaks {rules}"
-
-
-def _few(names: Sequence[str]) -> str:
-    return names[0] + (f" and {len(names) - 1} more" if len(names) > 1 else "")
 
 
 def difference(more_um: int | None) -> str:
