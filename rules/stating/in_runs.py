@@ -11,7 +11,7 @@ import numpy as np
 from kerfwise.encoder.components import weak_components
 
 from .cycles import Link
-from .likely_order import likely_order
+from .likely_order import in_a_row, likely_order
 
 
 def order_in_runs(
@@ -83,13 +83,8 @@ def _in_turn(
     for b, of in enumerate(before):
         for a in of:
             after[a].append(b)
-    straight, left = [b for b in range(blocks) if not waits_for[b]], list(waits_for)
-    for a in straight:  # it grows
-        for b in after[a]:
-            left[b] -= 1
-            if not left[b]:
-                straight.append(b)
-    if len(straight) < blocks:
+    straight = in_a_row(after, waits_for)
+    if straight is None:
         return None
     begins = [max(0, *(earliest.get(k, 0) - m for m, k in enumerate(of))) for of in members]
     ends = [min(n - len(of), *(latest.get(k, n - 1) - m for m, k in enumerate(of))) for of in members]

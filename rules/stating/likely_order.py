@@ -25,14 +25,8 @@ def likely_order(
     for i, j in orders:
         after[i].append(j)
         waits_for[j] += 1
-    straight = [k for k in range(n) if not waits_for[k]]
-    left = list(waits_for)
-    for k in straight:  # it grows
-        for j in after[k]:
-            left[j] -= 1
-            if not left[j]:
-                straight.append(j)
-    if len(straight) < n:
+    straight = in_a_row(after, waits_for)
+    if straight is None:
         return None
     soonest = [earliest.get(k, 0) for k in range(n)]
     last = [latest.get(k, n - 1) for k in range(n)]
@@ -61,3 +55,21 @@ def likely_order(
             if not waits_for[j] and released[j]:
                 heappush(ready, (last[j], j))
     return place
+
+
+def in_a_row(after: Sequence[Sequence[int]], waits_for: Sequence[int]) -> list[int] | None:
+    """Things each before what comes `after` it, which `waits_for` so many others; None where they form a cycle.
+
+    Examples
+    --------
+    >>> in_a_row([[], [0]], [1, 0]), in_a_row([[1], [0]], [1, 1])
+    ([1, 0], None)
+    """
+    straight = [k for k, others in enumerate(waits_for) if not others]
+    left = list(waits_for)
+    for k in straight:  # it grows
+        for j in after[k]:
+            left[j] -= 1
+            if not left[j]:
+                straight.append(j)
+    return straight if len(straight) == len(after) else None
