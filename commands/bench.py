@@ -13,7 +13,7 @@ from kerfwise.models.engines.names import BUILT_IN
 
 from .engine_choice import EngineChoice
 from .given import TRUST
-from .numbers import AMOUNT_OVER_ZERO
+from .numbers import AMOUNT_OVER_ZERO, MEMORY
 
 
 @click.command()
@@ -23,8 +23,7 @@ from .numbers import AMOUNT_OVER_ZERO
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock limit of each run, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,
               help="Limit of each run, the same on each machine; used without --time-limit.")  # fmt: skip
-@click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
-              help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.")  # fmt: skip
+@MEMORY
 @click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
               help="May be given more than once.")  # fmt: skip
 @click.option(

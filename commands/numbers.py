@@ -21,3 +21,13 @@ class Amount(click.FloatRange):
 
 AMOUNT = Amount(min=0)
 AMOUNT_OVER_ZERO = Amount(min=0, min_open=True)
+
+MEMORY = click.option(
+    "--memory",
+    "memory_gb",
+    type=AMOUNT_OVER_ZERO,
+    default=2.0,
+    show_default=True,
+    metavar="GB",
+    help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.",
+)

@@ -11,7 +11,7 @@ import click
 from kerfwise.encoder.errors import InputError
 
 from .given import TRUST
-from .numbers import AMOUNT_OVER_ZERO
+from .numbers import AMOUNT_OVER_ZERO, MEMORY
 
 NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
 
@@ -22,8 +22,7 @@ NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any that is free, if left out.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="How much goes into a plan, as for solve.")  # fmt: skip
-@click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
-              help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.")  # fmt: skip
+@MEMORY
 @click.option("--open", "open_browser", is_flag=True, help="Open the page in the browser.")
 @TRUST
 def command(

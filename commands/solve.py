@@ -15,7 +15,7 @@ from kerfwise.models.engines.baselines import STRATEGIES
 from .drawings_out import drawings, expect_as_drawn, expect_drawings
 from .engine_choice import EngineChoice
 from .given import given_options, note_placing, protect, read_given, tell_note
-from .numbers import AMOUNT_OVER_ZERO, Amount
+from .numbers import AMOUNT_OVER_ZERO, MEMORY, Amount
 
 
 @click.command()
@@ -38,8 +38,7 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
               help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
 @click.option("--no-improvement", type=AMOUNT_OVER_ZERO, metavar="S",
               help="Stop when S seconds have brought no better plan.")  # fmt: skip
-@click.option("--memory", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
-              help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.")  # fmt: skip
+@MEMORY
 @click.option("--engine", type=EngineChoice(), default="portfolio", show_default=True,
               help="`kerfwise engines` says what each is.")  # fmt: skip
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
@@ -67,7 +66,7 @@ def command(
     seed: int,
     gap: float | None,
     no_improvement: float | None,
-    memory: float,
+    memory_gb: float,
     engine: Any,
     solver: str,
     strategy: Any,
@@ -114,7 +113,7 @@ def command(
     limits = options_for(
         given.nest, given.profile,
         work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
-        memory_gb=memory,
+        memory_gb=memory_gb,
     )  # fmt: skip
     listener = ProgressLine()
     try:
