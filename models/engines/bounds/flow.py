@@ -132,13 +132,9 @@ class CutLoop:
         between = Between(self._separation)
         self.stalled = False
         while flow.solve(self._work):
-            flow.look_at_all()
-            best = max(best, flow.bound)
-            self._note(best)
+            best = self._looked(best)
             if self._loose(flow.value - flow.bound) and flow.solve(self._work):
-                flow.look_at_all()
-                best = max(best, flow.bound)
-                self._note(best)
+                best = self._looked(best)
             if best > self._plan.cost - 1 or not self.go():
                 break
             before = self._separation.work
@@ -153,9 +149,17 @@ class CutLoop:
                 flow.drop_idle(self._kept)
                 self._dropped_at = best
             flow.ask(found)
-        if flow.look_at_all():
-            best = max(best, flow.bound)
-            self._note(best)
+        return best
+
+    def _looked(self, best: float) -> float:
+        """This bound, or that of a look at all moves that are open, if it is higher.
+
+        It holds of all plans, and is noted as such, unless only some moves are open.
+        """
+        self.flow.look_at_all()
+        best = max(best, self.flow.bound)
+        if not self.flow.restricted:
+            self.best = max(self.best, best)
         return best
 
     def _loose(self, missing: float) -> bool:
@@ -167,11 +171,6 @@ class CutLoop:
         if self.flow.work > self._work:
             return False
         return self._progress is None or self._progress("bound", self._plan.cost, _whole(self.best))
-
-    def _note(self, bound: float) -> None:
-        """What is proven of all plans, unless only some moves are open."""
-        if not self.flow.restricted:
-            self.best = max(self.best, bound)
 
 
 def _whole(bound: float) -> int:

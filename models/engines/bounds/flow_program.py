@@ -67,7 +67,6 @@ class FlowProgram:
         self.work = made_s(self._moves.open.size)
         self.bound, self.value, self.complete, self.restricted = 0.0, 0.0, False, False
         self._idle, self._reduced = np.zeros(0, dtype=np.bool_), np.zeros(0)
-        self._multipliers: Multipliers | None = None
         self._resting = Resting(m + 1) if m > FEW_SITES else None
 
     def solve(self, work: float) -> bool:
@@ -89,8 +88,8 @@ class FlowProgram:
                 return False
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._idle = paid <= 1e-9
-        self._reduced = solved.reduced[len(self._beside_cost) :]
         columns = len(self._beside_cost)
+        self._reduced = solved.reduced[columns:]
         self.beside = np.clip(solved.value[:columns], 0.0, 1.0)
         self.moves = Flow(self._leave, self._reach, np.maximum(solved.value[columns:], 0.0))
         self.value = float(self._moves.costs(self._leave, self._reach) @ self.moves.amount)
@@ -104,19 +103,12 @@ class FlowProgram:
         self._multipliers = Multipliers(price, paid, self._inequalities)
         return True
 
-    def look_at_all(self) -> bool:
-        """The bound that the last multipliers prove over all moves; those that would make it cheaper come in.
-
-        False where that is known already.
-        """
-        if self._multipliers is None:
-            return False
+    def look_at_all(self) -> None:
+        """The bound that the last multipliers prove over all moves; those that would make it cheaper come in."""
         takes_s = look_s(self._moves.open.size)
         self.work += takes_s
         self._learn(self._multipliers, self._in_time if takes_s > SHORT_S else lambda: True)
         self.work += products_s(self._moves.products)
-        self._multipliers = None
-        return True
 
     def ask(self, found: Inequalities) -> None:
         """Ask for these inequalities, too."""
@@ -187,16 +179,19 @@ class FlowProgram:
 
         Those `in_use` (moves,) stay, and those that have come since.
         """
-        known = len(self._reduced)
-        kept = np.ones(len(self._leave), dtype=np.bool_)
-        sites = self._awake + 1
+        known, sites = len(self._reduced), self._awake + 1
+        stays = self._moves.is_own(self._leave, self._reach)
+        stays[:known] |= in_use[:known]
+        stays[known:] = True
+        kept = np.ones(len(stays), dtype=np.bool_)
         if known > MANY_MOVES * sites:
             enough = max(float(np.partition(self._reduced, FEWER_MOVES * sites)[FEWER_MOVES * sites]), DEAR_UM)
-            kept[:known] = (self._reduced <= enough) | in_use[:known]
-            kept[:known] |= self._moves.is_own(self._leave, self._reach)[:known]
-        emptied = (
-            self._lay_down(self._resting, in_use, kept) if self._resting is not None else np.zeros(0, dtype=np.int64)
-        )
+            kept[:known] = stays[:known] | (self._reduced <= enough)
+        emptied = np.zeros(0, dtype=np.int64)
+        if self._resting is not None:
+            stays[:known] |= self.moves.amount > 0.0
+            emptied, gone_to_rest = self._lay_down(self._resting, stays)
+            kept &= ~gone_to_rest
         gone = np.flatnonzero(~kept)
         self._program.drop_columns(len(self._beside_cost) + gone, emptied)
         self._moves.used[self._leave[gone], self._reach[gone]] = False
@@ -204,32 +199,28 @@ class FlowProgram:
         self._reduced = self._reduced[kept[:known]]
         return kept
 
-    def _lay_down(self, resting: Resting, in_use: Bools, kept: Bools) -> Ints:
-        """Put sites to rest, mark their moves as not `kept`, and answer which rows are left without a move."""
-        known, first = len(self._reduced), self._n + 1
-        stays = self._moves.is_own(self._leave, self._reach)
-        stays[known:] = True
-        stays[:known] |= in_use[:known] | (self.moves.amount > 0.0)
+    def _lay_down(self, resting: Resting, stays: Bools) -> tuple[Ints, Bools]:
+        """Put sites to rest that no move that `stays` has, and answer which rows that empties, and which moves go."""
+        first = self._n + 1
         column, row = self._program.basic()
         column = column[len(self._beside_cost) :]
         bound = row[first : first + self._m + 1].astype(np.int64)
         for ends in (self._leave, self._reach):
             bound += np.bincount(ends[column], minlength=self._m + 1)
         chosen, gone = resting.lay_down(self._leave, self._reach, self._reduced, stays, bound)
-        kept &= ~gone
-        return first + chosen
+        return first + chosen, gone
 
     def restrict(self, allowed: Bools) -> None:
         """Go on with these moves alone, (m + 1, m + 1).
 
         The known plan's own stay, so that there is always a flow; those not among them cost as much as a plan more.
         """
-        own = self._moves.restrict(allowed)
+        self._moves.restrict(allowed)
         self.restricted, self.bound = True, 0.0
         columns = len(self._beside_cost) + np.arange(len(self._leave))
         here = self._moves.open[self._leave, self._reach]
         self._program.limit(columns, np.where(here, np.inf, 0.0))
-        ours = np.flatnonzero(np.isin(self._leave * (self._m + 1) + self._reach, own[0] * (self._m + 1) + own[1]))
+        ours = np.flatnonzero(self._moves.is_own(self._leave, self._reach))
         self._program.price(columns[ours], self._moves.costs(self._leave[ours], self._reach[ours]))
 
     @property

@@ -180,12 +180,11 @@ class AllMoves:
             self.open[:, ~stays] = False
         return closes
 
-    def restrict(self, allowed: Bools) -> tuple[Ints, Ints]:
-        """Leave these moves alone open, (m + 1, m + 1), and the known plan's own, whose ends are answered."""
+    def restrict(self, allowed: Bools) -> None:
+        """Leave these moves alone open, (m + 1, m + 1), and the known plan's own."""
         self.open = allowed.copy()
         self._forced = ~allowed[self._own]
         self.open[self._own] = True
-        return self._own
 
     @property
     def allowed(self) -> Bools:
