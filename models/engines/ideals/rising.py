@@ -38,5 +38,6 @@ def rising(least: float, known: int | None, left: Callable[[], float]) -> Iterat
             if times * (known - least - over) <= log(DEARER):
                 break
             step = log(DEARER) / times
-        over, before = over + max(step, 1.0), taken  # limits are whole numbers: none comes twice
+        step = max(step, 1.0)  # limits are whole numbers: none comes twice
+        over, before = over + step, taken
     yield known

@@ -110,3 +110,16 @@ def test_far_from_the_bound_no_sweep_takes_far_more_than_the_one_before() -> Non
 
 def test_where_limits_drop_nothing_it_is_to_the_known_plan_at_once() -> None:
     assert [limit for limit, _ in limits(1000.0, 5000, rate=1.0, work=300.0)][-2] < 1200
+
+
+def test_limits_that_rose_by_one_rise_faster_once_sweeps_hardly_grow() -> None:
+    """From 322 to 347 each unit takes twelve times as much work, from there on a tenth more."""
+    spent: list[float] = []
+    found = []
+    for limit in rising(300.0, 420, lambda: 1e4 - sum(spent)):
+        assert limit is not None
+        found.append(limit)
+        spent.append(1e3 * exp(2.5 * min(max(limit - 322, 0), 25) + 0.1 * max(limit - 347, 0)))
+    steep = [limit for limit in found if 326 <= limit <= 347]
+    assert steep == list(range(326, 348))
+    assert found[found.index(347) + 1 :][:2] == [348, 362]
