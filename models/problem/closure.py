@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.components import strong_components
@@ -50,16 +49,13 @@ def _closed(n: int, links: Ints) -> Bools:
     waiting = np.bincount(sooner, minlength=n)
     first = np.searchsorted(later, np.arange(n + 1))
     suited(_hand_on, n + closed.shape[1] * len(sooner))(first, sooner, waiting, closed)
-    whole = np.unpackbits(_little_endian(closed), axis=1, count=n, bitorder="little").view(np.bool_)
+    bits = closed.astype("<u8", copy=False).view(np.uint8)
+    whole = np.unpackbits(bits, axis=1, count=n, bitorder="little").view(np.bool_)
     if waiting.any():
         label = strong_components(n, np.column_stack([sooner, later]))
         on_cycle = np.bincount(label, minlength=n)[label] > 1
         whole[on_cycle, on_cycle] = True
     return whole
-
-
-def _little_endian(masks: Masks) -> NDArray[np.uint8]:
-    return masks.astype("<u8", copy=False).view(np.uint8)
 
 
 @kept(nogil=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,18 +17,18 @@ from .last import LastOf, digest
 _last = LastOf[Followers]()
 
 
-def known_followers(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Followers:
+def known_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]] = ()) -> Followers:
     """The same as `lawful_followers`, made once of orders that are asked for again; they must not change meanwhile."""
-    unlike = np.array(list(apart), dtype=np.int64).reshape(-1, 2)
+    unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
     asked = digest(block, unlike)
     followers = _last.known(before, asked)
     if followers is None:
-        followers = lawful_followers(before, block, [(i, j) for i, j in unlike.tolist()])
+        followers = lawful_followers(before, block, unlike)
         _last.keep(before, asked, followers)
     return followers
 
 
-def lawful_followers(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Followers:
+def lawful_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]] | Ints = ()) -> Followers:
     """Which of n + 1 may directly follow which; n is the machine's home.
 
     `before` is the closed relation of what must come before what, `block` the contiguous block of every contour, and
@@ -47,7 +47,7 @@ def lawful_followers(before: Bools, block: Ints, apart: Iterable[tuple[int, int]
     from_row = np.searchsorted(near[0], np.arange(0, n + ROWS_AT_ONCE, ROWS_AT_ONCE))
     enters, leaves = _ends_of_blocks(before, block)
     first, last = (np.asarray(~before.any(axis=axis)) for axis in (0, 1))
-    unlike = np.array([(i, j) for i, j in apart], dtype=np.int64).reshape(-1, 2)
+    unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
     unlike = np.concatenate([unlike, unlike[:, ::-1]])
     bits = np.zeros((n + 1, n // 8 + 1), dtype=np.uint8)
     mark = suited(_mark_lawful, n * n)

@@ -36,10 +36,9 @@ def _apart(problem: Problem) -> list[tuple[int, ...]]:
     n = problem.n
     settled = np.empty(n, dtype=np.int64)  # from this place on, every contour is known to follow the i-th
     for k in range(0, n, ROWS_AT_ONCE):
-        rows = problem.before[order[k : k + ROWS_AT_ONCE]].take(order[::-1], axis=1)
-        settled[k : k + ROWS_AT_ONCE] = n - np.argmin(
-            rows, axis=1
-        )  # of the last that does not follow: it does not itself
+        some = slice(k, k + ROWS_AT_ONCE)
+        follows = problem.before[order[some]].take(order[::-1], axis=1)
+        settled[some] = n - np.argmin(follows, axis=1)  # behind the last that does not follow, perhaps itself
     reach = np.maximum.accumulate(settled) if n else settled
     breaks = {k for k in range(1, n) if reach[k - 1] <= k}
     place = {int(c): k for k, c in enumerate(order)}
