@@ -55,7 +55,7 @@ first run after an installation does. `kernels` counts what was compiled.
 REMARKS = Path(__file__).with_name("phases_remarks.md")
 MINUTES = 6.0
 ALL_KERNELS = 1000
-"""Plates of more contours take the kernels of smaller ones, which are run once beforehand, to compile them."""
+"""Plates of more contours take the kernels of those before them; all others, and the first, are run once to compile."""
 STARTS: dict[str, tuple[str, ...]] = {
     "16 contours": ("e1x_6.json",),
     "16 contours, a limit of 5 s": ("e1x_6.json", "--time-limit", "5"),
@@ -152,7 +152,7 @@ def main() -> None:
             files = [kept_in(given.kept, k + 2 - len(plates), contours) for k in range(len(plates))]
             pairs_of = list(zip(plates, files, strict=True))
             for tree, file in pairs_of:
-                if contours <= ALL_KERNELS and (file is None or not file.exists()):
+                if (contours <= ALL_KERNELS or not runs) and (file is None or not file.exists()):
                     tree.phases(contours, given.work, given.minutes)  # compiles
             runs.append([tree.phases(contours, given.work, given.minutes, file) for tree, file in pairs_of])
             print(runs[-1], file=sys.stderr, flush=True)

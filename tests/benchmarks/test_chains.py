@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
 from kerfwise.benchmarks.chain_proofs import rows
 from kerfwise.benchmarks.chains import Row, kept, row
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.benchmarks.plates import made_plate
 
 
 def test_a_row_tells_plain_plans_and_gaps_apart() -> None:
@@ -33,7 +30,7 @@ def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_links_save_pierces_and_time() -> None:
-    nest = read_json(json.dumps(make_sheet(1, 20)).encode(), ReadOptions())
+    nest = made_plate(20, seed=1)
     plain, linked = (row(nest, "plate", "plasma", 2.0, on, 2.0) for on in (False, True))
     assert plain.gap == linked.gap == 0
     assert linked.links
