@@ -12,12 +12,12 @@ import shapely
 
 from kerfwise.arrays import Floats
 
-from .crossing import Circle, Line, LineOrCircle, crossings
+from .crossing import Line, LineOrCircle, crossings
 from .curve import Curve
 from .offset_beside import offsets_beside
 from .offset_nearest import NOTHING, Nearest
 from .offset_region import offset_ring
-from .offset_sources import Sources
+from .offset_sources import Sources, arc_bulge
 from .segment import Point, Segment
 
 LEAST_MM, LEAST_MM2 = 1e-9, 1e-9
@@ -178,16 +178,9 @@ def _bulge(track: LineOrCircle, start: Point, end: Point, longest_rad: float) ->
     if isinstance(track, Line):
         ahead = (end[0] - start[0]) * track.direction[0] + (end[1] - start[1]) * track.direction[1]
         return 0.0 if ahead > -1e-9 else None
-    sweep = _sweep_rad(track, start, end)
-    if sweep > longest_rad and math.tau - sweep < sweep - longest_rad:
-        return 0.0 if math.tau - sweep < 1e-9 else None
-    return track.turn * math.tan(sweep / 4)
-
-
-def _sweep_rad(track: Circle, start: Point, end: Point) -> float:
-    (cx, cy) = track.centre
-    turn = math.atan2(end[1] - cy, end[0] - cx) - math.atan2(start[1] - cy, start[0] - cx)
-    return (track.turn * turn) % math.tau
+    cx, cy = track.centre
+    bulge = arc_bulge(track.turn, (start[0] - cx, start[1] - cy), (end[0] - cx, end[1] - cy), longest_rad)
+    return None if math.isnan(bulge) else bulge
 
 
 def _agrees(curve: Curve, nearest: Nearest, ring: Floats) -> bool:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
 
-from .crossing import Circle, Line, LineOrCircle, crossings
+from .crossing import crossings
 from .curve import Curve, lines_of
 from .offset_region import CHORD_MM, SLIVER_MM
-from .offset_sources import bridged_rad
+from .offset_sources import SMOOTH_RAD, arc_bulge, bridged_rad, offset_radii_mm, offset_track, rounded_corners
 from .segment import Point
 from .segment_arrays import SegmentArrays
 
@@ -113,9 +113,8 @@ class _Beside:
         after = drawn.following
         right = right_mm[of]
         bridged = np.array([bridged_rad(mm) for mm in right_mm.tolist()])[of]
-        # A cusp turns by half a turn either way, and is gone around on both sides.
-        rounded = (drawn.turn_rad * np.sign(right) > bridged) | (np.abs(drawn.turn_rad) > math.pi - 1e-6)
-        radius_mm = np.where(drawn.bulge != 0, drawn.radius_mm + right * np.sign(drawn.bulge), 0.0)
+        rounded = rounded_corners(drawn.turn_rad, right, bridged)
+        radius_mm = offset_radii_mm(drawn, right)
         first = _moved(drawn.start, drawn.tangent_in, right)
         last = _moved(drawn.end, drawn.tangent_out, right)
         (tx, ty), (ux, uy) = drawn.tangent_out.T, drawn.tangent_in[after].T
@@ -124,7 +123,7 @@ class _Beside:
         scale = np.where(turned_back, 1.0, scale)
         x, y = drawn.end.T
         mitre = np.column_stack([x + right * (ty + uy) / scale, y - right * (tx + ux) / scale])
-        sharp = ~rounded & (turned_back | ~(np.abs(drawn.turn_rad) < 1e-4))
+        sharp = ~rounded & (turned_back | ~(np.abs(drawn.turn_rad) < SMOOTH_RAD))
         broken = (drawn.bulge != 0) & (radius_mm < SLIVER_MM)
         broken |= sharp & turned_back
         meet = mitre.copy()
@@ -132,7 +131,7 @@ class _Beside:
         meet[straight], parallel = _crossings(first, drawn.tangent_in, np.flatnonzero(straight), after)
         broken[np.flatnonzero(straight)[parallel]] = True
         for k in np.flatnonzero(sharp & ~straight & ~broken).tolist():
-            a, b = (_track(drawn, radius_mm, first, j) for j in (k, int(after[k])))
+            a, b = (offset_track(drawn, radius_mm, j, _point(first[j])) for j in (k, int(after[k])))
             near = _point(mitre[k])
             best = min(crossings(a, b), key=lambda p: math.dist(p, near), default=None)
             broken[k] |= best is None
@@ -211,25 +210,10 @@ def _crossings(at: Floats, way: Floats, k: Ints, after: Ints) -> tuple[Floats, B
     return np.column_stack([at[k, 0] + t * ax, at[k, 1] + t * ay]), parallel
 
 
-def _track(drawn: SegmentArrays, radius_mm: Floats, first: Floats, k: int) -> LineOrCircle:
-    """The line or circle that the offset of a segment lies on."""
-    if drawn.bulge[k] != 0:
-        return Circle(_point(drawn.centre[k]), float(radius_mm[k]), 1 if drawn.bulge[k] > 0 else -1)
-    return Line(_point(first[k]), _point(drawn.tangent_in[k]))
-
-
 def _bulges(centre: Floats, turns: NDArray[np.int64], start: Floats, end: Floats, longest_rad: list[float]) -> Floats:
     """Bulges of arcs about centres, each turning by no more than the longest; NaN for one that would run backwards."""
-    (sx, sy), (ex, ey) = (start - centre).T.tolist(), (end - centre).T.tolist()
-    rows = zip(turns.tolist(), sx, sy, ex, ey, longest_rad, strict=True)
-    return np.array([_bulge(*row) for row in rows], dtype=np.float64)
-
-
-def _bulge(turn: int, sx: float, sy: float, ex: float, ey: float, longest_rad: float) -> float:
-    sweep = (turn * (math.atan2(ey, ex) - math.atan2(sy, sx))) % math.tau
-    if sweep > longest_rad and math.tau - sweep < sweep - longest_rad:
-        return 0.0 if math.tau - sweep < 1e-9 else math.nan
-    return turn * math.tan(sweep / 4)
+    rows = zip(turns.tolist(), (start - centre).tolist(), (end - centre).tolist(), longest_rad, strict=True)
+    return np.array([arc_bulge(*row) for row in rows], dtype=np.float64)
 
 
 def _point(row: Floats) -> Point:
