@@ -56,8 +56,10 @@ def offsets_beside(curves: Sequence[Curve], distances_mm: Sequence[float]) -> li
     right_mm = np.array([mm if c.is_ccw else -mm for c, mm in zip(curves, distances_mm, strict=True)])
     beside = _Beside.made(drawn, right_mm)
     convex = beside.convex
-    asked = np.flatnonzero(beside.whole & ~convex & beside.roomy)
-    shown = asked[_keeps_away(beside.curves(asked), curves, right_mm, asked, 0.0)]
+    tried = np.flatnonzero(beside.whole & (convex | beside.roomy))
+    made = dict(zip(tried.tolist(), beside.curves(tried), strict=True))
+    asked = tried[~convex[tried]]
+    shown = asked[_keeps_away([made[k] for k in asked.tolist()], curves, right_mm, asked, 0.0)]
     if len(shown):
         some = SegmentArrays.of(*(curves[k] for k in shown.tolist()))
         more_mm = right_mm[shown] + np.copysign(FURTHER_MM, right_mm[shown])
@@ -65,13 +67,12 @@ def offsets_beside(curves: Sequence[Curve], distances_mm: Sequence[float]) -> li
         every = np.flatnonzero(further.whole)
         rows = shown[every]
         shown = rows[_keeps_away(further.curves(every), curves, right_mm, rows, FURTHER_MM)]
-    told = np.flatnonzero(beside.whole & convex)
     found: list[Curve | None] = [None] * len(curves)
-    for k, curve in zip(told.tolist(), beside.curves(told), strict=True):
-        if abs(curve.signed_area_mm2) >= SLIVER_MM * curve.length_mm:
-            found[k] = curve
-    for k, curve in zip(shown.tolist(), beside.curves(shown), strict=True):
-        found[k] = curve
+    for k in tried[convex[tried]].tolist():
+        if abs(made[k].signed_area_mm2) >= SLIVER_MM * made[k].length_mm:
+            found[k] = made[k]
+    for k in shown.tolist():
+        found[k] = made[k]
     return found
 
 
