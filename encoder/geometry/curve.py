@@ -176,16 +176,10 @@ class Curve:
         return {}
 
     def _flattened(self, tolerance_mm: float) -> Floats:
-        if not self.segments:
-            return self.vertices[:1, :2].copy()
         whole = len(self.segments) == len(self.vertices) - (not self.closed)
         if whole and not self.vertices[:, 2].any():
             return self.vertices[:, :2].copy()
-        count = [1, *(s.chords_within(tolerance_mm) for s in self.segments)]
-        ends = [self.segments[0].start, *(s.end for s in self.segments)]
-        straight, segments = max(count) == 1, self.segments[:1] + self.segments
-        points = np.array(ends) if straight else _with_arcs(segments, np.array(count), np.array(ends))
-        return points[:-1] if self.closed else points
+        return next(_flattened_together([self], tolerance_mm))
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
         """The path as a shapely LineString, closed ones repeat their first point, as a mere point does."""
