@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Nest
 
 from .candidate import LeadOptions
@@ -95,8 +96,7 @@ def _line(nest: Nest, group: _Alike, why: Mapping[int, Reason]) -> str:
         return "; ".join(text for text in (first.text, frees) if text)
     kinds = {nest.contours[k].kind for k in group.contours}
     named = [nest.contours[k].id for k in group.contours]
-    more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
-    what = f"{len(named)} {'holes' if kinds == {'hole'} else 'contours'} ({', '.join(named[:_NAMED])}{more})"
+    what = f"{len(named)} {'holes' if kinds == {'hole'} else 'contours'} ({listed(named, _NAMED)})"
     return f"{what}: {'; '.join(text for text in (frees, f'such as {first.text}') if text)}"
 
 

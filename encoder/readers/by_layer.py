@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Note
 
 from .drawing import DrawnCurve
@@ -88,15 +89,14 @@ def _misheard(cut: Sequence[DrawnCurve]) -> list[Note]:
 
 def _nothing(pieces: Sequence[DrawnCurve], uses: Mapping[tuple[str, ...], Use]) -> str:
     layers = {p.layer: uses[p.names] for p in pieces}
-    listed = ", ".join(f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)[:8])
-    more = f" and {len(layers) - 8} more" if len(layers) > 8 else ""
+    said = listed([f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)], 8)
     count = Counter(p.layer for p in pieces)
     likely = min(layers, key=lambda layer: (layers[layer].purpose == "sheet", -count[layer], layer))
     if layers[likely].stated:
         advice = f"let drawing.layers.{layers[likely].purpose} match less"
     else:
         advice = f"to cut one, say so in the profile: {setting('cut', likely)}"
-    return f"nothing to cut: every line is on a layer that is not cut ({listed}{more}); {advice}"
+    return f"nothing to cut: every line is on a layer that is not cut ({said}); {advice}"
 
 
 def _word(use: Use) -> str:
