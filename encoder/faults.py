@@ -72,9 +72,9 @@ def naming_the_rule(hook: Callable[..., Any]) -> Callable[..., Any]:
     def named(self: Any, *args: Any, **options: Any) -> Any:
         try:
             given = hook(self, *args, **options)
-        except BaseException as error:  # asked for a million times, and mostly well
-            at_work(self, hook.__name__).__exit__(type(error), error, error.__traceback__)
-            raise
+        except BaseException:  # asked for a million times, and mostly well
+            with at_work(self, hook.__name__):
+                raise
         return _watched(given, at_work(self, hook.__name__)) if isinstance(given, GeneratorType) else given
 
     return named
