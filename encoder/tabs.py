@@ -104,8 +104,11 @@ def unlit(ring: Curve, join: Point, tabs: Iterable[Tab], kerf_mm: float) -> tupl
     >>> unlit(square, (0, 0), [Tab((50, 0), 1.0), Tab((0, 1), 1.0)], 1.0)
     ((49.0, 51.0), (398.0, 400.0))
     """
-    tabs, found = tuple(tabs), []
-    around_mm, joined_mm = (ring.length_mm, ring.project(join)[0]) if tabs else (0.0, 0.0)
+    tabs = tuple(tabs)
+    if not tabs:
+        return ()
+    around_mm, joined_mm = ring.length_mm, ring.project(join)[0]
+    found = []
     for tab in tabs:
         half_mm = off_mm(tab, kerf_mm) / 2
         middle_mm = (ring.project(tab.at)[0] - joined_mm) % around_mm

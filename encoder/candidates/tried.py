@@ -72,11 +72,12 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
     """Look for approaches to the contours of these numbers; marks need none, those of slits are whole candidates."""
     chosen = list(contours)
     small = _small_holes(nest, chosen, options.holes)
+    others = [k for k in chosen if k not in small]
     paths: dict[int, tuple[Contour, Curve]] = {}
     uncut: dict[int, str] = {}
     beyond: dict[int, str] = {}
-    compensate_together((nest.contours[k] for k in chosen if k not in small), options.kerf_mm)
-    for k in (k for k in chosen if k not in small):
+    compensate_together((nest.contours[k] for k in others), options.kerf_mm)
+    for k in others:
         contour = nest.contours[k]
         path = contour.curve
         try:
@@ -89,7 +90,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
         if far := out_of_reach(contour, path, options.reach):
             beyond[k] = far
     outlines = Outline.of(paths, options.kerf_mm / 2)
-    narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options)
+    narrow = _narrow(nest, others, outlines, options)
     rings = {k: outline.path for k, outline in outlines.items() if k not in narrow}
     drawn = {k: nest.contours[k].curve for k in chosen if nest.contours[k].kind in ("mark", "slit")}
     off = off_the_sheet(nest.contours, drawn | rings, around)
