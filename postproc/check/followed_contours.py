@@ -14,12 +14,10 @@ import shapely
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.ranges import laid_out
 
-from .followed_rings import ROUNDING_MM, twice_area
+from .followed_rings import FROM_CHORD, ROUNDING_MM, twice_area
 
 AT_ONCE = 1024
 """Contours that are looked at together: more would take memory, and no less time."""
-_FROM_CHORD = (0, -1, 1)
-"""The chord of a round where a point of it is looked for, and those before and behind it."""
 _PAIRS = 4
 """Where stretches hold so many times more points than there are points, a round goes to and fro: nothing is known."""
 
@@ -126,7 +124,7 @@ class _Way:
         chord = self._behind(near_mm % np.maximum(self.round_mm[of], ROUNDING_MM), of)
         best_mm2 = np.full(len(of), np.inf)
         feet, at_mm = points.copy(), np.zeros(len(of))
-        for further in _FROM_CHORD:
+        for further in FROM_CHORD:
             k = np.clip(chord + further, self.first[of] + 1, self.last[of])
             begin, way = self.at[k - 1], self.at[k] - self.at[k - 1]
             square = (way * way).sum(axis=1)
