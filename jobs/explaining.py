@@ -11,6 +11,7 @@ import numpy as np
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.plan.another_profile import made_with_another
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.explain import (
     Along,
@@ -18,7 +19,6 @@ from kerfwise.models.plan.explain import (
     Setting,
     expect_planned,
     explained,
-    made_with_another,
     make_setting,
 )
 from kerfwise.models.plan.plan import Plan

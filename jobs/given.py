@@ -137,9 +137,12 @@ def common_cuts_not_made(given: Given) -> str:
 
 def differences(plan: Plan, given: Given) -> Iterator[str]:
     """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
-    for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):
-        if stands.get("sha256") != now:
-            yield f"the {what} is not the one the plan was made with (its sha256 differs)"
+    from kerfwise.models.plan.another_profile import made_with_another
+
+    if plan.nest.get("sha256") != given.nest.sha256:
+        yield "the nest is not the one the plan was made with (its sha256 differs)"
+    if told := made_with_another(plan, given.profile):
+        yield told
     yield from changed_since(plan.made_with, given.profile.for_one_nest)
     if plan.origin != given.profile.machine.origin:
         yield f"the plan's origin is {plan.origin}, here it is {given.profile.machine.origin}: the plan's counts"

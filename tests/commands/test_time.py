@@ -98,7 +98,11 @@ def test_a_program_whose_feeds_are_not_the_profiles_is_noted(files: tuple[Path, 
 
 def test_a_plan_of_another_profile_is_noted(files: tuple[Path, Path]) -> None:
     other = kerfwise("time", NEST, files[0])
-    assert other.err == "note: the profile is not the one the plan was made with (its sha256 differs)\n"
+    said = (
+        "note: the profile is not the one the plan was made with (its sha256 differs): this is 'plasma-carbon-steel', "
+    )
+    assert other.err.startswith(f"{said}that was '{LASER}', whose sha256 begins ")
+    assert other.err.endswith(": give it with -p (in Python profile=)\n")
     assert kerfwise("time", NEST, files[0], "-p", LASER).err == ""
 
 

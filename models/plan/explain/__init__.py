@@ -3,7 +3,7 @@
 from .along import Along
 from .explain import Explanation, expect_planned, explain, explained
 from .lawful import TriedOrder, try_order
-from .setting import Setting, made_with_another, make_setting
+from .setting import Setting, make_setting
 from .words import as_text, explanation_as_json
 
 __all__ = [
@@ -16,7 +16,6 @@ __all__ = [
     "explain",
     "explained",
     "explanation_as_json",
-    "made_with_another",
     "make_setting",
     "try_order",
 ]

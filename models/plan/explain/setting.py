@@ -13,7 +13,9 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import join_of
+from kerfwise.encoder.listed import listed
 from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.another_profile import made_with_another
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
@@ -28,7 +30,8 @@ from kerfwise.rules.stating.state_rules import Stated
 NEAR_MM = 1e-3
 """A cut is a candidate's if it is pierced this near to it, the same way round."""
 
-_SHA_DIGITS = 12
+MOST_NAMED = 8
+"""So many contours are named in a note."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,7 +87,8 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     if told := made_with_another(plan, profile):
         notes.append(told)
     notes += changed_since(plan.made_with, profile.for_one_nest)
-    candidates = [_candidate_of(facts, problem, planned.cut, notes) for planned in plan.cuts]
+    candidates, stand_ins = _candidates_of(facts, problem, plan)
+    notes += stand_ins
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
     conditions: dict[int, list[Condition]] = defaultdict(list)
     for condition in problem.conditions:
@@ -107,18 +111,6 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     )
 
 
-def made_with_another(plan: Plan, profile: Profile) -> str:
-    """That a plan was made with another profile than this, with which, and what to do; "" where it was not."""
-    own, sha256 = plan.profile.get("name", ""), plan.profile.get("sha256", "")
-    if sha256 == profile.sha256:
-        return ""
-    told = f"the profile is not the one the plan was made with (its sha256 differs): this is '{profile.name}', "
-    if not own:
-        return f"{told}the plan does not say which that was"
-    begins = f", whose sha256 begins {sha256[:_SHA_DIGITS]}" if sha256 else ""
-    return f"{told}that was '{own}'{begins}: give it with -p (in Python profile=)"
-
-
 def _same_contours(facts: Facts, plan: Plan) -> None:
     index = facts.nest.index
     planned = [p.cut.contour for p in plan.cuts]
@@ -132,8 +124,27 @@ def _same_contours(facts: Facts, plan: Plan) -> None:
         )
 
 
-def _candidate_of(facts: Facts, problem: Problem, cut: Cut, notes: list[str]) -> int:
-    """The candidate that a planned cut uses, or the lawful one nearest to it, with a note.
+def _candidates_of(facts: Facts, problem: Problem, plan: Plan) -> tuple[list[int], list[str]]:
+    """The candidates that the planned cuts use, or the lawful ones nearest to them, and notes of these."""
+    used = []
+    otherwise: dict[str, list[str]] = defaultdict(list)
+    for planned in plan.cuts:
+        candidate, how = _candidate_of(facts, problem, planned.cut)
+        used.append(candidate)
+        if how:
+            otherwise[how].append(planned.cut.contour)
+    return used, [_stood_in(names, how) for how, names in otherwise.items()]
+
+
+def _stood_in(names: list[str], how: str) -> str:
+    """That other cuts stand in for those of some contours, in a sentence."""
+    if len(names) == 1:
+        return f"{names[0]} is {how}; the nearest lawful one stands in for it"
+    return f"{listed(names, MOST_NAMED)} are {how}; the nearest lawful ones stand in for them"
+
+
+def _candidate_of(facts: Facts, problem: Problem, cut: Cut) -> tuple[int, str]:
+    """The candidate that a planned cut uses, or the lawful one nearest to it, and how it is cut where that is so.
 
     A cut that is linked is told by where it joins.
     """
@@ -147,13 +158,10 @@ def _candidate_of(facts: Facts, problem: Problem, cut: Cut, notes: list[str]) ->
     span = facts.candidates_of(facts.nest.index[cut.contour])
     same_way = [c for c in span if facts.candidates[c].direction == cut.direction]
     nearest = min(same_way, key=away_mm, default=None)
+    how = "cut in a way that no candidate of this profile is"
     if nearest is not None and away_mm(nearest)[0] <= NEAR_MM:
         if problem.candidate_site[nearest] >= 0:
-            return nearest
-        notes.append(f"{cut.contour} is entered in a way that a hard rule forbids now")
-    else:
-        notes.append(f"{cut.contour} is cut in a way that no candidate of this profile is")
+            return nearest, ""
+        how = "entered in a way that a hard rule forbids now"
     lawful = [c for c in span if problem.candidate_site[c] >= 0]
-    stand_in = min(lawful, key=lambda c: (facts.candidates[c].direction != cut.direction, away_mm(c)))
-    notes[-1] += "; the nearest lawful one stands in for it"
-    return stand_in
+    return min(lawful, key=lambda c: (facts.candidates[c].direction != cut.direction, away_mm(c))), how

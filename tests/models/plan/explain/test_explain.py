@@ -94,6 +94,16 @@ def test_what_has_changed_since_is_noted() -> None:
     )
 
 
+def test_contours_cut_in_ways_of_another_profile_are_noted_in_one_sentence() -> None:
+    profile = plant()
+    facts, stated, plan = proven_plan(PLATE, profile)
+    off = [replace(p, cut=replace(p.cut, pierce=(p.cut.pierce[0] + 0.01, p.cut.pierce[1]))) for p in plan.cuts]
+    names = ", ".join(p.cut.contour for p in plan.cuts)
+    assert explain(facts, profile, stated, replace(plan, cuts=tuple(off)), "P2.outer").notes == (
+        f"{names} are cut in a way that no candidate of this profile is; the nearest lawful ones stand in for them",
+    )
+
+
 @st.composite
 def plates(draw: st.DrawFn) -> Nest:
     """Up to four rectangles in a row of two lanes, one with a hole."""
