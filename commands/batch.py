@@ -36,7 +36,7 @@ _NAME = re.compile(r"\w[\w-]*")
 @click.option("--scheduler", metavar="tcp://…", help="Plan on the workers of this Dask scheduler: kerfwise[cluster].")
 @click.option("--watch", is_flag=True, help="Go on as files arrive or change, until Ctrl-C.")
 @click.option("--sheets", is_flag=True, help="Print the work sheets of each machine: OUT/MACHINE.pdf.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each plan by the clock, in seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each planning by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
 @click.option("--gap", type=Amount(min=0, max=1), metavar="G",

@@ -28,7 +28,7 @@ from .numbers import AMOUNT_OVER_ZERO, MEMORY, Amount
 )
 @click.option("--reordered-dxf", metavar="OUT.dxf", help="The same as DXF: geometry, layers and colours as drawn.")
 @click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="A picture of the plan.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit by the clock, in seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit the planning by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
 @click.option(
