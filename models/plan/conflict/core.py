@@ -26,13 +26,13 @@ FIRM = 1.0
 class Core:
     """Groups that contradict each other; `minimal` unless a question about them was too hard to answer.
 
-    With `by_orders` what they say of the order was enough to see it; a solver was at most asked which
-    of a few can be left out.
+    It was found `soon` where what all say of the order, or a few groups about locks alone, were enough to see it: a
+    solver was at most asked about a few.
     """
 
     groups: tuple[Group, ...]
     minimal: bool
-    by_orders: bool = False
+    soon: bool = False
 
 
 def find_core(
@@ -58,7 +58,7 @@ def find_core(
         return None
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
     if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], budget):
-        return _firmest(facts, groups, in_order(groups, *locked), gives_way, budget)
+        return _firmest(facts, groups, replace(in_order(groups, *locked), soon=True), gives_way, budget)
     at_once = partial(clash_at_once, facts, budget=budget)
     try:
         if at_once(ranked) is None:
@@ -85,7 +85,7 @@ def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], bud
     minimal = True
     if not exactly(orders_of(facts, clashing)):
         clashing, minimal = shrink(clashing, partial(clash, facts, budget=budget))
-    return replace(in_order(groups, clashing, minimal), by_orders=True)
+    return replace(in_order(groups, clashing, minimal), soon=True)
 
 
 def _firmest(facts: Facts, groups: Sequence[Group], core: Core, gives_way: Mapping[str, int], budget: Budget) -> Core:

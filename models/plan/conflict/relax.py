@@ -21,8 +21,8 @@ WORK = 20.0
 """CP-SAT's deterministic seconds for one choice of the lightest groups."""
 MOST_ASKED = 12_000
 """How many groups are asked about in all: each contradiction that is looked for asks about every group once."""
-BY_ORDERS = 0.01
-"""What asking about a group counts for where orders alone showed the contradiction."""
+SOON = 0.01
+"""What asking about a group counts for where a contradiction was found soon."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ def find_relaxation(
             if budget.timed and budget.left <= 0:
                 raise NotAnswered  # a contradiction that is shown without a solver takes time as well
             clashes.append(soft)
-            asked += len(groups) * (BY_ORDERS if core.by_orders else 1.0)
+            asked += len(groups) * (SOON if core.soon else 1.0)
             left = [k for k in left if k not in soft]
             whole = False
         if whole:

@@ -167,7 +167,7 @@ def test_no_solver_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     ):
         core = find_core(FACTS, hard_groups(asked_for), {"level-ahead": 1})
         assert (core and [group.about.sentence for group in core.groups]) == said
-        assert core is None or (core.minimal and core.by_orders)
+        assert core is None or (core.minimal and core.soon)
 
 
 @pytest.mark.parametrize("firm", ["cut-direction", "locks"])

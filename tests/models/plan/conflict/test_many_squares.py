@@ -66,6 +66,16 @@ def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     assert [about.rule for about in conflict.relax] == ["locks"]
 
 
+def test_twelve_ways_round_that_no_rule_offers_are_all_let_go() -> None:
+    names = [f"P{k}.outer" for k in range(1, 13)]
+    facts, profile = locked(*(Lock(contour=name, direction="ccw") for name in names))
+    conflict = find_conflict(facts, profile, Budget(work=5.0))
+    assert conflict is not None
+    assert (len(conflict.clash), conflict.stuck) == (1, "")
+    assert conflict.relax is not None
+    assert [(about.rule, about.contours) for about in conflict.relax] == [("locks", (name,)) for name in names]
+
+
 @pytest.mark.slow
 def test_it_takes_next_to_nothing_to_see_that_a_position_can_be_kept() -> None:
     """Of three contours that come one after another the first is locked where it fits, and where it does not."""
