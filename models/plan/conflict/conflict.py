@@ -72,6 +72,9 @@ class Conflict:
         if self.alone:
             yield f"{HOPELESS}: {_times(self.clash)}:"
             yield from _listed(self.clash, len(self.clash))
+        elif len(self.clash) == 1 and self.minimal:
+            yield "this hard rule cannot hold, whichever of the offered ways to cut is taken:"
+            yield from _listed(self.clash)
         else:
             yield "these hard rules cannot all hold; " + (
                 "without any one of them the others can:"

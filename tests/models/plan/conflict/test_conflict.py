@@ -83,7 +83,7 @@ def test_level_ahead_gives_way_to_a_position(position: Literal["first", "last"] 
 
 def test_a_direction_that_no_candidate_has() -> None:
     assert told(Lock(contour="P2.outer", direction="ccw")) == (
-        "these hard rules cannot all hold; without any one of them the others can:\n"
+        "this hard rule cannot hold, whichever of the offered ways to cut is taken:\n"
         "  - locks: P2.outer is cut ccw: locked by the operator\n"
         "  note: cut-direction offers no other way round P2.outer than cw\n"
         "the cheapest way out:\n"
