@@ -221,6 +221,23 @@ def lines_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_
     return lines
 
 
+def polygons_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_]:
+    """As `Curve.polygon` of each closed curve; their points are made together, and not kept.
+
+    Examples
+    --------
+    >>> polygons_of([Curve.of([(0, 0), (4, 0), (4, 3)]), Curve.of([(1, 1)])], 0.1).tolist()
+    [<POLYGON ((0 0, 4 0, 4 3, 0 0))>, <POLYGON EMPTY>]
+    """
+    lines = lines_of(curves, tolerance_mm)
+    areas: NDArray[np.object_] = np.full(len(lines), shapely.Polygon(), dtype=object)
+    some = np.flatnonzero(shapely.get_num_coordinates(lines) > 3)
+    if len(some):
+        points, of = shapely.get_coordinates(lines[some], return_index=True)
+        areas[some] = shapely.polygons(shapely.linearrings(points, indices=of))
+    return areas
+
+
 def _flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
     """As `Curve._flattened` of each."""
     segments: list[Segment] = []

@@ -25,12 +25,12 @@ def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: Profile) -> Itera
         return
     starts = np.array([(run.lead_in if run.lead_in is not None else run.loop).coords[0][:2] for run in torch])
     sheet = shapely.make_valid(nest.sheet.polygon)
-    for run, at in zip(torch, starts.tolist(), strict=True):
-        off_mm = shapely.distance(sheet, shapely.Point(at))
-        if off_mm > tolerance_mm():
-            contours = () if run.contour is None else (run.contour.id,)
-            text = f"{run.where}: {run.name} begins {off_mm:.1f} mm off the sheet, at ({at[0]:.2f}, {at[1]:.2f}): {why}"
-            yield Violation(_RULE, contours, text, (run.position,) if run.position else ())
+    beyond_mm = shapely.distance(sheet, shapely.points(starts))
+    for k in np.flatnonzero(beyond_mm > tolerance_mm()).tolist():
+        run, at, off_mm = torch[k], starts[k].tolist(), beyond_mm[k]
+        contours = () if run.contour is None else (run.contour.id,)
+        text = f"{run.where}: {run.name} begins {off_mm:.1f} mm off the sheet, at ({at[0]:.2f}, {at[1]:.2f}): {why}"
+        yield Violation(_RULE, contours, text, (run.position,) if run.position else ())
 
 
 def forbidden(nest: Nest, profile: Profile) -> str | None:

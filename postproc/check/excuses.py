@@ -14,15 +14,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Ids, Rule, Violation
-from kerfwise.rules.stating.cycles import components, contracted, path
+from kerfwise.rules.stating.cycles import components, joined, path
 from kerfwise.rules.stating.feedback import EXACT_LINKS
 
-from .each_torch import asked_of, torch_of_each
 from .forcing import Forcing
+from .hard_orders import HardOrders
 from .places import Room
 from .result import Excused, Judgement
 
@@ -30,11 +31,12 @@ from .result import Excused, Judgement
 def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement]) -> list[Judgement]:
     """The judgements, with violations moved to the excused where their rule, or the others, leave no choice."""
     book = profile.rulebook()
-    forced = Forcing(nest, cuts, profile)
+    orders = HardOrders(nest, cuts, profile)
+    forced = Forcing(orders)
     judged = [_by_itself(nest, cuts, profile, judgement, forced) for judgement in judged]
     if not any(_yields(judgement, book) for judgement in judged):
         return list(judged)
-    why = _contradictions(nest, cuts, profile, {j.id for j in judged if j.strength == "hard" and j.holds})
+    why = _contradictions(orders, {j.id for j in judged if j.strength == "hard" and j.holds})
     return [_excused(judgement, why) if _yields(judgement, book) else judgement for judgement in judged]
 
 
@@ -75,39 +77,39 @@ def _reason(violation: Violation, why: Mapping[Ids, str]) -> str | None:
     return why.get((first, then))
 
 
-def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:
+def _contradictions(orders: HardOrders, holding: set[str]) -> dict[Ids, str]:
     """Every broken order that the kept ones contradict, with the kept orders that do so."""
-    at, book, torches = cuts.positions(), profile.rulebook(), torch_of_each(cuts)
-    hard = {name: setting.options for name, setting in profile.settings().items() if setting.strength == "hard"}
-    asked: dict[Ids, str] = {}
-    for name in sorted(hard, key=lambda name: book[name].gives_way):
-        for a, b in book[name].pairs(nest, cuts, hard[name]):
-            if a in at and b in at and asked_of(book[name], (a, b), torches):
-                asked.setdefault((a, b), name)
-    runs = [run for name in sorted(hard.keys() & holding) for run in book[name].together(nest, hard[name])]
-    number = {name: k for k, name in enumerate(at)}
-    together = [[number[name] for name in run if name in at] for run in runs]
-    pairs = list(asked)
-    links = contracted(len(number), [(number[a], number[b]) for a, b in pairs], together)
+    names, hard, book = orders.names, orders.hard, orders.profile.rulebook()
+    pairs, asked = orders.of_cut()
+    runs = [
+        run for name in sorted(hard.keys() & holding) for run in book[name].together(orders.nest, hard[name].options)
+    ]
+    number = {name: k for k, name in enumerate(orders.cuts.positions())}
+    together = [[number[name] for name in run if name in number] for run in runs]
+    links = joined(len(number), pairs, together)
+    kept_orders = orders.at[pairs[:, 0]] < orders.at[pairs[:, 1]]
     found: dict[Ids, str] = {}
     for component in components(links):
-        kept = [k for k in component if at[pairs[k][0]] < at[pairs[k][1]]]
-        for k in sorted(set(component) - set(kept)):
-            softest = book[asked[pairs[k]]].gives_way if len(component) <= EXACT_LINKS else math.inf
-            firm = [m for m in kept if book[asked[pairs[m]]].gives_way <= softest]
-            before, after = links[k]
-            against = path(links, firm, after, before)
+        around = links[component].tolist()
+        kept = [k for k, in_turn in enumerate(kept_orders[component].tolist()) if in_turn]
+        told = [(names[a], names[b]) for a, b in pairs[component].tolist()]
+        for k in sorted(set(range(len(component))) - set(kept)):
+            softest = book[asked[component[k]]].gives_way if len(component) <= EXACT_LINKS else math.inf
+            firm = [m for m in kept if book[asked[component[m]]].gives_way <= softest]
+            before, after = around[k]
+            against = path(around, firm, after, before)
             if against:
-                orders = ", ".join(f"{' before '.join(pairs[m])} ({asked[pairs[m]]})" for m in against)
-                found[pairs[k]] = f"the order rules contradict each other here: {orders}"
-    return found | _out_of_place(nest, cuts, profile, asked, runs)
+                round_by = ", ".join(f"{' before '.join(told[m])} ({asked[component[m]]})" for m in against)
+                found[told[k]] = f"the order rules contradict each other here: {round_by}"
+    return found | _out_of_place(orders, pairs, asked, runs)
 
 
 def _out_of_place(
-    nest: Nest, cuts: CutSequence, profile: Profile, asked: Mapping[Ids, str], runs: Sequence[Sequence[str]]
+    orders: HardOrders, pairs: Ints, asked_by: Sequence[str], runs: Sequence[Sequence[str]]
 ) -> dict[Ids, str]:
     """Every broken order that leaves locks no room for the positions they give, beside the orders that are kept."""
-    at, book = cuts.positions(), profile.rulebook()
+    at, profile = orders.cuts.positions(), orders.profile
+    book, names = profile.rulebook(), orders.names
     ends = {"first": 1, "last": len(at)}
     places = {
         lock.contour: lock.position if isinstance(lock.position, int) else ends[lock.position]
@@ -116,6 +118,7 @@ def _out_of_place(
     }
     if not places or any(at[name] != place for name, place in places.items()):
         return {}
+    asked = {(names[a], names[b]): rule for (a, b), rule in zip(pairs.tolist(), asked_by, strict=True)}
     kept = [pair for pair in asked if at[pair[0]] < at[pair[1]]]
     told = ", ".join(f"{name} at position {place}" for name, place in sorted(places.items(), key=lambda p: p[1]))
     found, room = {}, Room(list(at), runs, places)

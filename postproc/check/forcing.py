@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from functools import cached_property
 
 import numpy as np
 
-from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.arrays import Ints
 
-from .each_torch import asked_of, torch_of_each
+from .hard_orders import HardOrders
 
 
 class Forcing:
@@ -22,8 +18,8 @@ class Forcing:
     itself does not keep are left out: they lie on cycles, where one of them has to give way.
     """
 
-    def __init__(self, nest: Nest, cuts: CutSequence, profile: Profile) -> None:
-        self.nest, self.cuts, self.profile = nest, cuts, profile
+    def __init__(self, orders: HardOrders) -> None:
+        self.orders, self.cuts = orders, orders.cuts
 
     def __call__(self, contour: str) -> frozenset[str]:
         own = self._runs.get(contour, (contour,))
@@ -38,20 +34,41 @@ class Forcing:
 
     def _inside(self, contour: str, own: frozenset[str]) -> list[str]:
         """What the orders put before a contour within the run that it is cut in."""
-        reached = [name for name in self._directly[contour] if name in own]
+        if len(own) == 1:
+            return []
+        names = self.orders.names
+        within: dict[str, list[str]] = {name: [] for name in own}
+        ours = [self._place[name] for name in own if name in self._place]
+        for before, after in self._kept[np.isin(self._kept, ours).all(axis=1)].tolist():
+            within[names[after]].append(names[before])
+        reached = within[contour].copy()
         seen = set(reached)
         for name in reached:
-            new = (self._directly[name] & own) - seen
+            new = set(within[name]) - seen
             seen |= new
             reached += new
         return reached
 
     @cached_property
+    def _place(self) -> dict[str, int]:
+        """Contour → its number in `orders`."""
+        return {name: k for k, name in enumerate(self.orders.names)}
+
+    @cached_property
+    def _kept(self) -> Ints:
+        """The orders that the plan keeps, (k, 2) numbers, each once; what is not cut comes before all."""
+        asked = np.concatenate([np.empty((0, 2), np.int64), *self.orders.by_rule.values()])
+        at, size = self.orders.at, len(self.orders.names)
+        kept = asked[at[asked[:, 0]] < at[asked[:, 1]]]
+        both = np.unique(kept[:, 0] * size + kept[:, 1])
+        return np.column_stack(np.divmod(both, max(size, 1)))
+
+    @cached_property
     def _groups(self) -> list[tuple[str, ...]]:
         """What is cut in one go, and every other contour by itself, in the order of the cuts."""
-        at = self.cuts.positions()
-        names = {*at, *self._directly, *(name for before in self._directly.values() for name in before)}
-        groups = {self._runs.get(name, (name,)) for name in names}
+        at, names = self.cuts.positions(), self.orders.names
+        known = {*at, *(names[k] for k in np.unique(self._kept).tolist())}
+        groups = {self._runs.get(name, (name,)) for name in known}
         return sorted(groups, key=lambda group: (min(at.get(name, 0) for name in group), group))
 
     @cached_property
@@ -66,10 +83,7 @@ class Forcing:
         Groups are gone through in the order of the cuts, which what is kept of the orders follows: once is enough,
         but where a run is torn apart and so on a cycle.
         """
-        straight = [
-            {self._number[b] for name in group for b in self._directly[name]} - {k}
-            for k, group in enumerate(self._groups)
-        ]
+        straight = self._straight()
         with_itself = [1 << k for k in range(len(self._groups))]
         in_turn = all(other < k for k, others in enumerate(straight) for other in others)
         changed = True
@@ -83,28 +97,24 @@ class Forcing:
                     with_itself[k], changed = reached, not in_turn
         return [reached & ~(1 << k) for k, reached in enumerate(with_itself)]
 
-    @cached_property
-    def _directly(self) -> dict[str, set[str]]:
-        """Contour → those that some order puts before it."""
-        at, book, torches = self.cuts.positions(), self.profile.rulebook(), torch_of_each(self.cuts)
-        found: dict[str, set[str]] = defaultdict(set)
-        for rule, setting in self._hard.items():
-            for before, after in book[rule].pairs(self.nest, self.cuts, setting.options):
-                if at.get(before, 0) < at.get(after, 0) and asked_of(book[rule], (before, after), torches):
-                    found[after].add(before)
-        return found
-
-    @cached_property
-    def _hard(self) -> dict[str, RuleSetting]:
-        return {rule: s for rule, s in self.profile.settings().items() if s.strength == "hard"}
+    def _straight(self) -> list[list[int]]:
+        """For each group the others that an order puts before it."""
+        group = np.array([self._number.get(name, -1) for name in self.orders.names], dtype=np.int64)
+        before, after = group[self._kept].T
+        size = len(self._groups)
+        both = np.unique((after * size + before)[before != after])
+        into, of = np.divmod(both, max(size, 1))
+        ends = np.searchsorted(into, np.arange(1, size))
+        return [row.tolist() for row in np.split(of, ends)] if size else []
 
     @cached_property
     def _runs(self) -> dict[str, tuple[str, ...]]:
         """Contour → all that is cut in one go with it."""
-        book = self.profile.rulebook()
+        orders = self.orders
+        book = orders.profile.rulebook()
         return {
             name: tuple(sorted(run))
-            for rule, setting in self._hard.items()
-            for run in book[rule].together(self.nest, setting.options)
+            for rule, setting in orders.hard.items()
+            for run in book[rule].together(orders.nest, setting.options)
             for name in run
         }

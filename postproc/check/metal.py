@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from kerfwise.encoder.geometry.curve import polygons_of
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest, Part
@@ -94,13 +95,24 @@ def gouges(
 @kept_with_nest(most=1)
 def _metal_of_parts(nest: Nest) -> Any:
     """The metal of each part: a plan and its program ask for the same."""
-    return np.array([metal_of(part) for part in nest.parts], dtype=object)
+    return every_metal_of(nest.parts)
 
 
 def metal_of(part: Part) -> shapely.Geometry:
     """The metal of a part in fine chords, whether shapely calls its rings valid or not."""
-    areas = [shapely.make_valid(c.curve.polygon(_CHORD_MM)) for c in (part.outer, *part.holes)]
-    return shapely.difference(areas[0], shapely.union_all(areas[1:])) if part.holes else areas[0]
+    return every_metal_of([part])[0]
+
+
+def every_metal_of(parts: Sequence[Part]) -> Any:
+    """As `metal_of` of each, in less time."""
+    curves = [contour.curve for part in parts for contour in (part.outer, *part.holes)]
+    areas = shapely.make_valid(polygons_of(curves, _CHORD_MM))
+    first = np.cumsum([0, *(1 + len(part.holes) for part in parts)])
+    metal = areas[first[:-1]]
+    for k, part in enumerate(parts):
+        if part.holes:
+            metal[k] = shapely.difference(metal[k], shapely.union_all(areas[first[k] + 1 : first[k + 1]]))
+    return metal
 
 
 def _deepest(line: shapely.LineString, metal: shapely.Geometry, half_mm: float) -> tuple[float, Point]:
@@ -142,8 +154,10 @@ def off_sheet(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, run_up_mm: f
     allowed = shapely.buffer(sheet, tolerance_mm(kerf_mm))
     shapely.prepare(allowed)
     found: list[Violation] = []
-    for run in runs:
-        for line in (line for line in (run.loop, *run.leads) if not shapely.covers(allowed, line)):
+    paths = [[run.loop, *run.leads] for run in runs]
+    inside = iter(shapely.covers(allowed, np.array([line for row in paths for line in row], dtype=object)).tolist())
+    for run, row in zip(runs, paths, strict=True):
+        for line in [line for line in row if not next(inside)]:
             off = shapely.get_parts(shapely.difference(line, sheet))
             if line is run.lead_in and run_up_mm and not run.linked:
                 begin = shapely.get_point(line, 0)

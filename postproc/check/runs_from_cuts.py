@@ -60,7 +60,7 @@ def unlit_tabs(cut: Cut, kerf_mm: float) -> tuple[Tab, ...]:
 
 def _ends_at_tab(cut: Cut, off: Sequence[Tab], ring: shapely.LineString, kerf_mm: float) -> bool:
     """Whether the torch goes off where a tab begins, without a lead-out."""
-    if cut.lead_out is None or cut.lead_out.length_mm > 0:
+    if not off or cut.lead_out is None or cut.lead_out.length_mm > 0:
         return False
     end_mm = ring.project(shapely.Point(_xy(cut.lead_out, 0)))
     ends = at_tabs(ring, off, 0.0).ravel()

@@ -141,9 +141,15 @@ def _near(contours: Sequence[Contour], radius_mm: float) -> list[tuple[int, int]
         return []
     lines = np.array([contour.line for contour in contours], dtype=object)
     part = np.unique([contour.part for contour in contours], return_inverse=True)[1]
-    first, second = shapely.STRtree(lines).query(lines, "dwithin", distance=radius_mm)
+    boxes = shapely.box(*(shapely.bounds(lines) + radius_mm * np.array([-1, -1, 1, 1])).T)
+    first, second = shapely.STRtree(lines).query(boxes)
     apart = (first < second) & (part[first] != part[second])
     first, second = first[apart], second[apart]
+    some = lines[np.unique(first)]
+    shapely.prepare(some)
+    within = shapely.dwithin(lines[first], lines[second], radius_mm)
+    shapely.destroy_prepared(some)
+    first, second = first[within], second[within]
     near = shapely.distance(lines[first], lines[second]) < radius_mm - ROUNDING_MM
     first, second = first[near], second[near]
     order = np.lexsort((second, first))

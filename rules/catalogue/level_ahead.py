@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
@@ -95,8 +96,26 @@ def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
     reach = np.array(AWAY[start_side]) * (xmax - xmin + ymax - ymin + 1)
     start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
     rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
-    ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
+    around = shapely.bounds(rays) + 2 * GRAZE_MM * np.array([-1, -1, 1, 1])
+    ahead, met = shapely.STRtree(outlines).query(shapely.box(*around.T))
+    sure = _surely_met(start[ahead], shapely.bounds(outlines)[met], start_side)
+    lines = np.array(outlines, dtype=object)
+    some = np.flatnonzero(~sure)
+    sure[some] = shapely.dwithin(rays[ahead[some]], lines[met[some]], GRAZE_MM)
+    ahead, met = ahead[sure], met[sure]
     within = well_within(nest, shapely.points(start)[ahead], met, GRAZE_MM)
     first, then = same_place(nest, ahead[~within], met[~within])
     ids = np.array([part.outer.id for part in nest.parts], dtype=object)
     return tuple(zip(ids[first].tolist(), ids[then].tolist(), strict=True))
+
+
+def _surely_met(start: Floats, boxes: Floats, start_side: Side) -> Bools:
+    """Whether rays from points (k, 2) surely meet closed lines with these boxes (k, 4), one each.
+
+    One does that begins before the box, and enters it between two opposite sides: the line goes from one to the other.
+    """
+    along = 0 if start_side in ("left", "right") else 1
+    at, across = start[:, along], start[:, 1 - along]
+    begin, end = boxes[:, along], boxes[:, along + 2]
+    before = at < begin if start_side in ("left", "bottom") else at > end
+    return np.asarray(before & (boxes[:, 1 - along] < across) & (across < boxes[:, 3 - along]))

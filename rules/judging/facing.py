@@ -5,6 +5,7 @@ Plain shapely on purpose, and nothing from the facts that models are built on: a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,22 +62,41 @@ def spots_along(part: int, line: shapely.LineString, begin_mm: float, length_mm:
     >>> spots.at.tolist(), (spots.normal + 0.0).tolist()
     ([[0.0, 2.5], [2.5, 0.0]], [[-1.0, 0.0], [0.0, -1.0]])
     """
-    points = shapely.get_coordinates(line)
-    step = np.diff(points, axis=0)
+    return spots_along_each([part], [line], [begin_mm], [length_mm], [count])
+
+
+def spots_along_each(
+    parts: Sequence[int],
+    lines: Sequence[shapely.LineString],
+    begin_mm: Sequence[float],
+    length_mm: Sequence[float],
+    count: Sequence[int],
+) -> Spots:
+    """As `spots_along` of each, one behind the other, in less time."""
+    if not len(lines):
+        return Spots.joined([])
+    points, of = shapely.get_coordinates(lines, return_index=True)
+    chord = np.flatnonzero(of[1:] == of[:-1])
+    step = points[chord + 1] - points[chord]
     step_mm = np.hypot(step[:, 0], step[:, 1])
-    points, step, step_mm = points[:-1][step_mm > 0], step[step_mm > 0], step_mm[step_mm > 0]
-    ends = np.cumsum(step_mm)
-    where = (begin_mm + length_mm * (np.arange(count) + 0.5) / count) % ends[-1]
-    k = np.minimum(np.searchsorted(ends, where, side="right"), len(ends) - 1)
+    moves = step_mm > 0
+    chord, step, step_mm = chord[moves], step[moves], step_mm[moves]
+    first = np.searchsorted(of[chord], np.arange(len(lines) + 1))
+    until = np.cumsum(count)
+    place = laid_out(np.zeros_like(until), np.asarray(count))
+    begins, lengths, counts = (np.repeat(given, count) for given in (begin_mm, length_mm, count))
+    where = begins + lengths * (place + 0.5) / counts
+    ends, k = np.empty_like(step_mm), np.empty(len(where), dtype=np.int64)
+    spot = 0
+    for a, b, last in zip(first[:-1].tolist(), first[1:].tolist(), until.tolist(), strict=True):
+        own, asked = np.cumsum(step_mm[a:b], out=ends[a:b]), slice(spot, last)
+        where[asked] %= own[-1]
+        k[asked] = a + np.minimum(np.searchsorted(own, where[asked], side="right"), b - a - 1)
+        spot = last
     along = step[k] / step_mm[k, None]
-    outwards = 1.0 if shapely.is_ccw(ring_of(line)) else -1.0
-    at = points[k] + along * (where - ends[k] + step_mm[k])[:, None]
-    return Spots(np.full(count, part), at, outwards * np.column_stack([along[:, 1], -along[:, 0]]))
-
-
-def ring_of(line: shapely.LineString) -> Any:
-    """A closed line as a ring, which shapely tells the turning of."""
-    return shapely.linearrings(shapely.get_coordinates(line))
+    outwards = np.repeat(np.where(shapely.is_ccw(shapely.linearrings(points, indices=of)), 1.0, -1.0), count)
+    at = points[chord[k]] + along * (where - ends[k] + step_mm[k])[:, None]
+    return Spots(np.repeat(parts, count), at, outwards[:, None] * np.column_stack([along[:, 1], -along[:, 0]]))
 
 
 class Facing:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Contour
-
-from .facing import ring_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +38,25 @@ def followed(contour: Contour, cut: Cut) -> Followed:
     >>> followed(square, Cut("A.outer", (10, 0), "cw", (11, 0), span=Span((11, 0), (10, 11))))
     Followed(begin_mm=10.0, end_mm=20.0, length_mm=-30.0)
     """
-    line = contour.line
-    around_mm = line.length
-    begin_mm = float(shapely.line_locate_point(line, shapely.Point(cut.entry)))
-    as_drawn = (cut.direction == "ccw") == bool(shapely.is_ccw(ring_of(line)))
+    return every_followed([(contour, cut)])[0]
+
+
+def every_followed(rows: Sequence[tuple[Contour, Cut]]) -> list[Followed]:
+    """As `followed` of each, in less time."""
+    if not rows:
+        return []
+    lines = np.array([contour.line for contour, _ in rows], dtype=object)
+    begin_mm = shapely.line_locate_point(lines, shapely.points([cut.entry for _, cut in rows]))
+    points, of = shapely.get_coordinates(lines, return_index=True)
+    ccw = shapely.is_ccw(shapely.linearrings(points, indices=of))
+    told = zip(rows, lines, begin_mm.tolist(), shapely.length(lines).tolist(), ccw.tolist(), strict=True)
+    return [
+        _followed(cut, line, begin, around, (cut.direction == "ccw") == turns)
+        for (_, cut), line, begin, around, turns in told
+    ]
+
+
+def _followed(cut: Cut, line: shapely.LineString, begin_mm: float, around_mm: float, as_drawn: bool) -> Followed:
     if cut.span is None:
         return Followed(begin_mm, begin_mm, around_mm if as_drawn else -around_mm)
     end_mm = float(shapely.line_locate_point(line, shapely.Point(cut.span.end)))

@@ -9,7 +9,7 @@ import numpy as np
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
-from .facing import EDGE, SOLID, Spots, facing, spots_along
+from .facing import EDGE, SOLID, facing, spots_along_each
 from .placement import host_holes, places
 
 FRAME = -1
@@ -26,11 +26,10 @@ def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) 
     """
     at = places(nest, host_holes(nest))
     place = [at[part.id] for part in nest.parts]
-    spots = []
-    for k, part in enumerate(nest.parts):
-        around_mm = part.outer.line.length
-        spots.append(spots_along(k, part.outer.line, 0.0, around_mm, max(LEAST_SPOTS, int(around_mm / STEP_MM))))
-    every = Spots.joined(spots)
+    lines = [part.outer.line for part in nest.parts]
+    around_mm = [line.length for line in lines]
+    spots = [max(LEAST_SPOTS, int(mm / STEP_MM)) for mm in around_mm]
+    every = spots_along_each(range(len(lines)), lines, [0.0] * len(lines), around_mm, spots)
     faced = facing(nest, web_mm, edge_band_mm).faced(every)
     joined: dict[int, set[int]] = {k: set() for k in range(len(nest.parts))}
     framed: set[int] = set()

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Contour, Nest
 
-from .facing import EDGE, Spots, facing, spots_along
-from .followed import followed
+from .facing import EDGE, facing, spots_along, spots_along_each
+from .followed import every_followed
 
 STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
 """The end of a cut is looked at a millimetre apart, in no less and no more spots than these."""
@@ -26,21 +26,24 @@ def rigid_at_the_end(
 ) -> Iterator[tuple[int, float]]:
     """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
     cut_at = np.full(len(nest.parts), len(cuts) + 1)
-    judged: list[tuple[int, int]] = []
-    tails: list[Spots] = []
+    judged: list[int] = []
+    asked: list[tuple[Contour, Cut]] = []
     for k, cut in enumerate(cuts, 1):
         contour = nest.contour(cut.contour)
         if contour.kind != "outer":
             continue
         part = nest.owners[nest.index[cut.contour]]
         cut_at[part] = k
-        end_mm, tail_mm = followed(contour, cut).stretch(tail_share, last=True)
-        count = min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
-        tails.append(spots_along(part, contour.line, end_mm, tail_mm, count))
-        judged.append((k, count))
-    faced = facing(nest, web_mm, edge_band_mm).faced(Spots.joined(tails))
+        judged.append(k)
+        asked.append((contour, cut))
+    parts = [nest.owners[nest.index[cut.contour]] for _, cut in asked]
+    tails = [row.stretch(tail_share, last=True) for row in every_followed(asked)]
+    counts = [min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS) for _, tail_mm in tails]
+    lines = [contour.line for contour, _ in asked]
+    spots = spots_along_each(parts, lines, [end_mm for end_mm, _ in tails], [mm for _, mm in tails], counts)
+    faced = facing(nest, web_mm, edge_band_mm).faced(spots)
     begin = 0
-    for k, count in judged:
+    for k, count in zip(judged, counts, strict=True):
         met = faced[begin : begin + count]
         begin += count
         still_in = cut_at[np.maximum(met, 0)] > k

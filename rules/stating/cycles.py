@@ -28,13 +28,17 @@ def contracted(n: int, pairs: Sequence[Link], together: Iterable[Sequence[int]])
     >>> contracted(4, [(0, 3), (3, 1), (0, 1)], [(0, 1)])
     [(0, 2), (2, 0), (4, 5)]
     """
+    return list(zip(*joined(n, _ends(pairs), together).T.tolist(), strict=True))
+
+
+def joined(n: int, ends: Ints, together: Iterable[Sequence[int]]) -> Ints:
+    """As `contracted`, of pairs as an array (k, 2), and as one."""
     chain = [link for members in together for link in pairwise(members)]
-    node, ends = weak_components(n, _ends(chain)), _ends(pairs)
-    links = np.where((node[ends[:, 0]] != node[ends[:, 1]])[:, None], node[ends], n + ends)
-    return list(zip(*links.T.tolist(), strict=True))
+    node = weak_components(n, _ends(chain))
+    return np.where((node[ends[:, 0]] != node[ends[:, 1]])[:, None], node[ends], n + ends)
 
 
-def components(links: Sequence[Link]) -> list[list[int]]:
+def components(links: Sequence[Link] | Ints) -> list[list[int]]:
     """The links, by number, that lie on cycles: one list for each strongly connected component.
 
     Examples
@@ -51,7 +55,7 @@ def components(links: Sequence[Link]) -> list[list[int]]:
     return sorted(found.values())
 
 
-def path(links: Sequence[Link], among: Iterable[int], start: int, goal: int) -> list[int] | None:
+def path(links: Sequence[Sequence[int]], among: Iterable[int], start: int, goal: int) -> list[int] | None:
     """The fewest of the links numbered in `among` that lead from start to goal, in order; None where none do."""
     leaving: dict[int, list[int]] = defaultdict(list)
     for k in among:
@@ -70,12 +74,12 @@ def path(links: Sequence[Link], among: Iterable[int], start: int, goal: int) -> 
     return None
 
 
-def _traced(links: Sequence[Link], came_by: Mapping[int, int], start: int, goal: int) -> list[int]:
+def _traced(links: Sequence[Sequence[int]], came_by: Mapping[int, int], start: int, goal: int) -> list[int]:
     trail = [came_by[goal]]
     while links[trail[-1]][0] != start:
         trail.append(came_by[links[trail[-1]][0]])
     return trail[::-1]
 
 
-def _ends(links: Sequence[Link]) -> Ints:
-    return np.array(links, dtype=np.int64).reshape(-1, 2)
+def _ends(links: Sequence[Link] | Ints) -> Ints:
+    return np.asarray(links, dtype=np.int64).reshape(-1, 2)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging import facing
-from kerfwise.rules.judging.facing import Facing, Spots, spots_along
+from kerfwise.rules.judging.facing import Facing, Spots, spots_along, spots_along_each
 from kerfwise.tests.rules.test_statements_agree import sheets
 
 
@@ -60,3 +60,28 @@ def test_a_channel_is_not_convex() -> None:
     channel = [(0, 0), (40, 0), (40, 10), (10, 10), (10, 30), (40, 30), (40, 40), (0, 40)]
     plate = nest(200, 100, part("A", [(x + 5, y + 5) for x, y in channel]), part("B", rect(80, 5, 20, 20)))
     assert Facing(plate, 25.0, 25.0).convex.tolist() == [False, True]
+
+
+@settings(deadline=None, max_examples=20)
+@given(sheets(), st.data())
+def test_spots_along_several_lines_are_those_along_each(sheet: Nest, data: st.DataObject) -> None:
+    lines = [contour.line for contour in sheet.contours if contour.encloses]
+    lengths = [data.draw(st.floats(-1.5, 1.5).filter(bool)) * line.length for line in lines]
+    begins = [data.draw(st.floats(0.0, 1.0)) * line.length for line in lines]
+    counts = [data.draw(st.integers(1, 30)) for _ in lines]
+    together = spots_along_each(range(len(lines)), lines, begins, lengths, counts)
+    alone = Spots.joined(
+        [spots_along(k, *row) for k, row in enumerate(zip(lines, begins, lengths, counts, strict=True))]
+    )
+    assert together.part.tolist() == alone.part.tolist()
+    assert together.at.tolist() == alone.at.tolist()
+    assert together.normal.tolist() == alone.normal.tolist()
+    first = 0
+    for line, begin, length, count in zip(lines, begins, lengths, counts, strict=True):
+        where = (begin + length * (np.arange(count) + 0.5) / count) % line.length
+        at = together.at[first : first + count]
+        want = shapely.get_coordinates(shapely.line_interpolate_point(line, where))
+        assert np.allclose(at, want, atol=1e-6)
+        beside = shapely.points(at + 1e-3 * together.normal[first : first + count])
+        assert shapely.distance(line, beside).max() < 1.001e-3
+        first += count
