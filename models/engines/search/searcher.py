@@ -27,7 +27,10 @@ WALKERS = 2
 FIRST = 0.25  # share of the first run that may go into the descent from the first route, and
 FIRST_DESCENT = 200_000  # the most operations a contour
 REGIONS = 100_000_000  # operations in each half of a route between two such looks, where it goes by regions
-WHOLE = 0.5  # share for annealings of the whole route, where the rest can go region by region
+WHOLE = 0.5  # share for an annealing of the whole route, where the rest can go region by region, and
+WHOLE_MOST = 400_000  # the most operations for it, times n^1.5
+CAUTIOUS = 0.5  # share of the operations that a second is meant to bring which it brings where others run
+LONGER = 1.5  # how much longer than those before it is, or there is none: the rest is better spent on regions
 
 
 class Searcher:
@@ -49,6 +52,7 @@ class Searcher:
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
         self._regions = Regions(problem, fields, seed) if regional(problem) else None
+        self._longest = 0  # annealing of the whole route, in operations
 
     @property
     def best(self) -> Incumbent | None:
@@ -93,9 +97,13 @@ class Searcher:
         """See `run`; `budget` is in operations."""
         if self._regions is None:
             return self._by_annealing(pool, budget, time_s, progress)
-        began_s, whole = running_s(), int(WHOLE * budget)
-        if not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
+        began_s, likely = running_s(), budget if time_s is None else min(budget, int(time_s * WORK_PER_S))
+        whole = min(int(WHOLE * likely), int(WHOLE_MOST * self._problem.n**1.5))
+        if whole <= LONGER * self._longest and self.best is not None:
+            whole = 0
+        elif not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
             return False
+        self._longest = max(self._longest, whole)
         left_s = None if time_s is None else time_s - (running_s() - began_s)
         return self._by_regions(self._regions, pool, budget - whole, left_s, progress)
 
@@ -110,7 +118,10 @@ class Searcher:
         while spent + REGIONS <= budget and (time_s is None or running_s() - started_s < time_s):
             if progress is not None and not progress("search", self._best_cost(), None):
                 return False
-            better, work = regions.step(pool, route, REGIONS)
+            most = budget - spent
+            if time_s is not None:
+                most = min(most, int(CAUTIOUS * WORK_PER_S * max(0.0, time_s - (running_s() - started_s))))
+            better, work = regions.step(pool, route, REGIONS, most)
             spent += work
             if not np.array_equal(better, route):
                 route = better

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -17,14 +19,37 @@ from .nearby import Nearby
 
 LEAST_CONTOURS = 150
 """Contours from which on a route is searched by regions."""
-FREE = 40
-"""Contours of a region, and a few more, as blocks are whole."""
-EACH = 300_000
-"""Operations for each piece of a region."""
-SETTING_UP, PER_SITE = 2_000_000, 1_000
-"""Operations that it takes as long as to make a region's problem, and for each site of the whole."""
-HOT, COLD = 2.0, 0.05
-"""Temperatures, as shares of what a move from contour to contour costs about."""
+LARGEST_BLOCK = 40
+"""Contours that must follow each other, at the most: they are free together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """How regions are searched until every contour was free about `passes` times.
+
+    `free` contours of a region, and a few more, as blocks are whole; `each` operations for each of its pieces; `hot` is
+    the first temperature, as a share of what a move from contour to contour costs about.
+    """
+
+    passes: float
+    free: int
+    each: int
+    hot: float
+
+
+STAGES = (
+    Stage(4.0, 40, 300_000, 2.0),
+    Stage(12.0, 120, 500_000, 4.0),
+    Stage(12.0, 120, 1_000_000, 4.0),
+    Stage(12.0, 120, 2_000_000, 4.0),
+    Stage(inf, 120, 4_000_000, 4.0),
+)
+"""What little searches leave is soon found by small regions. The rest asks for large ones, laid out anew from above."""
+COLD = 0.05
+"""The last temperature, as a share of the same."""
+SETTING_UP, PER_SITE, PER_MOVE = 2_000_000, 1_000, 8
+"""Operations that it takes as long as to make a region's problem, and for each site of the whole, and for each move
+between two sites of the region."""
 MIDDLE = 0.3, 0.7
 """Where a route is parted: between these shares of it."""
 
@@ -32,9 +57,9 @@ MIDDLE = 0.3, 0.7
 def regional(problem: Problem) -> bool:
     """Whether regions of it can be told apart: it is large, and nothing counts cuts, seconds or pieces of groups.
 
-    Contours that must follow each other are free together, so no block may be as large as a region.
+    Contours that must follow each other are free together, so no block may be nearly as large as a region.
     """
-    large = problem.n >= LEAST_CONTOURS and int(np.unique(problem.block, return_counts=True)[1].max()) <= FREE
+    large = problem.n >= LEAST_CONTOURS and int(np.unique(problem.block, return_counts=True)[1].max()) <= LARGEST_BLOCK
     return large and separable(problem)
 
 
@@ -44,26 +69,45 @@ def separable(problem: Problem) -> bool:
 
 
 class Regions:
-    """Regions of routes through one problem; equal seeds and routes are improved in equal ways."""
+    """Regions of routes through one problem; equal seeds and routes are improved in equal ways.
+
+    The way goes on where it was, so that more steps from one route never end in a dearer one.
+    """
 
     def __init__(self, problem: Problem, fields: SearchTables, seed: int) -> None:
         self._problem, self._seed = problem, seed
         self._contractor = Contractor(problem, fields)
         self._nearby = Nearby(problem)
-        self._rounds = 0
+        self._rounds = self._freed = 0
 
-    def step(self, threads: Executor, route: Ints, operations: int) -> tuple[Ints, int]:
-        """A route no dearer than a lawful one, after about so many operations in each half; and how many they were."""
+    def step(self, threads: Executor, route: Ints, operations: int, most: int | None = None) -> tuple[Ints, int]:
+        """A route no dearer than a lawful one, after about so many operations in each half; and how many they were.
+
+        A region that is begun is searched to its end, which may take more; but not much more than `most`, if given.
+        """
+        stage = self._stage()
+        if most is not None:
+            stage = replace(stage, each=max(1, min(stage.each, most // (2 * stage.free))))
         self._rounds += 1
         random = np.random.default_rng((self._seed, self._rounds))
         parted = self._part(route, random)
         seeds = [int(random.integers(1 << 30)) for _ in range(2)]
         jobs = [
-            threads.submit(self._half, route, parted, latter, operations, seed)
+            threads.submit(self._half, route, parted, latter, operations, stage, seed)
             for latter, seed in zip((False, True), seeds, strict=True)
         ]
-        (former, first_work), (latter, last_work) = (job.result() for job in jobs)
+        (former, first_work, freed), (latter, last_work, more) = (job.result() for job in jobs)
+        self._freed += freed + more
         return np.concatenate([former[:parted], latter[parted:]]), max(first_work, last_work)
+
+    def _stage(self) -> Stage:
+        """The stage that it has come to."""
+        passes = self._freed / self._problem.n
+        for stage in STAGES:
+            if passes < stage.passes:
+                break
+            passes -= stage.passes
+        return stage
 
     def _part(self, route: Ints, random: np.random.Generator) -> int:
         """A place about the middle of a route, between two blocks."""
@@ -74,35 +118,40 @@ class Regions:
             at += 1
         return at
 
-    def _half(self, route: Ints, parted: int, latter: bool, operations: int, seed: int) -> tuple[Ints, int]:
-        """The route with one half of it improved; what stands just before the parting stays."""
+    def _half(
+        self, route: Ints, parted: int, latter: bool, operations: int, stage: Stage, seed: int
+    ) -> tuple[Ints, int, int]:
+        """The route with one half of it improved, the operations that took, and how many contours were free.
+
+        What stands just before the parting stays.
+        """
         problem, random = self._problem, np.random.default_rng(seed)
         order = problem.site_contour[route]
         movable = np.zeros(problem.n, dtype=np.bool_)
         movable[order[parted:] if latter else order[:parted]] = True
         movable &= problem.block != problem.block[order[parted - 1]]
         centres = random.permutation(np.flatnonzero(movable))
-        work = 0
+        work = freed = 0
         for centre in centres.tolist():
-            free = self._nearby.around(centre, movable, FREE)
-            route, taken = self._search(route, free, latter, not latter, seed + centre)
-            work += taken
+            free = self._nearby.around(centre, movable, stage.free)
+            route, taken = self._search(route, free, latter, not latter, stage, seed + centre)
+            work, freed = work + taken, freed + int(free.sum())
             if work >= operations:
                 break
-        return route, work
+        return route, work, freed
 
-    def _search(self, route: Ints, free: Bools, starts: bool, ends: bool, seed: int) -> tuple[Ints, int]:
+    def _search(self, route: Ints, free: Bools, starts: bool, ends: bool, stage: Stage, seed: int) -> tuple[Ints, int]:
         """The best route found with some contours free, and the operations that took."""
         region = self._contractor.region(route, free, starts, ends)
         fields = make_tables(region.problem)
         walker = AnnealingWalker(for_kernels(fields), fields, (self._seed, seed))
         walker.stand_on(region.route)
         walker.start()
-        before, operations = walker.cost, EACH * region.problem.n
+        before, operations = walker.cost, stage.each * region.problem.n
         travel_um = self._nearby.travel_um
-        walker.go(operations, HOT * travel_um, COLD * travel_um)
+        walker.go(operations, stage.hot * travel_um, COLD * travel_um)
         best = walker.best
-        work = operations + SETTING_UP + PER_SITE * self._problem.m
+        work = operations + SETTING_UP + PER_SITE * self._problem.m + PER_MOVE * region.problem.m**2
         if best is None or before is None or best.cost >= before:
             return route, work
         return region.whole(best.route), work

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from kerfwise.arrays import Ints
 from kerfwise.models.engines.search import Searcher, searcher
 from kerfwise.models.engines.search.regions import Regions, improve, regional
+from kerfwise.models.engines.search.regions.improve import Stage
 from kerfwise.models.engines.search.tables import make_tables
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -25,8 +27,8 @@ BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
 @pytest.fixture(autouse=True)
 def small_ones_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(improve, "LEAST_CONTOURS", 30)
-    monkeypatch.setattr(improve, "FREE", 12)
-    monkeypatch.setattr(improve, "EACH", 20_000)
+    few, more = Stage(4.0, 12, 20_000, 2.0), Stage(inf, 24, 20_000, 4.0)
+    monkeypatch.setattr(improve, "STAGES", (few, more))
 
 
 def plate(seed: int) -> Problem:
@@ -70,9 +72,9 @@ def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(searcher, "REGIONS", 4_000_000)
     step, begun = Regions.step, []
 
-    def noted(regions: Regions, threads: Executor, route: Ints, operations: int) -> tuple[Ints, int]:
+    def noted(regions: Regions, threads: Executor, route: Ints, operations: int, most: int) -> tuple[Ints, int]:
         begun.append(route_cost(problem, route.tolist()))
-        return step(regions, threads, route, operations)
+        return step(regions, threads, route, operations, most)
 
     monkeypatch.setattr(Regions, "step", noted)
     problem, found = plate(3), []
@@ -87,6 +89,37 @@ def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch
     assert found[0].cost == route_cost(problem, found[0].route)
     assert len(begun) > 4
     assert min(begun) >= found[0].cost
+
+
+def test_a_longer_search_by_regions_goes_the_way_of_a_shorter_one() -> None:
+    problem = plate(4)
+    search = Searcher(problem, 1)
+    search.run(0.001)
+    assert search.best is not None
+    start, fields, ways = np.array(search.best.route), make_tables(problem), []
+    with ThreadPoolExecutor(2) as threads:
+        for steps in (6, 12):
+            regions, now, costs = Regions(problem, fields, 1), start, []
+            for _ in range(steps):
+                now, _ = regions.step(threads, now, 2_000_000, 10**12)
+                costs.append(route_cost(problem, now.tolist()))
+            ways.append(costs)
+    assert ways[1][:6] == ways[0]
+    assert ways[1][-1] <= ways[0][-1]
+
+
+def test_no_region_takes_much_more_than_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("SETTING_UP", "PER_SITE", "PER_MOVE"):
+        monkeypatch.setattr(improve, name, 0)
+    problem = plate(5)
+    search = Searcher(problem, 1)
+    search.run(0.001)
+    assert search.best is not None
+    fields, route = make_tables(problem), np.array(search.best.route)
+    with ThreadPoolExecutor(2) as threads:
+        _, whole = Regions(problem, fields, 1).step(threads, route, 1)
+        _, part = Regions(problem, fields, 1).step(threads, route, 1, 24_000)
+    assert part <= 0.06 * whole
 
 
 def test_what_counts_further_is_not_taken_apart() -> None:
