@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Ints
+from kerfwise.encoder.distinct import distinct
 
 from .outlines import ROUNDING_MM, Outlines, well_inside
 
@@ -43,4 +44,4 @@ def _hollow(outlines: Outlines, outers: Ints) -> Ints:
     of = np.searchsorted(maybe, outlines.chord_contour[asked])
     rims = shapely.boundary(shapely.convex_hull(outlines.line[maybe]))
     depth_mm = shapely.distance(shapely.points(outlines.chord_start[asked]), rims[of])
-    return np.unique(maybe[of[depth_mm > FLAT_MM + ROUNDING_MM]])
+    return distinct(maybe[of[depth_mm > FLAT_MM + ROUNDING_MM]])

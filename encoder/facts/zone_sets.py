@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.components import strong_components, weak_components
+from kerfwise.encoder.distinct import distinct, distinct_pairs
 
 MOST_UNITS = 63
 """Units in a zone that a machine word holds one bit each."""
@@ -38,7 +39,7 @@ def units_of(part: Ints, is_mark: Bools, pairs: Ints, in_one_go: bool) -> Units:
     cut = ~is_mark
     of[cut] = np.unique(part[cut], return_inverse=True)[1] if in_one_go else np.arange(int(cut.sum()))
     ordered = of[pairs]
-    ordered = np.unique(ordered[(ordered >= 0).all(axis=1)], axis=0)
+    ordered = distinct_pairs(ordered[(ordered >= 0).all(axis=1)])
     circle = strong_components(int(of.max(initial=-1)) + 1, ordered)  # orders that go round in one are no orders
     inner = np.bincount(of[cut]) - 1
     return Units(of, inner, ordered[circle[ordered[:, 0]] != circle[ordered[:, 1]]])
@@ -96,5 +97,5 @@ def _ideals(size: int, pairs: Ints, half_done: Floats, most: float) -> tuple[flo
             next_ = layer[((layer & needs[k]) == needs[k]) & ((layer & bit[k]) == 0)]
             started += len(next_) * float(half_done[k])
             grown.append(next_ | bit[k])
-        layer = np.unique(np.concatenate(grown))
+        layer = distinct(np.concatenate(grown))
     return ideals, started

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.distinct import distinct
 from kerfwise.encoder.ranges import laid_out
 
 from .curve import Curve
@@ -200,7 +201,7 @@ class SegmentArrays:
         row, chord = chords.query(found, predicate="dwithin", distance=far_mm + 2 * _CHORD_MM)
         ends = np.searchsorted(row, np.arange(0, len(points) + _POINTS_AT_ONCE, _POINTS_AT_ONCE))
         parts = [
-            self._project(points[k * _POINTS_AT_ONCE :][:_POINTS_AT_ONCE], np.unique(of[chord[begin:end]]))
+            self._project(points[k * _POINTS_AT_ONCE :][:_POINTS_AT_ONCE], distinct(of[chord[begin:end]]))
             for k, (begin, end) in enumerate(pairwise(ends.tolist()))
         ]
         return np.concatenate([at for at, _ in parts]), np.concatenate([mm for _, mm in parts])

@@ -8,9 +8,15 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.components import strong_components
+from kerfwise.encoder.distinct import distinct
 from kerfwise.models.kernels import kept, suited
 
-from .bits import LOW, ONE, ROWS_AT_ONCE, Masks, words
+from .bits import LOW, ONE, ROWS_AT_ONCE, Masks, bit_number, words
+from .last import LastOf
+
+_last = LastOf[Ints]()
+STEPS_A_CONTOUR = 4
+"""Sets that are looked through to tell what comes directly before a contour, about."""
 
 
 def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools:
@@ -29,10 +35,14 @@ def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools
     names, member = np.unique(block, return_inverse=True)
     before = _closed(len(names), np.column_stack([member[sooner[~together]], member[later[~together]]]))
     if not np.array_equal(member, np.arange(len(names))):
-        before = before.take(member, axis=0).take(member, axis=1)
-    linked, place = np.unique(np.concatenate([sooner[together], later[together]]), return_inverse=True)
-    if len(linked):
-        before[np.ix_(linked, linked)] |= _closed(len(linked), place.reshape(2, -1).T)
+        of_blocks, before = before, np.empty((n, n), dtype=np.bool_)
+        for k in range(0, n, ROWS_AT_ONCE):
+            np.take(of_blocks[member[k : k + ROWS_AT_ONCE]], member, axis=1, out=before[k : k + ROWS_AT_ONCE])
+    within = np.column_stack([sooner[together], later[together]])
+    within = within[np.argsort(member[within[:, 0]], kind="stable")]
+    for links in np.split(within, np.flatnonzero(np.diff(member[within[:, 0]])) + 1):
+        linked, place = np.unique(links, return_inverse=True)
+        before[np.ix_(linked, linked)] |= _closed(len(linked), place.reshape(-1, 2))
     return before
 
 
@@ -43,14 +53,13 @@ def transitive(direct: Bools) -> Bools:
 
 def _closed(n: int, links: Ints) -> Bools:
     """The same of n things, of links (k, 2) from one to another, in any order and some perhaps more than once."""
-    sooner, later = np.divmod(np.unique(links[:, 1] * n + links[:, 0]), n)[::-1]
+    sooner, later = np.divmod(distinct(links[:, 1] * n + links[:, 0]), n)[::-1]
     closed = np.zeros((n, words(n)), dtype=np.uint64)
     np.bitwise_or.at(closed, (sooner, later >> 6), ONE << (later.astype(np.uint64) & LOW))
     waiting = np.bincount(sooner, minlength=n)
     first = np.searchsorted(later, np.arange(n + 1))
     suited(_hand_on, n + closed.shape[1] * len(sooner))(first, sooner, waiting, closed)
-    bits = closed.astype("<u8", copy=False).view(np.uint8)
-    whole = np.unpackbits(bits, axis=1, count=n, bitorder="little").view(np.bool_)
+    whole = unpacked(closed, n)
     if waiting.any():
         label = strong_components(n, np.column_stack([sooner, later]))
         on_cycle = np.bincount(label, minlength=n)[label] > 1
@@ -107,7 +116,34 @@ def immediate_pairs(sooner: Masks) -> Ints:
     """
     rank = np.bitwise_count(sooner).sum(axis=1, dtype=np.int64)
     latest_first = np.argsort(-rank, kind="stable")
-    return suited(_immediate_pairs, len(rank) * len(rank))(sooner, rank, latest_first)
+    n, wide = sooner.shape
+    ranked = np.zeros((n, wide * 8), dtype=np.uint8)
+    for k in range(0, n, ROWS_AT_ONCE):
+        some = unpacked(sooner[k : k + ROWS_AT_ONCE], n)[:, latest_first]
+        ranked[k : k + ROWS_AT_ONCE, : -(-n // 8)] = np.packbits(some, axis=1, bitorder="little")
+    words_of = ranked.view("<u8").astype(np.uint64, copy=False)
+    return suited(_immediate_pairs, STEPS_A_CONTOUR * n * wide)(words_of, latest_first)
+
+
+def known_immediate_pairs(before: Bools, sooner: Masks | None = None) -> Ints:
+    """The same of a closed order, found once where it is asked for again; the order must not change meanwhile."""
+    pairs = _last.known(before, b"")
+    if pairs is None:
+        pairs = immediate_pairs(packed(before.T) if sooner is None else sooner)
+        _last.keep(before, b"", pairs)
+    return pairs
+
+
+def unpacked(sets: Masks, n: int) -> Bools:
+    """Sets of n things as rows of a relation (sets, n).
+
+    Examples
+    --------
+    >>> unpacked(np.array([[5]], dtype=np.uint64), 3).tolist()
+    [[True, False, True]]
+    """
+    bits = np.ascontiguousarray(sets).astype("<u8", copy=False).view(np.uint8)
+    return np.unpackbits(bits, axis=1, count=n, bitorder="little").view(np.bool_)
 
 
 def packed(relation: Bools) -> Masks:
@@ -127,30 +163,29 @@ def packed(relation: Bools) -> Masks:
 
 
 @kept(nogil=True)
-def _immediate_pairs(sooner: Masks, rank: Ints, latest_first: Ints) -> Ints:  # pragma: no cover - compiled
-    """Of what comes before every contour, all that is not before another of them; those of the highest rank first."""
-    covered = np.empty(sooner.shape[1], np.uint64)
-    pairs = np.empty((2, 4 * len(rank) + 1), np.int64)
+def _immediate_pairs(ranked: Masks, latest_first: Ints) -> Ints:  # pragma: no cover - compiled
+    """Of what comes before every contour, all that is not before another of them; those of the highest rank first.
+
+    Bit k of each row of `ranked` stands for contour `latest_first[k]`.
+    """
+    n = len(latest_first)
+    left = np.empty(ranked.shape[1], np.uint64)
+    pairs = np.empty((2, 4 * n + 1), np.int64)
     count = 0
-    for j in range(len(rank)):
-        covered[:] = 0
-        left = rank[j]
-        for i in latest_first:
-            if left == 0:
-                break
-            word, bit = i >> 6, np.uint64(i & 63)
-            if not sooner[j, word] >> bit & np.uint64(1):
-                continue
-            left -= 1
-            if covered[word] >> bit & np.uint64(1):
-                continue
-            if count == pairs.shape[1]:
-                wider = np.empty((2, 2 * count), np.int64)
-                for k in range(count):  # numba takes seconds to compile what copies a block
-                    wider[0, k], wider[1, k] = pairs[0, k], pairs[1, k]
-                pairs = wider
-            pairs[0, count], pairs[1, count] = i, j
-            count += 1
-            for w in range(len(covered)):
-                covered[w] |= sooner[i, w]
+    for j in range(n):
+        for w in range(len(left)):
+            left[w] = ranked[j, w]
+        for word in range(len(left)):
+            while left[word]:
+                i = latest_first[(word << 6) + bit_number(left[word] & ~(left[word] - ONE))]
+                if count == pairs.shape[1]:
+                    wider = np.empty((2, 2 * count), np.int64)
+                    for k in range(count):  # numba takes seconds to compile what copies a block
+                        wider[0, k], wider[1, k] = pairs[0, k], pairs[1, k]
+                    pairs = wider
+                pairs[0, count], pairs[1, count] = i, j
+                count += 1
+                left[word] &= left[word] - ONE
+                for w in range(word, len(left)):  # what comes before i has a lower rank
+                    left[w] &= ~ranked[i, w]
     return pairs[:, :count].copy()

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.kernels import kept, suited
 
-from .bits import ROWS_AT_ONCE, Masks
-from .closure import immediate_pairs, packed
+from .bits import ROWS_AT_ONCE
+from .closure import known_immediate_pairs, packed
 from .followers import Followers
 from .last import LastOf, digest
 
@@ -40,53 +40,46 @@ def lawful_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]
     >>> lawful_followers(chain, np.arange(3)).whole().astype(int).tolist()
     [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0]]
     """
-    n = len(before)
+    n, wide = len(before), -(-len(before) // 8)
     sooner = packed(before.T)
-    near = immediate_pairs(sooner)
+    near = known_immediate_pairs(before, sooner)
     near = near[:, np.argsort(near[0], kind="stable")]
     from_row = np.searchsorted(near[0], np.arange(0, n + ROWS_AT_ONCE, ROWS_AT_ONCE))
-    enters, leaves = _ends_of_blocks(before, block)
     first, last = (np.asarray(~before.any(axis=axis)) for axis in (0, 1))
-    unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
-    unlike = np.concatenate([unlike, unlike[:, ::-1]])
-    bits = np.zeros((n + 1, n // 8 + 1), dtype=np.uint8)
-    mark = suited(_mark_lawful, n * n)
+    bits = _across_blocks(before, block)
     for k, row in enumerate(range(0, n, ROWS_AT_ONCE)):
-        lawful = np.zeros((min(ROWS_AT_ONCE, n - row), n + 1), dtype=np.bool_)
+        rows = slice(row, min(row + ROWS_AT_ONCE, n))
+        lawful = ~np.packbits(before[rows], axis=1, bitorder="little")
+        lawful &= ~sooner[rows].astype("<u8", copy=False).view(np.uint8)[:, :wide]
         one, other = near[:, from_row[k] : from_row[k + 1]]
-        lawful[one - row, other] = True
-        mark(before, sooner, block, enters, leaves, row, lawful)
-        lawful[:, n] = last[row : row + ROWS_AT_ONCE]
-        of = unlike[(unlike[:, 0] >= row) & (unlike[:, 0] < row + ROWS_AT_ONCE)]
-        lawful[of[:, 0] - row, of[:, 1]] = False
-        bits[row : row + len(lawful)] = np.packbits(lawful, axis=1, bitorder="little")
+        np.bitwise_or.at(lawful, (one - row, other >> 3), _bit(other))
+        bits[rows, :wide] &= lawful
+    itself = np.arange(n)
+    bits[itself, itself >> 3] &= ~_bit(itself)
+    bits[itself, n >> 3] |= last.astype(np.uint8) << np.uint8(n & 7)
+    unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
+    for one, other in (unlike.T, unlike[:, ::-1].T):
+        np.bitwise_and.at(bits, (one, other >> 3), ~_bit(other))
     bits[n] = np.packbits(np.append(first, False), bitorder="little")
     return Followers(bits)
 
 
-def _ends_of_blocks(before: Bools, block: Ints) -> tuple[Bools, Bools]:
-    """Contours with none of their block before them, and with none after them."""
-    enters, leaves = np.ones(len(before), np.bool_), np.ones(len(before), np.bool_)
+def _across_blocks(before: Bools, block: Ints) -> NDArray[np.uint8]:
+    """Who may follow whom as far as blocks go, as bits: they are entered at a first of them and left at a last."""
+    n = len(before)
+    enters, leaves = np.ones(n, np.bool_), np.ones(n, np.bool_)
     order = np.argsort(block, kind="stable")
-    for members in np.split(order, np.flatnonzero(np.diff(block[order])) + 1):
-        if len(members) > 1:
-            within = before[np.ix_(members, members)]
-            enters[members], leaves[members] = ~within.any(axis=0), ~within.any(axis=1)
-    return enters, leaves
+    blocks = [k for k in np.split(order, np.flatnonzero(np.diff(block[order])) + 1) if len(k) > 1]
+    for members in blocks:
+        within = before[np.ix_(members, members)]
+        enters[members], leaves[members] = ~within.any(axis=0), ~within.any(axis=1)
+    bits = np.zeros((n + 1, n // 8 + 1), dtype=np.uint8)
+    bits[:n][leaves] = np.packbits(np.append(enters, False), bitorder="little")
+    for members in blocks:
+        bits[members] |= np.packbits(np.bincount(members, minlength=n + 1).astype(np.bool_), bitorder="little")
+    return bits
 
 
-@kept(nogil=True)
-def _mark_lawful(  # pragma: no cover - compiled
-    before: Bools, sooner: Masks, block: Ints, enters: Bools, leaves: Bools, row: int, lawful: Bools
-) -> None:
-    """Contours from a row on: not backwards, nothing in between, blocks entered at a first and left at a last of them.
-
-    Where nothing is in between is marked already; `sooner` are the sets of what comes before each.
-    """
-    for k in range(len(lawful)):
-        i = row + k
-        for j in range(len(before)):
-            if not before[i, j] and i != j and not sooner[i, j >> 6] >> np.uint64(j & 63) & np.uint64(1):
-                lawful[k, j] = True
-            if lawful[k, j]:
-                lawful[k, j] = block[i] == block[j] or (leaves[i] and enters[j])
+def _bit(number: Ints) -> NDArray[np.uint8]:
+    """Where each number is in its byte."""
+    return np.uint8(1) << (number & 7).astype(np.uint8)

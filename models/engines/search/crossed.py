@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.distinct import distinct
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 
@@ -63,7 +64,7 @@ def make_crossed(problem: Problem, priced: bool) -> Crossed:
 def _table(problem: Problem, contour: Ints, move: Ints) -> tuple[Ints, Ints, int, Ints]:
     """The hash table of the cells of rows sorted by move: keys, what they hold, the shift, and `Crossed.start`."""
     n, m = problem.n, problem.m
-    cells = np.unique(move // (m + 1) * (n + 1) + contour[move % (m + 1)])
+    cells = distinct(move // (m + 1) * (n + 1) + contour[move % (m + 1)])
     bits = max(1, int(2 * len(cells)).bit_length())
     key, at = np.full(1 << bits, -1, dtype=np.int64), np.full(1 << bits, -1, dtype=np.int64)
     first = np.append(problem.first, m + 1)

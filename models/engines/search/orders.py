@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.problem.closure import immediate_pairs, packed
+from kerfwise.models.problem.closure import known_immediate_pairs
 from kerfwise.models.problem.problem import Problem
 
 from .legs import Legs
@@ -39,7 +39,7 @@ class OrderLists(NamedTuple):
 def make_orders(problem: Problem, legs: Legs) -> OrderLists:
     """The orders of a problem."""
     n, before = problem.n, problem.before
-    sooner, later = immediate_pairs(packed(before.T))
+    sooner, later = known_immediate_pairs(before)
     _, block = np.unique(problem.block, return_inverse=True)
     covers_first, covers = _grouped(later, sooner, n)
     covered_first, covered = _grouped(sooner, later, n)

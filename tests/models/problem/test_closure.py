@@ -1,9 +1,11 @@
 """The closed order, block by block and block in block, is the plain closure of all that blocks ask for."""
 
 import numpy as np
+import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from kerfwise.models import kernels
 from kerfwise.models.problem.closure import close, immediate
 from kerfwise.models.problem.successors import lawful_followers
 
@@ -16,8 +18,10 @@ def plainly(n: int, pairs: list[tuple[int, int]], block: list[int]) -> np.ndarra
             before[a, b] = True
         else:
             before |= np.logical_and.outer(np.array(block) == block[a], np.array(block) == block[b])
-    for _ in range(n):
-        further = (before.astype(int) @ before.astype(int)) > 0
+    known = -1
+    while before.sum() > known:
+        known = before.sum()
+        further = (before.astype(float) @ before.astype(float)) > 0
         same = np.equal.outer(block, block)
         lifted = np.array([[further[i, j] and not same[i, j] for j in range(n)] for i in range(n)], dtype=bool)
         before |= lifted.reshape(n, n) | (further & same)
@@ -79,3 +83,18 @@ def test_who_may_follow_whom_is_told_pair_by_pair(
     assert followers.at(one, other).reshape(n + 1, n + 1).tolist() == expected
     near = [[bool(before[i, j]) and not between(i, j) for j in range(n)] for i in range(n)]
     assert immediate(before).tolist() == near
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_of_many_contours(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sets of several words, more pairs than there are places at first, and blocks that are not next to each other."""
+    monkeypatch.setattr(kernels._process, "plain_steps", 0 if compiled else kernels.PLAIN_STEPS * 10)
+    n, drawn = 150, np.random.default_rng(1)
+    for kept in (0.5, 0.05):
+        place = drawn.permutation(n)
+        block = place // 3
+        rows = np.argwhere((drawn.random((n, n)) < kept) & (place[:, None] < place))
+        before = close(n, rows, block)
+        assert before.tolist() == plainly(n, [(a, b) for a, b in rows.tolist()], block.tolist()).tolist()
+        between = (before.astype(float) @ before.astype(float)) > 0
+        assert (immediate(before) == (before & ~between)).all()
