@@ -238,6 +238,27 @@ def polygons_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.obje
     return areas
 
 
+def flattened(curves: Sequence[Curve], tolerance_mm: float) -> list[Floats]:
+    """As `Curve.flatten` of each; what is not known is made together.
+
+    Examples
+    --------
+    >>> [points.tolist() for points in flattened([Curve.of([(0, 0), (4, 0), (4, 3)])], 0.1)]
+    [[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]]
+    """
+    known = [curve._kept.get(tolerance_mm) if curve.closed else None for curve in curves]
+    new = _flattened_together([c for c, points in zip(curves, known, strict=True) if points is None], tolerance_mm)
+    found = []
+    for curve, points in zip(curves, known, strict=True):
+        if points is None:
+            points = next(new).copy()
+            if curve.closed:
+                points.flags.writeable = False
+                curve._kept[tolerance_mm] = points
+        found.append(points)
+    return found
+
+
 def _flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
     """As `Curve._flattened` of each."""
     segments: list[Segment] = []

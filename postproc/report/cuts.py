@@ -9,7 +9,9 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut, Pierce
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import KINDS, Contour, Nest
 
@@ -39,13 +41,15 @@ def contour_layer(
     plain = sorted((c for c in nest.contours if c.id not in alert), key=lambda c: KINDS.index(c.kind))
     dots = (2 * view.line_width, 2 * view.line_width)
     gone = Style(stroke=colours.FAINT, width=0.7 * view.line_width, dash=dots)
+    paths = zip(plain, view.paths([c.curve for c in plain]), strict=True)
     items = [
-        _outline(c, view, order, gone if c.id in out else Style(stroke=_ink(c), width=_pen(c, view))) for c in plain
+        _outline(c, path, order, gone if c.id in out else Style(stroke=_ink(c), width=_pen(c, view)))
+        for c, path in paths
     ]
     dashed = Style(stroke=colours.FAINT, width=view.line_width, dash=(3 * view.line_width, 2 * view.line_width))
     items += [Shape((view.path(hole.curve),), dashed) for hole in nest.not_cut]
     loud = Style(stroke=colours.ALERT, width=3 * view.line_width)
-    items += [_outline(c, view, order, loud) for c in nest.contours if c.id in alert]
+    items += [_outline(c, view.path(c.curve), order, loud) for c in nest.contours if c.id in alert]
     return SceneLayer("contours", tuple(items))
 
 
@@ -57,8 +61,7 @@ def _pen(contour: Contour, view: View) -> float:
     return view.line_width * (0.7 if contour.kind == "mark" else 1.0)
 
 
-def _outline(contour: Contour, view: View, order: Mapping[str, int], style: Style) -> Shape:
-    path = view.path(contour.curve)
+def _outline(contour: Contour, path: Floats, order: Mapping[str, int], style: Style) -> Shape:
     return Shape((path,), style, closed=contour.curve.closed, cut=order.get(contour.id, 0))
 
 
@@ -101,14 +104,18 @@ def lead_layer(view: View, cuts: Sequence[Cut]) -> SceneLayer:
 
     Further torches have a colour of their own.
     """
-    items = []
+    leads: list[Curve] = []
+    looks: list[tuple[Style, int]] = []
     for k, cut in enumerate(cuts, 1):
         for lead, width in ((cut.lead_in, 1.1), (cut.lead_out, 0.7)):
             if lead is not None and len(lead.segments) > 0:
                 link = cut.linked and lead is cut.lead_in
-                style = Style(stroke=colours.OUTER if link else _torch_ink(cut), width=width * view.line_width)
-                items.append(Shape((view.path(lead),), style, closed=False, cut=k))
-    return SceneLayer("leads", tuple(items))
+                leads.append(lead)
+                looks.append(
+                    (Style(stroke=colours.OUTER if link else _torch_ink(cut), width=width * view.line_width), k)
+                )
+    drawn = zip(view.paths(leads), looks, strict=True)
+    return SceneLayer("leads", tuple(Shape((path,), style, closed=False, cut=k) for path, (style, k) in drawn))
 
 
 def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.nest import Nest, Part
 
 from . import colours
 from .scene import SceneLayer, Shape, Style, TextLine
-from .text_room import find_room
+from .text_room import Room, Shapes, find_rooms
 from .view import View
 
 _ZONE_GAP_MM = 40.0  # parts of two zones closer than this want different tints
@@ -67,7 +69,11 @@ def part_layer(
     So many cuts are `made` before the first of the picture.
     """
     by_size = sorted(nest.parts, key=lambda p: -p.outer.polygon.area)
-    return SceneLayer("parts", tuple(_metal(p, view, zones, order, p.id in faded, made) for p in by_size))
+    rings = [[p.outer.curve.towards("ccw"), *(hole.curve.towards("cw") for hole in p.holes)] for p in by_size]
+    paths = iter(view.paths([ring for own in rings for ring in own]))
+    lines = [tuple(islice(paths, len(own))) for own in rings]
+    drawn = zip(by_size, lines, strict=True)
+    return SceneLayer("parts", tuple(_metal(p, own, zones, order, p.id in faded, made) for p, own in drawn))
 
 
 def out_layer(nest: Nest, view: View, out: frozenset[str]) -> SceneLayer:
@@ -78,11 +84,9 @@ def out_layer(nest: Nest, view: View, out: frozenset[str]) -> SceneLayer:
     return SceneLayer("out", tuple(Shape((view.path(c.curve),), void, title=f"{c.id}  out") for c in fallen))
 
 
-def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], faded: bool, made: int) -> Shape:
-    lines = (
-        view.path(part.outer.curve.towards("ccw")),
-        *(view.path(hole.curve.towards("cw")) for hole in part.holes),
-    )
+def _metal(
+    part: Part, lines: tuple[Floats, ...], zones: ZoneMap, order: Mapping[str, int], faded: bool, made: int
+) -> Shape:
     cuts = sorted((order[c.id], c.id) for c in part if c.id in order)
     title = "\n".join([part.id, *(f"{made + k}  {contour}" for k, contour in cuts)])
     fill = colours.mix(colours.SHEET, zones.colour(part.id), 0.4) if faded else zones.colour(part.id)
@@ -95,15 +99,30 @@ def zone_layer(nest: Nest, view: View, zones: ZoneMap, taken: Sequence[shapely.P
     for part in nest.parts:
         if zone := zones.of_part.get(part.id, 0):
             members.setdefault(zone, []).append(part)
+    if not members:
+        return SceneLayer("zones", ())
+    widest = [sorted(members[zone], key=lambda p: -p.polygon.area)[:_ZONE_PARTS] for zone in sorted(members)]
+    valid = shapely.make_valid([part.polygon for parts in widest for part in parts])
+    metals = _unions(valid, np.repeat(np.arange(len(widest)), [len(parts) for parts in widest]), len(widest))
     boxes = shapely.STRtree(taken)
+    of, box = boxes.query(metals, predicate="intersects")
+    by = np.argsort(of, kind="stable")
+    metals = shapely.difference(metals, _unions(boxes.geometries[box[by]], of[by], len(widest)))
+    size_mm = 2.2 * view.number_size * view.mm
+    rooms = [Room(metal, f"Z{zone}", size_mm, bold=True) for zone, metal in zip(sorted(members), metals, strict=True)]
     texts = []
-    for zone in sorted(members):
-        widest = sorted(members[zone], key=lambda p: -p.polygon.area)[:_ZONE_PARTS]
-        metal = shapely.union_all(shapely.make_valid([p.polygon for p in widest]))
-        metal = metal.difference(shapely.union_all(boxes.geometries[boxes.query(metal, predicate="intersects")]))
-        place = find_room(metal, f"Z{zone}", 2.2 * view.number_size * view.mm, bold=True)
+    for zone, place in zip(sorted(members), find_rooms(rooms), strict=True):
         if place is not None:
             x, y = view.point((place.x, place.y))
             ink = colours.shade(colours.zone_tint(zones.tint[zone]), 0.3)
             texts.append(TextLine(x, y, place.text, place.size_mm * view.scale, ink, bold=True, turned=place.turned))
     return SceneLayer("zones", tuple(texts))
+
+
+def _unions(shapes: Shapes, of: Ints, count: int) -> Shapes:
+    """The union of all shapes of 0, of 1 …, `of` (k,) in rising order; empty where there are none."""
+    first = np.searchsorted(of, np.arange(count))
+    rows: Shapes = np.full((count, max(1, int(np.bincount(of, minlength=1).max()))), None, dtype=object)
+    rows[of, np.arange(len(of)) - first[of]] = shapes
+    united: Shapes = shapely.union_all(rows, axis=1)
+    return united

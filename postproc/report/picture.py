@@ -215,7 +215,8 @@ def _beside_entry(nest: Nest, cut: Cut, size_mm: float) -> Point:
     curve = nest.contour(cut.contour).curve
     if not curve.closed:
         return cut.entry
-    dx, dy = curve.towards(cut.direction).tangent_at(curve.towards(cut.direction).project(cut.entry)[0])
+    run = curve.towards(cut.direction)
+    dx, dy = run.tangent_at(run.project(cut.entry)[0])
     return cut.entry[0] + 1.2 * size_mm * dx, cut.entry[1] + 1.2 * size_mm * dy
 
 

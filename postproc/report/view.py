@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, flattened
 from kerfwise.encoder.geometry.segment import Point
 
 Window = tuple[float, float, float, float]
@@ -58,19 +58,32 @@ class View:
 
     def point(self, point: Sequence[float]) -> Point:
         """One point in mm as a page point."""
-        x, y = self.xy(point[:2])[0].tolist()
-        return x, y
+        x0, _, _, y1 = self.window
+        return float((point[0] - x0) * self.scale + self.left), float((y1 - point[1]) * self.scale + self.top)
 
     def path(self, curve: Curve) -> Floats:
         """A curve as page points, no more than the eye can tell; a closed one does not repeat its first."""
+        return self.paths([curve])[0]
+
+    def paths(self, curves: Sequence[Curve]) -> list[Floats]:
+        """As `path` of each, made together."""
         tolerance_mm = _CHORD / self.scale
-        points = curve.flatten(tolerance_mm)
-        if len(points) < 3:
-            return self.xy(points)
-        if not curve.closed:
-            return self.xy(shapely.get_coordinates(shapely.LineString(points).simplify(tolerance_mm)))
-        ring = shapely.LinearRing(points).simplify(tolerance_mm)
-        return self.xy(shapely.get_coordinates(ring)[:-1])
+        points = flattened(curves, tolerance_mm)
+        closed = np.array([curve.closed for curve in curves], dtype=np.bool_)
+        wide = np.array([len(own) >= 3 for own in points], dtype=np.bool_)
+        for some, made in ((wide & closed, shapely.linearrings), (wide & ~closed, shapely.linestrings)):
+            chosen = np.flatnonzero(some).tolist()
+            if not chosen:
+                continue
+            own = [points[k] for k in chosen]
+            lines = made(np.concatenate(own), indices=np.repeat(np.arange(len(own)), [len(p) for p in own]))
+            rows, of = shapely.get_coordinates(shapely.simplify(lines, tolerance_mm), return_index=True)
+            last = np.searchsorted(of, np.arange(len(own)), side="right")
+            for k, begin, end in zip(chosen, [0, *last.tolist()], last.tolist(), strict=False):
+                points[k] = rows[begin : end - bool(closed[k])]
+        sizes = [len(own) for own in points]
+        drawn = self.xy(np.concatenate(points)) if points else np.empty((0, 2))
+        return np.split(drawn, np.cumsum(sizes)[:-1]) if points else []
 
     @property
     def mm(self) -> float:
