@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
 
+import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kerfwise.encoder.bridges.bridge import Bridge
 from kerfwise.encoder.cut import Tab
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, flattened, lines_of
 from kerfwise.encoder.shown import shown
 
 Kind = Literal["outer", "hole", "mark", "slit", "scrap"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 Severity = Literal["warning", "repaired"]
+CHORD_MM = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +54,23 @@ class Contour:
     @cached_property
     def polygon(self) -> shapely.Polygon:
         """The area inside a closed contour (chords within 0.01 mm)."""
-        return self.curve.polygon()
+        return self.curve.polygon(CHORD_MM)
 
     @cached_property
     def line(self) -> shapely.LineString:
         """The contour as a line (chords within 0.01 mm)."""
-        return self.curve.line()
+        return self.curve.line(CHORD_MM)
+
+
+def lines_of_contours(contours: Sequence[Contour]) -> NDArray[np.object_]:
+    """As `Contour.line` of each; those that were not asked for before are made together."""
+    new = [contour for contour in contours if "line" not in contour.__dict__]
+    flattened([contour.curve for contour in new], CHORD_MM)  # areas are made of the same points
+    for contour, line in zip(new, lines_of([contour.curve for contour in new], CHORD_MM), strict=True):
+        contour.__dict__["line"] = line
+    lines: NDArray[np.object_] = np.empty(len(contours), dtype=object)
+    lines[:] = [contour.line for contour in contours]
+    return lines
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.distinct import distinct_pairs
 from kerfwise.encoder.nest import Nest
 
 from .candidate import Candidate
@@ -166,7 +167,7 @@ class _Paths:
 
 def _sorted(rows: Ints) -> Ints:
     """Each row once."""
-    return np.asarray(np.unique(rows, axis=0), dtype=np.int64).reshape(-1, 2)
+    return distinct_pairs(rows)
 
 
 def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...], bool]]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.nest import Contour
 
 from .surroundings import CHORD_MM, Surroundings
@@ -22,7 +22,7 @@ def off_the_sheet(contours: Sequence[Contour], paths: Mapping[int, Curve], aroun
     edge.
     """
     numbers = list(paths)
-    lines = np.array([paths[k].line() for k in numbers], dtype=object)
+    lines = lines_of([paths[k] for k in numbers], CHORD_MM)
     astray = ~shapely.covers(around.sheet, lines) | shapely.dwithin(around.edges, lines, CHORD_MM)
     return {numbers[i]: _sentence(contours[numbers[i]], lines[i], around) for i in np.flatnonzero(astray).tolist()}
 

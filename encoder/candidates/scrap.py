@@ -45,10 +45,10 @@ def _severed(nest: Nest, kerf_mm: float) -> list[str]:
 
 
 def _near_parts(nest: Nest, kerf_mm: float) -> list[str]:
+    if not nest.scrap or not nest.parts:
+        return []
     lines = np.array([c.line for c in nest.scrap], dtype=object)
     outers = np.array([part.outer.line for part in nest.parts], dtype=object)
-    if not len(lines) or not len(outers):
-        return []
     least_mm = kerf_mm - tolerance_mm(kerf_mm)
     row, other = shapely.STRtree(outers).query(lines, predicate="dwithin", distance=least_mm)
     found = []

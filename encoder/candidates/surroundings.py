@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.nest import Contour, Nest, lines_of_contours
 
 from .lead_shapes import Leads
 from .near import EXACT_MM, Lines, nearer
@@ -47,7 +47,7 @@ class Surroundings:
     def of(nest: Nest, void: Void | None = None) -> Surroundings:
         """The surroundings of all leads of a nest; scrap lines hinder none, since they are cut last."""
         nest = nest.without_scrap
-        lines = np.array([c.line for c in nest.contours], dtype=object)
+        lines = lines_of_contours(nest.contours)
         points, of = shapely.get_coordinates(lines, return_index=True)
         follows = np.flatnonzero(of[1:] == of[:-1])
         chords = shapely.linestrings(np.stack([points[follows], points[follows + 1]], axis=1))
