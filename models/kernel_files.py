@@ -23,8 +23,10 @@ from numba import extending
 from numba.core import caching, serialize, types
 
 from kerfwise.encoder.errors import Advice
+from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
 
+from .kernel_code import code_of_kernels
 from .kernels import Kernel, compiling
 
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
@@ -42,7 +44,7 @@ def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], k
     make = dispatcher._compile_for_args
 
     def make_off_the_clock(*given: Any, **named: Any) -> Any:
-        with compiling():
+        with compiling(), few_collections(), code_of_kernels():
             return make(*given, **named)
 
     dispatcher._compile_for_args = make_off_the_clock

@@ -27,7 +27,7 @@ def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Cal
         np.zeros((1, len(local.sites))),
         np.zeros((len(local.contours), 0), dtype=np.int64),
         np.array([least[c] for c in local.contours]),
-        sum(least[c] for c in range(n) if c not in earlier and c not in inside),
+        float(sum(least[c] for c in range(n) if c not in earlier and c not in inside)),
     )
     return lambda _: rest
 
