@@ -30,7 +30,8 @@ def look_back(  # pragma: no cover - compiled
             continue
         to_go[k, :, first[a] : first[a + 1]] = np.inf
         if k == n:
-            to_go[k, 0, first[a] : first[a + 1]] = back[m, first[a] : first[a + 1]]
+            for s in range(first[a], first[a + 1]):  # numba takes seconds to compile what copies an array into another
+                to_go[k, 0, s] = back[m, s]
         else:
             ahead = np.empty(memories)
             for b in range(n):
