@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
+from math import inf
 from operator import methodcaller
 
 import numpy as np
@@ -29,7 +30,6 @@ FIRST_DESCENT = 200_000  # the most operations a contour
 REGIONS = 100_000_000  # operations in each half of a route between two such looks, where it goes by regions
 WHOLE = 0.5  # share for an annealing of the whole route, where the rest can go region by region, and
 WHOLE_MOST = 400_000  # the most operations for it, times n^1.5
-CAUTIOUS = 0.5  # share of the operations that a second is meant to bring which it brings where others run
 LONGER = 1.5  # how much longer than those before it is, or there is none: the rest is better spent on regions
 
 
@@ -118,10 +118,8 @@ class Searcher:
         while spent + REGIONS <= budget and (time_s is None or running_s() - started_s < time_s):
             if progress is not None and not progress("search", self._best_cost(), None):
                 return False
-            most = budget - spent
-            if time_s is not None:
-                most = min(most, int(CAUTIOUS * WORK_PER_S * max(0.0, time_s - (running_s() - started_s))))
-            better, work = regions.step(pool, route, REGIONS, most)
+            ends_s = inf if time_s is None else started_s + time_s
+            better, work = regions.step(pool, route, REGIONS, budget - spent, ends_s)
             spent += work
             if not np.array_equal(better, route):
                 route = better

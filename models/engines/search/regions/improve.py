@@ -12,6 +12,7 @@ from kerfwise.arrays import Bools, Ints
 from kerfwise.models.engines.search.annealing_walker import AnnealingWalker
 from kerfwise.models.engines.search.structs import for_kernels
 from kerfwise.models.engines.search.tables import SearchTables, make_tables
+from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
 from .contract import Contractor
@@ -37,6 +38,8 @@ class Stage:
     hot: float
 
 
+CHUNK = 20_000_000
+"""Operations between two looks at the clock."""
 STAGES = (
     Stage(4.0, 40, 300_000, 2.0),
     Stage(12.0, 120, 500_000, 4.0),
@@ -80,10 +83,13 @@ class Regions:
         self._nearby = Nearby(problem)
         self._rounds = self._freed = 0
 
-    def step(self, threads: Executor, route: Ints, operations: int, most: int | None = None) -> tuple[Ints, int]:
+    def step(
+        self, threads: Executor, route: Ints, operations: int, most: int | None = None, ends_s: float = inf
+    ) -> tuple[Ints, int]:
         """A route no dearer than a lawful one, after about so many operations in each half; and how many they were.
 
-        A region that is begun is searched to its end, which may take more; but not much more than `most`, if given.
+        A region that is begun is searched to its end, which may take more; but not much more than `most`, if given, and
+        not beyond `ends_s`, by `running_s`.
         """
         stage = self._stage()
         if most is not None:
@@ -93,7 +99,7 @@ class Regions:
         parted = self._part(route, random)
         seeds = [int(random.integers(1 << 30)) for _ in range(2)]
         jobs = [
-            threads.submit(self._half, route, parted, latter, operations, stage, seed)
+            threads.submit(self._half, route, parted, latter, operations, stage, seed, ends_s)
             for latter, seed in zip((False, True), seeds, strict=True)
         ]
         (former, first_work, freed), (latter, last_work, more) = (job.result() for job in jobs)
@@ -119,7 +125,7 @@ class Regions:
         return at
 
     def _half(
-        self, route: Ints, parted: int, latter: bool, operations: int, stage: Stage, seed: int
+        self, route: Ints, parted: int, latter: bool, operations: int, stage: Stage, seed: int, ends_s: float
     ) -> tuple[Ints, int, int]:
         """The route with one half of it improved, the operations that took, and how many contours were free.
 
@@ -134,22 +140,29 @@ class Regions:
         work = freed = 0
         for centre in centres.tolist():
             free = self._nearby.around(centre, movable, stage.free)
-            route, taken = self._search(route, free, latter, not latter, stage, seed + centre)
+            route, taken = self._search(route, free, latter, stage, seed + centre, ends_s)
             work, freed = work + taken, freed + int(free.sum())
-            if work >= operations:
+            if work >= operations or running_s() >= ends_s:
                 break
         return route, work, freed
 
-    def _search(self, route: Ints, free: Bools, starts: bool, ends: bool, stage: Stage, seed: int) -> tuple[Ints, int]:
-        """The best route found with some contours free, and the operations that took."""
-        region = self._contractor.region(route, free, starts, ends)
+    def _search(
+        self, route: Ints, free: Bools, latter: bool, stage: Stage, seed: int, ends_s: float
+    ) -> tuple[Ints, int]:
+        """The best route found with some contours of one half free, and the operations that took."""
+        region = self._contractor.region(route, free, starts=latter, ends=not latter)
         fields = make_tables(region.problem)
         walker = AnnealingWalker(for_kernels(fields), fields, (self._seed, seed))
         walker.stand_on(region.route)
         walker.start()
         before, operations = walker.cost, stage.each * region.problem.n
         travel_um = self._nearby.travel_um
-        walker.go(operations, stage.hot * travel_um, COLD * travel_um)
+        done, fall = 0, COLD / stage.hot
+        while done < operations and running_s() < ends_s:
+            ahead = min(operations, done + CHUNK)
+            heats = (stage.hot * travel_um * fall ** (at / operations) for at in (done, ahead))
+            walker.go(ahead - done, *heats)
+            done = ahead
         best = walker.best
         work = operations + SETTING_UP + PER_SITE * self._problem.m + PER_MOVE * region.problem.m**2
         if best is None or before is None or best.cost >= before:

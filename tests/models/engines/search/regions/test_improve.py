@@ -72,9 +72,11 @@ def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(searcher, "REGIONS", 4_000_000)
     step, begun = Regions.step, []
 
-    def noted(regions: Regions, threads: Executor, route: Ints, operations: int, most: int) -> tuple[Ints, int]:
+    def noted(
+        regions: Regions, threads: Executor, route: Ints, operations: int, most: int, ends_s: float
+    ) -> tuple[Ints, int]:
         begun.append(route_cost(problem, route.tolist()))
-        return step(regions, threads, route, operations, most)
+        return step(regions, threads, route, operations, most, ends_s)
 
     monkeypatch.setattr(Regions, "step", noted)
     problem, found = plate(3), []
@@ -120,6 +122,23 @@ def test_no_region_takes_much_more_than_what_is_left(monkeypatch: pytest.MonkeyP
         _, whole = Regions(problem, fields, 1).step(threads, route, 1)
         _, part = Regions(problem, fields, 1).step(threads, route, 1, 24_000)
     assert part <= 0.06 * whole
+
+
+def test_a_region_is_left_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(improve, "STAGES", (Stage(inf, 12, 10**15, 2.0),))
+    monkeypatch.setattr(improve, "CHUNK", 100_000)
+    problem = plate(6)
+    search = Searcher(problem, 1)
+    search.run(0.001)
+    assert search.best is not None
+    seconds = iter(range(10**6))
+    monkeypatch.setattr(improve, "running_s", lambda: float(next(seconds)))
+    with ThreadPoolExecutor(2) as threads:
+        route, _ = Regions(problem, make_tables(problem), 1).step(
+            threads, np.array(search.best.route), 10**18, ends_s=20.0
+        )
+    assert broken(problem, route.tolist()) == ()
+    assert next(seconds) < 40
 
 
 def test_what_counts_further_is_not_taken_apart() -> None:
