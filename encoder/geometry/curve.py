@@ -148,6 +148,19 @@ class Curve:
         rows.append((*end, 0.0))
         return Curve.of(rows, closed=False)
 
+    def piece(self, first: int, last: int) -> Curve:
+        """An open path from one of its vertices to another; what is known of its lines and arcs is not made again.
+
+        Examples
+        --------
+        >>> Curve.of([(0, 0), (4, 0), (4, 3)], closed=False).piece(1, 2).as_rows()
+        [[4.0, 0.0], [4.0, 3.0]]
+        """
+        piece = Curve(self.vertices[first : last + 1], closed=False)
+        if len(known := vars(self).get("segments", ())) == len(self.vertices) - 1:
+            vars(piece)["segments"] = known[first:last]
+        return piece
+
     def opened_at(self, s_mm: float) -> Curve:
         """The closed curve as an open path that starts and ends at path length `s_mm`."""
         return self.between(s_mm, self.length_mm)

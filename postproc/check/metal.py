@@ -15,7 +15,9 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.rules.rule import Violation
 
+from .followed_contours import surely_beside
 from .program_rules import tolerance_mm
+from .rings import Ring, rings_of
 from .torch_run import TorchRun
 
 Pairs = frozenset[frozenset[str]]
@@ -64,6 +66,7 @@ def gouges(
     if kerf_mm <= 0 or not burns or not nest.parts:
         return Gouges((), ())
     metal = _metal_of_parts(nest)
+    burns = _not_clear(nest, burns, kerf_mm)
     lines = np.array([burn.line for burn in burns], dtype=object)
     rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=max(half_mm - allowed_mm, 0.0))
     violations: list[Violation] = []
@@ -90,6 +93,33 @@ def gouges(
         for (a, b), mm in sorted(warned.items())
     ]
     return Gouges(tuple(violations), tuple(warnings) if shared is None else ())
+
+
+def _not_clear(nest: Nest, burns: Sequence[_Burn], kerf_mm: float) -> list[_Burn]:
+    """The burns without rounds that surely gouge nothing: they lie within the tolerance of a ring that is clear."""
+    clear = _clear_rings(nest, kerf_mm)
+    asked = [(k, burn) for k, burn in enumerate(burns) if not burn.lead and burn.run.contour is not None]
+    rings = [(k, burn.line, ring) for k, burn in asked if (ring := clear.get(burn.run.name)) is not None]
+    gone = {k for k, line, ring in rings if line is ring}
+    others = [row for row in rings if row[0] not in gone]
+    beside = surely_beside([line for _, line, _ in others], [ring for *_, ring in others], 0.0, tolerance_mm(kerf_mm))
+    gone |= {k for (k, _, _), near in zip(others, beside.tolist(), strict=True) if near}
+    return [burn for k, burn in enumerate(burns) if k not in gone]
+
+
+@kept_with_nest(most=1)
+def _clear_rings(nest: Nest, kerf_mm: float) -> Mapping[str, Ring]:
+    """Contour id → its torch ring, where no metal is nearer to that than half the kerf, but for what chords make of it.
+
+    What lies within the tolerance of such a ring is no nearer to metal than a kerf may come.
+    """
+    rings = {c.id: ring for c, ring in zip(nest.contours, rings_of(nest, kerf_mm), strict=True) if ring and c.encloses}
+    lines = np.array(list(rings.values()), dtype=object)
+    away_mm = kerf_mm / 2 - SLACK_MM
+    if away_mm <= 0 or not len(lines):
+        return {}
+    near = set(shapely.STRtree(_metal_of_parts(nest)).query(lines, predicate="dwithin", distance=away_mm)[0].tolist())
+    return {name: ring for k, (name, ring) in enumerate(rings.items()) if k not in near}
 
 
 @kept_with_nest(most=1)

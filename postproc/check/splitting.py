@@ -44,10 +44,13 @@ def split(path: Curve, round_mm: float) -> Pieces | None:
     (3.0, 40.0, 2.0)
     """
     v = path.vertices
-    lengths = [
-        Segment((a[0], a[1]), (b[0], b[1]), a[2]).length_mm for a, b in zip(v.tolist(), v[1:].tolist(), strict=False)
-    ]
-    at_mm = np.concatenate([[0.0], np.cumsum(lengths)])
+    at_mm = path.starts_mm
+    if len(at_mm) < len(v):  # vertices that lie on each other
+        ends = zip(v.tolist(), v[1:].tolist(), strict=False)
+        lengths = [Segment((a[0], a[1]), (b[0], b[1]), a[2]).length_mm for a, b in ends]
+        at_mm = np.concatenate([[0.0], np.cumsum(lengths)])
+    if at_mm[-1] < _LEAST * round_mm:
+        return None
     first = np.searchsorted(at_mm, at_mm + _LEAST * round_mm)
     last = np.searchsorted(at_mm, at_mm + _MOST * round_mm, side="right")
     pairs = int((last - first).sum())
@@ -55,7 +58,7 @@ def split(path: Curve, round_mm: float) -> Pieces | None:
         return None
     best = _looked_up(v, at_mm, first, last, round_mm) if pairs > COMPARED else None
     gap_mm, k, m = _compared(v, at_mm, first, last, round_mm) if best is None else best
-    return Pieces(_open(v[: k + 1]), _open(v[k : m + 1]), _open(v[m:]), gap_mm)
+    return Pieces(path.piece(0, k), path.piece(k, m), path.piece(m, len(v) - 1), gap_mm)
 
 
 def _compared(v: Floats, at_mm: Floats, first: Ints, last: Ints, round_mm: float) -> tuple[float, int, int]:
@@ -104,7 +107,3 @@ def _best(v: Floats, at_mm: Floats, one: Ints, other: Ints, round_mm: float) -> 
     off = np.abs(at_mm[other] - at_mm[one] - round_mm).round(3)
     at = int(np.lexsort((other, one, off))[0])
     return float(gaps[least[0]]), float(off[at]), int(one[at]), int(other[at])
-
-
-def _open(vertices: Floats) -> Curve:
-    return Curve(vertices, closed=False)

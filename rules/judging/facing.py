@@ -21,6 +21,8 @@ from .placement import host_holes
 
 SOLID, EDGE = -1, -2
 """Faced by a boundary that looks at wide uncut metal, or at the end of the sheet."""
+LINES_AT_ONCE = 256
+"""Lines along which spots are laid out together: more would take memory, and no less time."""
 AT_ONCE = 1 << 16
 """Spots that are looked at together: more would take memory, and no less time."""
 DOUBT_MM2 = 1e-6
@@ -73,8 +75,18 @@ def spots_along_each(
     count: Sequence[int],
 ) -> Spots:
     """As `spots_along` of each, one behind the other, in less time."""
-    if not len(lines):
-        return Spots.joined([])
+    some = (slice(k, k + LINES_AT_ONCE) for k in range(0, len(lines), LINES_AT_ONCE))
+    return Spots.joined([_spots(parts[s], lines[s], begin_mm[s], length_mm[s], count[s]) for s in some])
+
+
+def _spots(
+    parts: Sequence[int],
+    lines: Sequence[shapely.LineString],
+    begin_mm: Sequence[float],
+    length_mm: Sequence[float],
+    count: Sequence[int],
+) -> Spots:
+    """See `spots_along_each`; of some lines, but not too many."""
     points, of = shapely.get_coordinates(lines, return_index=True)
     chord = np.flatnonzero(of[1:] == of[:-1])
     step = points[chord + 1] - points[chord]

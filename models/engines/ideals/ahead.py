@@ -25,6 +25,7 @@ from .crossed import HOME
 from .kernels import RestBound
 from .local import Local
 from .series import series
+from .shelf import Shelf
 from .stretches import travel_between
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def look_ahead(
     remembered = int(np.log2(max(1.0, SHARE * most_bytes / BYTES_A_NUMBER / max(1, numbers))))
     until = np.cumsum([len(group) for group in groups]).tolist()
     found: list[Ahead] = []
-    parts = ByContour(problem)
+    parts, shelf = ByContour(problem), Shelf()
     for k in reversed(range(len(groups))):
         before = ends[k - 1][1] if k else np.array([HOME])
         asked = parts.of(groups[k])
@@ -88,7 +89,8 @@ def look_ahead(
         known += int(onward[ends[k][1] == own[-1]][0])
         share = work * float(weight[k] / weight.sum())
         bound = bounds.complete(alone, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes)
-        found.append(Ahead(groups[k], sites[k], *ends[k], onward, bound))
+        kept = replace(bound, to_go=shelf.put(bound.to_go))
+        found.append(Ahead(groups[k], sites[k], *ends[k], onward, kept))
     return found[::-1]
 
 

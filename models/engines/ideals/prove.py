@@ -128,6 +128,7 @@ def prove(
         proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
         if proof is not None or last or not go():
             return proof or rounds.proven
+        del bound  # the next has tables of its own
     return rounds.proven
 
 

@@ -3,17 +3,22 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
+import shapely
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check import CheckResult, check_cuts
+from kerfwise.postproc.check import CheckResult, check_cuts, metal
+from kerfwise.postproc.check.rings import rings_of
+from kerfwise.postproc.check.torch_run import TorchRun
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.profile.profile import RuleSetting, default_settings
 from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Violation
 from kerfwise.tests.postproc.plans import cut_of, profile
 
 REACHING = replace(profile().machine, travel_x_mm=(-20.0, 3000.0), travel_y_mm=(-20.0, 1500.0))
@@ -130,3 +135,39 @@ def test_no_kerf_no_gouge() -> None:
     result = check_cuts(sheet, CutSequence(cuts, "left"), profile(material=thin))
     assert result.rule("no-gouging").holds
     assert result.warnings == ()
+
+
+def gouges_near(offs_mm: list[tuple[float, float, float]]) -> tuple[list[int], list[tuple[Violation, ...]]]:
+    """How many rounds are held against metal, with rings that are clear and without; and what comes of both.
+
+    Each round is the torch ring of a part, shifted, with one place of it drawn somewhere else.
+    """
+    sheet = nest(700, 200, *(part(f"P{k}", rect(20 + 65 * k, 20, 50, 50)) for k in range(len(offs_mm))))
+    runs = []
+    for contour, ring, (dx, dy, spike_mm) in zip(sheet.contours, rings_of(sheet, 1.5), offs_mm, strict=True):
+        assert ring is not None
+        points = shapely.get_coordinates(shapely.segmentize(ring, 10.0)) + np.array([dx, dy])
+        points[5] += spike_mm * (np.array([contour.polygon.centroid.x, contour.polygon.centroid.y]) - points[5])
+        runs.append(TorchRun(len(runs) + 1, "a line", contour, None, shapely.LineString(points), None))
+    asked, found = [], []
+    for clear in (metal._clear_rings, lambda nest, kerf_mm: {}):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(metal, "_clear_rings", clear)
+            burns = [metal._Burn(run, run.loop, False) for run in runs]
+            asked.append(len(metal._not_clear(sheet, burns, 1.5)))
+            found.append(metal.gouges(sheet, runs, 1.5).violations)
+    return asked, found
+
+
+def test_rounds_beside_clear_rings_gouge_nothing() -> None:
+    asked, (told, plainly) = gouges_near([(0, 0, 0), (0.03, 0.03, 0), (0.045, 0, 0), (0, 0, 0.001)])
+    assert asked == [0, 4]
+    assert told == plainly == ()
+
+
+def test_rounds_that_leave_a_clear_ring_are_held_against_metal() -> None:
+    offs_mm = [(0, 0.055, 0), (0.07, 0, 0), (0.2, 0.2, 0), (0, 0, 0.01), (0, 0, 0.5), (60.0, 0, 0), (0.01, 0, 0)]
+    asked, (told, plainly) = gouges_near(offs_mm)
+    assert asked == [6, 7]
+    assert told == plainly
+    assert {name for violation in told for name in violation.contours} >= {"P1.outer", "P2.outer", "P4.outer"}
