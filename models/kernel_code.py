@@ -1,8 +1,8 @@
-"""What numba compiles a kernel to: functions that only kernels call become code of those, and none of their own.
+"""What numba compiles a kernel to: `late_code.Code` for the versions of numba it is known for, else numba's own.
 
-Numba optimises every function by itself and makes machine code of it, and does all of that again within each function
-that calls it. Here a function is kept as it was translated until somebody asks for its machine code, which is asked for
-kernels that Python calls alone: what these call is optimised with them, once.
+`Code` is a class between numba's internals, which no version promises. It was tried with numba 0.63.1, 0.65.1, 0.66.0
+and 0.68.1. Before 0.63 numba lacks what it needs; of what comes after 0.68 nobody can know. Outside these, and where a
+version is not told in numbers, kernels are compiled as numba always does: slower, with the same answers.
 """
 
 from __future__ import annotations
@@ -11,58 +11,29 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from numba.core import codegen, registry
-from numba.core.compiler_lock import global_compiler_lock
+import numba
 
-_NumbasOwn: Any = codegen.JITCodeLibrary
-
-
-class Code(_NumbasOwn):  # type: ignore[misc]
-    """Numba's code of one function and of all that it calls; machine code is made when it is first asked for."""
-
-    _made = False
-
-    def finalize(self) -> None:
-        """Link what is called."""
-        self._raise_if_finalized()
-        for called in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(called._reload_init)
-            self._final_module.link_in(called._get_module_for_linking(), preserve=True)
-        self._finalized = True
-
-    def get_pointer_to_function(self, name: str) -> Any:
-        """Where the machine code of a function begins; 0 where this has no such function."""
-        self._ensure_finalized()
-        if not self._made and self._has(name):
-            self._optimize_final_module()
-            self._final_module.verify()
-            self._finalize_final_module()
-        return super().get_pointer_to_function(name)
-
-    def _finalize_final_module(self) -> None:
-        self._made = True
-        super()._finalize_final_module()
-
-    def _has(self, name: str) -> bool:
-        try:
-            return not self._final_module.get_function(name).is_declaration
-        except NameError:
-            return False
-
-    @property
-    def codegen(self) -> Any:
-        """Who makes machine code; where none was made, nothing has to be told of it."""
-        return super().codegen if self._made else _Nobody()
+FIRST, LAST = (0, 63), (0, 68)
+"""The versions of numba, major and minor, that `Code` is known for."""
 
 
-class _Nobody:
-    def set_env(self, *_: object) -> None:
-        """A function without machine code has no place for its surroundings."""
+def known() -> bool:
+    """Whether `Code` is known for the numba that is installed."""
+    major, minor = numba.version_info.short
+    return isinstance(major, int) and isinstance(minor, int) and FIRST <= (major, minor) <= LAST
 
 
 @contextmanager
 def code_of_kernels() -> Iterator[None]:
-    """What numba compiles here becomes `Code`; no other thread compiles meanwhile."""
+    """What numba compiles here becomes `Code`, where that is known, and no other thread compiles meanwhile."""
+    if not known():
+        yield
+        return
+    from numba.core import registry
+    from numba.core.compiler_lock import global_compiler_lock
+
+    from .late_code import Code
+
     maker: Any = registry.cpu_target.target_context.codegen()
     with global_compiler_lock:
         usual = maker._library_class
