@@ -54,7 +54,7 @@ def features_lost(
     round_contours = [run for run in runs if run.contour is not None and run.contour.encloses and not run.marks]
     last = {run.name: run for run in round_contours}
     cut = [run for run in round_contours if run.position not in skipped and (not run.partial or last[run.name] is run)]
-    if kerf_mm <= 0 or not cut:
+    if not cut:
         return []
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
     cut = _doubtful(cut, kerf_mm)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow import lost_features
 from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check import check_cuts
@@ -52,6 +54,18 @@ def test_a_plan_over_a_slot_fails_the_check() -> None:
     (told,) = result.rule("features-kept").violations
     assert told.text.startswith("cut 1: 160.")
     assert told.text.endswith("beside the kerf: a slot, notch, neck or corner that is too narrow for it")
+
+
+@pytest.mark.parametrize("kerf_mm", [0.0, 1.5])
+def test_three_sides_cut_to_and_fro_leave_the_fourth(kerf_mm: float) -> None:
+    drawn = Contour("P.outer", "P", "outer", Curve.of(rect(0, 0, 100, 10)))
+    beside = kerf_mm / 2
+    corners = [(-beside, -beside), (-beside, 10 + beside), (100 + beside, 10 + beside), (100 + beside, -beside)]
+    path = [corners[k] for k in (0, 1, 0, 3, 2, 3, 0)]
+    (found,) = features_lost([TorchRun(1, "cut 1", drawn, None, shapely.LineString(path), None)], kerf_mm)
+    assert found.text.startswith("cut 1: 9")
+    all_round = shapely.LineString([*corners, corners[0]])
+    assert features_lost([TorchRun(1, "cut 1", drawn, None, all_round, None)], kerf_mm) == []
 
 
 @pytest.mark.slow
