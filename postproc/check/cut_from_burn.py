@@ -17,11 +17,15 @@ from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.rule import Violation
 
-from .followed_rings import surely_on
+from .followed_contours import surely_beside
 from .matching import Match
 from .program_rules import tolerance_mm
 from .splitting import Pieces, split
 from .torch_run import TorchRun, every_line_of
+
+SLACK_MM = 0.01
+"""What the chords of paths and rings may make of a distance between vertices."""
+_STEP_MM = 0.1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,7 +58,7 @@ def taken_apart(
     rounds = every_line_of([pieces.loop for pieces in apart])
     leads_in, leads_out = every_line_of([p.lead_in for p in apart]), every_line_of([p.lead_out for p in apart])
     loops = [path if line is None else line for line, path in zip(rounds, paths, strict=True)]
-    on_ring = surely_on([match.ring for match in matches], loops, tolerance_mm(kerf_mm))
+    on_ring = surely_beside(loops, [match.ring for match in matches], 0.0, tolerance_mm(kerf_mm))
     return [Taken(*row) for row in zip(apart, leads_in, loops, leads_out, on_ring.tolist(), strict=True)]
 
 
@@ -100,13 +104,26 @@ def _wrong(contour: Contour, match: Match, taken: Taken, kerf_mm: float, marks: 
         found.append(("contour-geometry", f"{name} is not closed: {pieces.gap_mm:.3f} mm are left"))
     off_mm = match.deviation_mm
     if not taken.on_ring:
-        off_mm = max(off_mm, beyond_mm(match.ring, shapely.get_coordinates(taken.loop), allowed))
+        off_mm = max(off_mm, _off_mm(match.ring, taken.loop, allowed))
     if off_mm > allowed:
         found.append(("contour-geometry", f"the torch is up to {off_mm:.2f} mm off where {name} asks for it"))
     again = split(pieces.lead_out, match.ring.length) if contour.encloses else None
     if again is not None and again.gap_mm <= allowed:
         found.append(("contour-geometry", f"the torch goes round {name} more than once"))
     return found
+
+
+def _off_mm(ring: shapely.LineString, loop: shapely.LineString, allowed: float) -> float:
+    """How far a path is from a ring at most, mm; 0 where it is nowhere farther than it may be.
+
+    Vertices come first. Between them chords may take a path a little farther, but not somewhere else.
+    """
+    off_mm = beyond_mm(ring, shapely.get_coordinates(loop), allowed)
+    near = shapely.buffer(ring, allowed + SLACK_MM)
+    if off_mm > 0 or shapely.covers(near, loop):
+        return off_mm
+    away = shapely.segmentize(shapely.difference(loop, near), _STEP_MM)
+    return beyond_mm(ring, shapely.get_coordinates(away), allowed)
 
 
 def _direction(contour: Contour, loop: Curve) -> Direction:

@@ -51,7 +51,7 @@ class _Chords:
 
 
 def surely_cover(lines: Any, rings: Any, within_mm: float) -> Bools:
-    """Whether every point of each closed ring lies within `within_mm` of the line that goes round it, once or more.
+    """Whether every vertex of each closed ring lies within `within_mm` of the line that goes round it, once or more.
 
     True is proven; False says that it is not known. A line may lead to the ring, and away from it.
 
@@ -62,31 +62,12 @@ def surely_cover(lines: Any, rings: Any, within_mm: float) -> Bools:
     >>> surely_cover([path, path], [square, shapely.LinearRing([(0, 0), (9, 0), (9, 9), (4, 9.5)])], 0.1).tolist()
     [True, False]
     """
-    return _surely(lines, rings, rings, within_mm)
-
-
-def surely_on(rings: Any, lines: Any, within_mm: float) -> Bools:
-    """Whether every point of each line that goes once round lies within `within_mm` of its ring; see `surely_cover`.
-
-    Examples
-    --------
-    >>> square = shapely.LinearRing([(0, 0), (9, 0), (9, 9), (0, 9)])
-    >>> round = shapely.LineString([(9, 0), (0, 0), (0, 9), (9, 9), (9, 0)])
-    >>> surely_on([square, square], [round, shapely.LineString([(9, 0), (4, 1), (0, 9), (9, 9), (9, 0)])], 0.1).tolist()
-    [True, False]
-    """
-    return _surely(rings, lines, rings, within_mm)
-
-
-def _surely(lines: Any, others: Any, rounds: Any, within_mm: float) -> Bools:
-    """Whether every point of each of the others surely is near its line; some are looked at together."""
     found = []
     for begin in range(0, len(lines), AT_ONCE):
         some = slice(begin, begin + AT_ONCE)
-        along = np.array(lines[some], dtype=object)
-        points, of = shapely.get_coordinates(np.array(others[some], dtype=object), return_index=True)
-        near = _along(along, points, of, shapely.length(rounds[some]), within_mm)
-        found.append(_all(near, of, len(along)))
+        along, round_mm = np.array(lines[some], dtype=object), shapely.length(rings[some])
+        points, of = shapely.get_coordinates(np.array(rings[some], dtype=object), return_index=True)
+        found.append(_all(_along(along, points, of, round_mm, within_mm), of, len(along)))
     return np.concatenate([np.zeros(0, dtype=bool), *found])
 
 

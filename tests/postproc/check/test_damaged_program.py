@@ -61,6 +61,14 @@ def test_a_spike_in_the_path() -> None:
     assert "the torch is up to 9.25 mm off where E.outer asks for it" in report(result)
 
 
+def test_a_detour_from_the_contour_to_the_contour() -> None:
+    """All its ends lie where the torch should be; it crosses scrap between two sides of a part."""
+    detour = ["G1 X530 Y60.75", "G1 X480.75 Y110", "G1 X530 Y60.75"]
+    result = check(in_cut("E.outer", lambda lines: [*lines[:5], *detour, *lines[5:]]))
+    assert result.broken() == ("contour-geometry",)
+    assert re.search(r"the torch is up to 2\d\.\d\d mm off where E\.outer asks for it", report(result))
+
+
 def test_round_not_finished_and_round_twice() -> None:
     result = check(in_cut("B.hole1", lambda lines: [*lines[:7], *lines[9:]]))
     assert "contour-geometry" in result.broken()
