@@ -99,7 +99,11 @@ class Searcher:
             return self._by_annealing(pool, budget, time_s, progress)
         began_s, likely = running_s(), budget if time_s is None else min(budget, int(time_s * WORK_PER_S))
         whole = min(int(WHOLE * likely), int(WHOLE_MOST * self._problem.n**1.5))
-        if whole <= LONGER * self._longest and self.best is not None:
+        enough = whole <= LONGER * self._longest and self.best is not None
+        if budget - (0 if enough else whole) < REGIONS:  # too little for a look by regions
+            self._longest = max(self._longest, budget)
+            return self._by_annealing(pool, budget, time_s, progress)
+        if enough:
             whole = 0
         elif not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
             return False

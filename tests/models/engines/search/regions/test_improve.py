@@ -93,6 +93,24 @@ def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch
     assert min(begun) >= found[0].cost
 
 
+def test_where_no_region_fits_all_that_was_asked_for_is_annealed(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = 2_000_000
+    monkeypatch.setattr(searcher, "REGIONS", asked + 1)
+    problem, ways = plate(7), []
+    for _ in range(2):
+        search, costs, before = Searcher(problem, 1), [], 0
+        for _ in range(3):
+            search.run(asked / searcher.WORK_PER_S)
+            done = min(walker.work for walker in search._walkers)
+            assert done - before >= 0.9 * asked
+            before = done
+            assert search.best is not None
+            costs.append(search.best.cost)
+        assert costs == sorted(costs, reverse=True)
+        ways.append((costs, search.best))
+    assert ways[0] == ways[1]
+
+
 def test_a_longer_search_by_regions_goes_the_way_of_a_shorter_one() -> None:
     problem = plate(4)
     search = Searcher(problem, 1)
