@@ -56,4 +56,7 @@ class Code(_NumbasOwn):  # type: ignore[misc]
 
 class _Nobody:
     def set_env(self, *_: object) -> None:
-        """A function without machine code has no place for its surroundings."""
+        """A function without machine code has no place for its surroundings.
+
+        So it cannot print, nor raise an error with values that it computes: numba says that an environment is missing.
+        """
