@@ -157,7 +157,7 @@ The first three were measured on one plate of 115 contours, on a busy machine.
 - Beyond {sites} sites, and where the work does not reach for a first bound, a contour stands for all of its own,
   conditions are not seen, and the bound stays far below.
 - Not built: branching on which of two contours comes first, the dynamic program over sets pruned by the program's
-  multipliers, and the closed moves taken out of search and CP-SAT.
+  multipliers where there are no zones (within zones it is), and the closed moves taken out of search and CP-SAT.
 """
 AIMS = {115: 0.02, 308: 0.06, 1000: 0.15}
 TWO, ONE = 308, 1000

@@ -75,8 +75,10 @@ profile without no-tip-travel, within {work:g} of work.
 
 A proof goes through the sets of contours that may be out while a zone is cut. It looks for plans that cost little more
 than its bound first, then for such that cost more, until there is one: so it goes through few sets that no good plan
-has. Where memory (2 GB) or work end before that, the limit that no plan kept to is a bound of all plans within these
-zones.
+has. Where that is too many sets for bounds by walks, each zone has a linear program by flows, with cuts; what its
+multipliers leave of the cost of moves, summed along a way, says of every set and last site what a whole plan by that
+way costs at least. Where memory (2 GB) or work end before the proof, the limit that no plan kept to is a bound of all
+plans within these zones.
 
 ## Where the extra comes from
 

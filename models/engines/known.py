@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from .solution import Incumbent
+
+if TYPE_CHECKING:
+    from .ideals.priced import PricedStretches
 
 
 @dataclass(slots=True)
 class Known:
     """What is known of a problem so far, who found it, and what was chosen why.
 
+    `priced` are the stretches of the order under multipliers, where a proof has asked for them.
     `unable` says why the one member that was asked for cannot find a plan; empty where it can, or all may run.
     """
 
@@ -22,6 +27,7 @@ class Known:
     work: float = 0.0
     notes: list[str] = field(default_factory=list)
     unable: str = ""
+    priced: PricedStretches | None = None
 
     @property
     def proven(self) -> bool:

@@ -48,6 +48,8 @@ def run_portfolio(
         run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
     if earlier is not None and earlier.proved_by:
         run.known.raise_bound(earlier.bound_um, earlier.proved_by)
+    if earlier is not None:
+        run.known.priced = earlier.priced
     return run.whole()
 
 
@@ -75,7 +77,7 @@ class _Run:
             else:
                 self._look(first, shares.LOOKS if self.problem.n <= shares.LONGEST else 1)
         if not self._over() and self._ideals_fit():
-            share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST else shares.PROOF
+            share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST or self._in_zones() else shares.PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self._beam_applies():
             dense = self._density() >= shares.DENSE and not self._bounded_beside()
@@ -237,6 +239,10 @@ class _Run:
         self.known.notes.append(f"ideals: {self.count}")
         return True
 
+    def _in_zones(self) -> bool:
+        """Whether the order falls apart into stretches, so that nothing proves as much as the ideals."""
+        return self.count is not None and self.count.stretches > 1
+
     def _sure(self) -> bool:
         """Whether a sweep over all sets fits well into what is left."""
         count, most_s = self.count, shares.SURE * self._left()
@@ -247,8 +253,11 @@ class _Run:
         limit_s = None if self.options.time_s is None else share
         stages = stages[:1] if self._sure() else stages
         going = self._within(max(share, self._left()))
-        proof = ideals.prove(self.of_sets, self.known.incumbent, share, going, stages, limit_s, self.most_bytes)
+        proof = ideals.prove(
+            self.of_sets, self.known.incumbent, share, going, stages, limit_s, self.most_bytes, self.known.priced
+        )
         self.known.work = before + (share if proof is None else proof.work)
+        self.known.priced = self.known.priced if proof is None else proof.priced
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
         elif proof.least is not None:

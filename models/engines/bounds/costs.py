@@ -35,21 +35,12 @@ def costs_of(
     cost = empty_costs(m)
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
     lawful, kind = _lawful(split.site_contour, sooner, later)
-    owner = problem.site_contour[sites]
-    inner = problem.sites_of(np.concatenate([p.inner for p in passages])) if passages else np.zeros(0, dtype=np.int64)
-    ways: list[tuple[slice, Ints, Floats]] = []
-    for passage in passages:
-        here = np.flatnonzero(owner == passage.last)
-        way = through(problem, passage, moves, sites[here], charged[here])
-        began = ways[-1][0].stop if ways else 0
-        ways.append((slice(began, began + len(way)), here, way))
+    inside = Inside(problem, sites, split.site_cost, passages)
 
     def work_out(start: int) -> None:
         rows = np.arange(start, min(start + ROWS, m + 1))
         part = moves.between(ends[rows], ends) + charged
-        entered = moves.between(ends[rows], inner)
-        for some, here, way in ways:
-            part[:, here] = cheapest(entered[:, some], way)
+        inside.come_through(moves.between(ends[rows], inside.inner), part)
         part[~lawful[kind[rows]][:, kind]] = np.inf
         cost[rows] = part
         if cost.dtype != part.dtype and (above := cost[rows] > part).any():
@@ -57,6 +48,31 @@ def costs_of(
 
     by_threads(work_out, range(0, m + 1, ROWS), go)
     return cost
+
+
+class Inside:
+    """Ways through the blocks that their last contours stand for, to the sites of these.
+
+    `inner` (k,) are the sites of all the contours before the last ones.
+    """
+
+    def __init__(self, problem: Problem, sites: Ints, charged: Ints, passages: Sequence[Passage]) -> None:
+        moves, owner = Moves(problem), problem.site_contour[sites]
+        self.inner: Ints = np.zeros(0, dtype=np.int64)
+        if passages:
+            self.inner = problem.sites_of(np.concatenate([passage.inner for passage in passages]))
+        self._ways: list[tuple[slice, Ints, Floats]] = []
+        began = 0
+        for passage in passages:
+            here = np.flatnonzero(owner == passage.last)
+            way = through(problem, passage, moves, sites[here], charged[here].astype(np.float64))
+            self._ways.append((slice(began, began + len(way)), here, way))
+            began += len(way)
+
+    def come_through(self, entered: Floats, part: Floats) -> None:
+        """Put into `part` (rows, sites) what it costs to come to last contours; `entered` (rows, k) to those inside."""
+        for some, here, way in self._ways:
+            part[:, here] = cheapest(entered[:, some], way)
 
 
 class Stopped(Exception):

@@ -29,6 +29,7 @@ from .inequalities import block_inequalities
 from .merged import merged
 from .network import Network, network_of
 from .passages import size_without_inner
+from .pricing import Multipliers
 from .separation import Separation
 
 LEAST_GAIN = 3e-4
@@ -106,22 +107,26 @@ def flow_bound(
 class CutLoop:
     """A program that is solved, and cut where its flow does what no plan does, again and again.
 
+    No move leaves the program that a plan of `most_um` may have, where that is given.
     `best` is what every plan costs at least. `stalled` says that more rounds are not worth it, but that there is work
-    left.
+    left, `proving` are multipliers
+    that prove as much of all moves.
     """
 
     def __init__(
         self, network: Network, plan: Incumbent, work: float, progress: Progress | None,
-        in_time: Callable[[], bool], ends_s: float,
+        in_time: Callable[[], bool], ends_s: float, most_um: int | None = None,
     ) -> None:  # fmt: skip
         problem = network.problem
         self._plan, self._work, self._progress = plan, work, progress
         demands = DemandColumns(problem)
         self._separation = Separation(network, demands)
         blocks = block_inequalities(problem, len(demands.cost))
-        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, in_time, ends_s)
+        most = plan.cost if most_um is None else most_um
+        self.flow = FlowProgram(network, blocks, demands.cost, most, in_time, ends_s)
         self._kept, self._most = len(blocks), CROWD * problem.n
         self.best, self.stalled, self._dropped_at = 0.0, False, 0.0
+        self.proving: Multipliers | None = None
 
     def run(self, patience: int, least_gain: float) -> float:
         """The bound of the moves that are open: until so many rounds gain less than a share, or no plan is left.
@@ -159,6 +164,8 @@ class CutLoop:
         self.flow.look_at_all()
         best = max(best, self.flow.bound)
         if not self.flow.restricted:
+            if self.proving is None or self.flow.bound > self.best:
+                self.proving = self.flow.multipliers
             self.best = max(self.best, best)
         return best
 

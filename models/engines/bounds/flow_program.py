@@ -59,7 +59,7 @@ class FlowProgram:
         self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
         once = np.repeat([1.0, 0.0], [n + 1, m + 1])
         self._program = restricted_master(once)
-        self._beside_cost = beside
+        self.beside_cost = beside
         self._program.add_columns(beside, csr_matrix((len(once), len(beside))), 1.0)
         self._inequalities = inequalities.only(np.zeros(len(inequalities), dtype=np.bool_))
         self._use(*self._moves.nearest())
@@ -88,12 +88,12 @@ class FlowProgram:
                 return False
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._idle = paid <= 1e-9
-        columns = len(self._beside_cost)
+        columns = len(self.beside_cost)
         self._reduced = solved.reduced[columns:]
         self.beside = np.clip(solved.value[:columns], 0.0, 1.0)
         self.moves = Flow(self._leave, self._reach, np.maximum(solved.value[columns:], 0.0))
         self.value = float(self._moves.costs(self._leave, self._reach) @ self.moves.amount)
-        self.value += float(self._beside_cost @ self.beside)
+        self.value += float(self.beside_cost @ self.beside)
         price, resting = solved.multiplier[n + 1 : n + self._m + 2], self._resting
         if resting is not None and len(resting.leave):
             some, paying = self._inequalities.only(~self._idle), paid[~self._idle]
@@ -115,6 +115,11 @@ class FlowProgram:
         entries = hstack([found.beside, found.across(self._leave, self._reach)], format="csr")
         self._program.add_rows(entries, found.least)
         self._inequalities = self._inequalities.joined(found)
+
+    @property
+    def multipliers(self) -> Multipliers:
+        """Those of the last solution."""
+        return self._multipliers
 
     def contours_used(self) -> Floats:
         """How much goes from contour to contour, (n + 1, n + 1), home last."""
@@ -159,12 +164,12 @@ class FlowProgram:
         moves = self._moves
         by = whole(by, NARROW) if moves.narrow else by
         least, missing = moves.look(by, (self._leave, self._reach), go)
-        beside = self._beside_cost - by.inequalities.beside.T @ by.paid  # between 0 and 1 each
+        beside = self.beside_cost - by.inequalities.beside.T @ by.paid  # between 0 and 1 each
         self.bound = least + float(by.paid @ by.inequalities.least + np.minimum(beside, 0.0).sum())
         self.complete = missing is None
         if moves.close(self.bound):
             shut = np.flatnonzero(~moves.open[self._leave, self._reach])
-            self._program.limit(len(self._beside_cost) + shut, np.zeros(len(shut)))
+            self._program.limit(len(self.beside_cost) + shut, np.zeros(len(shut)))
         if missing is not None:
             open_ = moves.open[missing]
             leave, reach = missing[0][open_], missing[1][open_]
@@ -193,7 +198,7 @@ class FlowProgram:
             emptied, gone_to_rest = self._lay_down(self._resting, stays)
             kept &= ~gone_to_rest
         gone = np.flatnonzero(~kept)
-        self._program.drop_columns(len(self._beside_cost) + gone, emptied)
+        self._program.drop_columns(len(self.beside_cost) + gone, emptied)
         self._moves.used[self._leave[gone], self._reach[gone]] = False
         self._leave, self._reach = self._leave[kept], self._reach[kept]
         self._reduced = self._reduced[kept[:known]]
@@ -203,7 +208,7 @@ class FlowProgram:
         """Put sites to rest that no move that `stays` has, and answer which rows that empties, and which moves go."""
         first = self._n + 1
         column, row = self._program.basic()
-        column = column[len(self._beside_cost) :]
+        column = column[len(self.beside_cost) :]
         bound = row[first : first + self._m + 1].astype(np.int64)
         for ends in (self._leave, self._reach):
             bound += np.bincount(ends[column], minlength=self._m + 1)
@@ -217,7 +222,7 @@ class FlowProgram:
         """
         self._moves.restrict(allowed)
         self.restricted, self.bound = True, 0.0
-        columns = len(self._beside_cost) + np.arange(len(self._leave))
+        columns = len(self.beside_cost) + np.arange(len(self._leave))
         here = self._moves.open[self._leave, self._reach]
         self._program.limit(columns, np.where(here, np.inf, 0.0))
         ours = np.flatnonzero(self._moves.is_own(self._leave, self._reach))

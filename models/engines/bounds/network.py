@@ -35,12 +35,14 @@ class Network:
     `cost` (m + 1, m + 1) is that of every move with the site it leads to, and with the way through such a block to its
     last contour, home last, infinite where no plan has it: no more than that where there are many sites, as narrow
     numbers do not hold all that wide ones do.
+    `sites` (m,) are those of the whole problem that its sites stand for.
     `sooner[s, c]` says that contour c is out before site s is cut, `later[s, c]` that it is not; both (m + 1, n), all
     false for home. `plan` is the known plan on these sites.
     """
 
     problem: Problem
     contours: Ints
+    sites: Ints
     cost: Floats | Float32s
     sooner: Bools
     later: Bools
@@ -105,7 +107,7 @@ def network_of(
     sooner = np.vstack([*(split.sooner[None, kept] for split in splits), none])
     later = np.vstack([*(split.later[None, kept] for split in splits), none])
     cost = costs_of(problem, sites, split_problem, sooner, later, passages, go)
-    return Network(split_problem, kept, cost, sooner, later, tuple(_on(splits, route, problem)))
+    return Network(split_problem, kept, sites, cost, sooner, later, tuple(_on(splits, route, problem)))
 
 
 def _splits(problem: Problem, kept: Ints, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:

@@ -99,6 +99,23 @@ def through(problem: Problem, passage: Passage, moves: Moves, sites: Ints, charg
     return whole + own[:, None]
 
 
+def best_way(problem: Problem, passage: Passage, moves: Moves, entered: Floats, last: int) -> list[int]:
+    """The sites of a cheapest way through the contours of a block before its last, which is cut at site `last`.
+
+    `entered` (k,) is what it costs to come to each of the k sites of `passage.inner`, in their order.
+    """
+    route: list[int] = []
+    sites, end = problem.sites_of(passage.inner), np.array([last])
+    while True:
+        rest = through(problem, passage, moves, end, np.zeros(1))[:, 0]
+        route.append(int(sites[np.argmin(entered + rest)]))
+        inner = passage.inner[passage.inner != problem.site_contour[route[-1]]]
+        if not len(inner):
+            return route
+        passage, sites = Passage(passage.last, inner), problem.sites_of(inner)
+        entered = moves.between(np.array(route[-1:]), sites)[0]
+
+
 def cheapest(one: Floats, then: Floats) -> Floats:
     """The cheapest of all ways in two steps, (j, l): `one` (j, k) and `then` (k, l)."""
     cost: Floats = (one[:, :, None] + then[None]).min(axis=1)

@@ -16,10 +16,9 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.solution import Progress
-from kerfwise.models.problem.crossings import Crossings
-from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
+from .alone import FAR, alone, ends_of
 from .by_contour import ByContour
 from .crossed import HOME
 from .kernels import RestBound
@@ -31,8 +30,6 @@ from .stretches import travel_between
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
 
-FAR = 1 << 38
-"""µm: what an unlawful way out of a stretch costs in a bound, more than any plan; sums stay exact in doubles."""
 MOST_NEIGHBOURS, SHARE, BYTES_A_NUMBER = 6, 0.25, 8
 """What a walk remembers at the most, and the share of the bytes given that the tables of all stretches may take."""
 
@@ -71,7 +68,7 @@ def look_ahead(
     """
     groups = series(problem)
     sites = [problem.sites_of(group) for group in groups]
-    ends = [_ends(problem, group) for group in groups]
+    ends = [ends_of(problem, group) for group in groups]
     weight = np.array([float(len(of)) ** 2 * len(group) for of, group in zip(sites, groups, strict=True)])
     numbers = sum((len(group) + 1) * len(of) for of, group in zip(sites, groups, strict=True))
     remembered = int(np.log2(max(1.0, SHARE * most_bytes / BYTES_A_NUMBER / max(1, numbers))))
@@ -83,23 +80,15 @@ def look_ahead(
         asked = parts.of(groups[k])
         onward = _onward(asked, ends[k][1], found[-1] if found else None)
         enter = travel_between(asked, before, sites[k]).min(axis=0)
-        alone = _alone(asked, groups[k], sites[k], enter, ends[k][1], onward)
+        apart = alone(asked, groups[k], sites[k], enter, ends[k][1], onward)
         own = list(route[until[k] - len(groups[k]) : until[k]])
         known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
         known += int(onward[ends[k][1] == own[-1]][0])
         share = work * float(weight[k] / weight.sum())
-        bound = bounds.complete(alone, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes)
+        bound = bounds.complete(apart, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes)
         kept = replace(bound, to_go=shelf.put(bound.to_go))
         found.append(Ahead(groups[k], sites[k], *ends[k], onward, kept))
     return found[::-1]
-
-
-def _ends(problem: Problem, group: tuple[int, ...]) -> tuple[Ints, Ints]:
-    """Sites of the contours that a group may begin with, and of those that it may end with."""
-    within = problem.before[np.ix_(group, group)]
-    chosen = np.array(group)
-    into, out_of = (problem.sites_of(chosen[~within.any(axis=axis)]) for axis in (0, 1))
-    return into, out_of
 
 
 def _onward(problem: Problem, leave: Ints, following: Ahead | None) -> Ints:
@@ -114,36 +103,3 @@ def _onward(problem: Problem, leave: Ints, following: Ahead | None) -> Ints:
     first = np.isin(following.sites, following.into)
     least: Ints = (travel_between(problem, leave, following.into) + whole[first]).min(axis=1)
     return np.minimum(least, FAR)
-
-
-def _alone(problem: Problem, group: tuple[int, ...], sites: Ints, enter: Ints, leave: Ints, onward: Ints) -> Problem:
-    """A stretch as a problem, entered from home at `enter` (sites,), left from `leave` at `onward`."""
-    size = np.diff(problem.first)[list(group)]
-    matrix = np.full((len(sites) + 1, len(sites) + 1), FAR, dtype=np.int64)
-    matrix[:-1, :-1] = problem.travel(sites, sites)
-    matrix[-1, :-1] = np.minimum(enter, FAR)
-    matrix[:-1, -1][np.searchsorted(sites, leave)] = onward
-    number = {c: k for k, c in enumerate(group)}
-    lags = (lag for lag in problem.lags if lag.first in number and lag.second in number)
-    return replace(
-        problem,
-        n=len(group),
-        first=np.append(0, np.cumsum(size)),
-        site_contour=np.repeat(np.arange(len(group)), size),
-        site_candidate=problem.site_candidate[sites],
-        candidate_site=np.arange(len(sites)),
-        pierce_um=problem.pierce_um[sites],
-        end_um=problem.end_um[sites],
-        site_cost=problem.site_cost[sites],
-        before=np.ascontiguousarray(problem.before[np.ix_(group, group)]),
-        block=np.unique(problem.block[list(group)], return_inverse=True)[1],
-        conditions=(),
-        soft_groups=(),
-        lags=tuple(replace(lag, first=number[lag.first], second=number[lag.second]) for lag in lags),
-        general=(),
-        ids=tuple(problem.ids[c] for c in group),
-        crossings=Crossings(),
-        links=Links(),
-        matrix=matrix,
-        orders=b"",
-    )

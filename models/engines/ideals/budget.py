@@ -37,17 +37,17 @@ class SweepBudget:
         """So many deterministic seconds, and bytes, as long as `go` says so."""
         return SweepBudget(Budget(work, per_s=ADDITIONS_PER_S), most_bytes, go)
 
-    def expect(self, ahead: Growth, sets: int, words: int, width: int) -> None:
-        """Pay for the layer after one of so many sets before it is made; values are `width` bytes wide.
+    def expect(self, ahead: Growth, sets: int, words: int, width: int, times: int = 1) -> None:
+        """Pay for the layer after one of so many sets before it is made; a state has `times` values of `width` bytes.
 
         Raises
         ------
         TooLarge
             If it is more than is left of either, or it is time to stop.
         """
-        self.work.spend(additions_of(ahead.additions, ahead.entries, ahead.states))
+        self.work.spend(additions_of(times * ahead.additions, ahead.entries, times * ahead.states))
         new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
-        taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width
+        taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width * times
         taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
         if self.work.left < 0 or taken > self.bytes or not self.go():
             raise TooLarge

@@ -143,7 +143,7 @@ def sweep(  # pragma: no cover - compiled
             if crossed or grouped:
                 _least_of_each(moves, terms, masks[k], i, first, have, row, owner, count, never, best)
             else:
-                _least(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
+                least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
             free = 0
             for b in range(rest.near.shape[1]):
                 other = rest.near[i, b]
@@ -203,7 +203,7 @@ def _keep_asked(  # pragma: no cover - compiled
 
 
 @inner(nogil=True)
-def _least(  # pragma: no cover - compiled
+def least_of(  # pragma: no cover - compiled
     table: Costs, base: int, pad: int, have: Costs, row: Ints, count: int, never: int, best: Costs
 ) -> None:
     """The least cost to every site of a contour. Unsigned places and narrow sums let it be done in vectors."""

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from kerfwise.models.kernels import cores, suited
 from kerfwise.models.problem.bits import masks_of
 
 from .budget import SweepBudget
+from .doubled import Lows, sweep_both
 from .kernels import Costs, MoveTable, RestBound, arrange, crossing_in_set, leaving, sweep
 from .local import Local
 from .sets import Sets, grow, growth
@@ -48,19 +50,26 @@ class SweptLayer:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SweptStretch:
-    """All that a sweep works on: `limit` is the most that a plan worth finding costs, `never` is more."""
+    """All that a sweep works on: `limit` is the most that a plan worth finding costs, `never` is more.
+
+    Where `dear` is given, it is what multipliers leave of the cost of moves, and `rests` is of that.
+    """
 
     local: Local
     moves: MoveTable
     rests: Callable[[int], RestBound]
     limit: int
     never: int
+    dear: MoveTable | None = None
 
 
-def sweep_layers(stretch: SweptStretch, entrance: Costs, budget: SweepBudget, threads: Executor) -> list[SweptLayer]:
+def sweep_layers(
+    stretch: SweptStretch, entrance: Costs, budget: SweepBudget, threads: Executor, lows: Costs | None = None
+) -> list[SweptLayer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
     States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.
+    `lows` are what plans cost at least by their ways in, where the stretch has two costs.
     """
     local, orders = stretch.local, stretch.local.orders
     sets = Sets.empty(orders, len(entrance))
@@ -69,7 +78,7 @@ def sweep_layers(stretch: SweptStretch, entrance: Costs, budget: SweepBudget, th
     wide = entrance.itemsize
     for depth in range(1, len(local.contours) + 1):
         ahead = growth(orders, sets, alive)
-        budget.expect(ahead, len(sets), sets.masks.shape[1], wide)
+        budget.expect(ahead, len(sets), sets.masks.shape[1], wide, 1 if lows is None else 2)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
         ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries)(
             contour, target, entry_from, alive, len(grown), orders.size
@@ -78,17 +87,23 @@ def sweep_layers(stretch: SweptStretch, entrance: Costs, budget: SweepBudget, th
         living = np.empty(ahead.entries, dtype=np.bool_)
         back = layers[-1]
         steps = ahead.additions + ahead.entries * STEPS_AN_ENTRY
-        sweep_span = partial(
-            suited(sweep, steps), stretch.moves, local.terms, stretch.rests(depth), local.first,
-            stretch.limit, stretch.never, sets.masks, back.ideal_entry, back.contour, begin, back.values, alive,
-            entry_from, contour, place, new_begin, values, living,
-        )  # fmt: skip
+        new_lows = None if lows is None else np.empty_like(values)
+        came = sets.masks, back.ideal_entry, back.contour, begin, back.values
+        goes = alive, entry_from, contour, place, new_begin, values
+        asked = local.terms, stretch.rests(depth), local.first, stretch.limit, stretch.never
+        given: tuple[Any, ...] = (*asked, *came, *goes, living)
+        if stretch.dear is None or lows is None or new_lows is None:
+            sweep_span: Callable[[int, int], None] = partial(suited(sweep, steps), stretch.moves, *given)
+        else:
+            given = (Lows(stretch.dear, lows, new_lows), *given)
+            sweep_span = partial(suited(sweep_both, 2 * steps), stretch.moves, *given)
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
             budget.check()
         if living.sum() <= WORTH_CLEARING * len(living):
             kept = np.append(0, np.cumsum(living))
-            values = values[np.repeat(living, np.diff(new_begin))]
+            stays = np.repeat(living, np.diff(new_begin))
+            values, new_lows = values[stays], None if new_lows is None else new_lows[stays]
             ideal_entry, last, source = kept[ideal_entry], last[living], source[living]
             layers.append(SweptLayer(ideal_entry, last, source, values))
             new_begin, living = layers[-1].begin(orders.size), np.ones(len(last), dtype=np.bool_)
@@ -97,7 +112,7 @@ def sweep_layers(stretch: SweptStretch, entrance: Costs, budget: SweepBudget, th
         lives = np.append(0, np.cumsum(living))
         alive = np.flatnonzero(np.diff(lives[ideal_entry]))
         budget.keep(len(last), len(values), wide)
-        sets, begin = grown, new_begin
+        sets, begin, lows = grown, new_begin, new_lows
     return layers
 
 

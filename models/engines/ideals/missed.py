@@ -17,7 +17,8 @@ import numpy as np
 
 from kerfwise.models.problem.problem import Problem
 
-from .ahead import FAR, Ahead
+from .ahead import Ahead
+from .alone import FAR
 from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
 from .kernels import RestBound

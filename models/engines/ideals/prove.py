@@ -29,15 +29,24 @@ from .lattice import THREADS
 from .local import Local
 from .missed import missed_in
 from .prune import least_in, least_rest, walked_rest
-from .rising import rising
+from .rising import WIDER, rising
 from .series import series
 from .sweep import Rests, sweep_through
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
 
+    from .priced import PricedStretches
+
+_Sweep = Callable[[int | None], Incumbent | None]
 STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
+FIRST = 0.03
+"""Share of the work for sweeps by the first walks, where linear programs come next."""
+PRICED_WIDER = 2.5
+"""How many times as much over the bound the next limit is by these: what sweeps take rises slowly."""
+PRICED = 0.7
+"""Share of the work that is left for linear programs of the stretches, where walks do not suffice."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
 MOST_SITES, MOST_SITES_BOUND = 4000, 1500
@@ -49,12 +58,14 @@ class Proof:
     """The best route there is; `incumbent` is None where no lawful route exists at all.
 
     `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each). Where it did not
-    suffice, `least` is what every route costs at least, µm, and there is no incumbent.
+    suffice, `least` is what every route costs at least, µm, and there is no incumbent. `priced` are the stretches under
+    multipliers, where these were asked for.
     """
 
     incumbent: Incumbent | None
     work: float = field(default=0.0, compare=False)
     least: int | None = None
+    priced: PricedStretches | None = field(default=None, compare=False, repr=False)
 
 
 def applies(problem: Problem) -> bool:
@@ -81,6 +92,7 @@ def prove(
     stages: tuple[float, ...] = STAGES,
     time_s: float | None = None,
     most_bytes: float = TABLE_BYTES,
+    earlier: PricedStretches | None = None,
 ) -> Proof | None:
     """Solve exactly, or say what is proven if the budget does not suffice; None if nothing is.
 
@@ -100,6 +112,8 @@ def prove(
         Wall-clock time, s, of which the bound takes no more than its share.
     most_bytes
         What the tables may take, those of the bound included.
+    earlier
+        The stretches of the same problem with fewer statements.
     """
     if unfit(problem):
         return None
@@ -112,20 +126,25 @@ def prove(
     apart = len(series(problem)) > 1
     if not stages or incumbent is None or known is None or (not apart and problem.m > MOST_SITES_BOUND):
         return rounds.sweep(None, work)
+    programs = apart and len(stages) > 1 and len(problem.crossings) == 0
     for share in stages:
+        tried = share != stages[0] or earlier is not None
+        if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
+            return found
         until_s = np.inf if time_s is None else running_s() + share * time_s
 
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
             return go() and running_s() < until_s
 
-        bound: Completion | _Apart
+        bound: Completion | _Apart | None
         if apart:
             bound = _Apart(look_ahead(problem, incumbent.route, share * work, pricing, most_bytes), incumbent)
         else:
             bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes)
         rounds.left -= bound.work
-        last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
-        proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
+        more = programs and share == stages[0]
+        last = share == stages[-1] or (bound.work <= AS_GOOD_AS_IT_GETS * share * work and not more)
+        proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, (FIRST if more else share) * work))
         if proof is not None or last or not go():
             return proof or rounds.proven
         del bound  # the next has tables of its own
@@ -182,15 +201,53 @@ class _Rounds:
 
     def sweep(self, bound: Completion | _Apart | None, most: float) -> Proof | None:
         """What sweeps of no more than so many seconds prove."""
-        budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - _held(bound))
+
+        def sweeps(budget: SweepBudget, threads: Executor) -> tuple[_Sweep, float]:
+            rests, least = self._rests(bound, budget, threads)
+            return (lambda limit: sweep_through(self.problem, limit, rests, replace(budget), threads)), least
+
+        return self._rise(sweeps, _held(bound), most)
+
+    def priced(self, incumbent: Incumbent, earlier: PricedStretches | None) -> Proof | None:
+        """What sweeps prove by linear programs of all stretches; None where these hold not all that is asked."""
+        from . import priced  # its programs take long to load
+
+        if not priced.fits(self.problem):
+            return None
+        share = PRICED * self.left
+
+        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+            return self.go()
+
+        stretches = priced.price(self.problem, incumbent, share, going, self.most_bytes, earlier)
+        if stretches is None:
+            self.left -= share
+            return self.proven
+        self.left -= stretches.work
+        self.least = max(self.least, int(stretches.root))
+
+        def sweeps(budget: SweepBudget, threads: Executor) -> tuple[_Sweep, float]:
+            return (lambda limit: stretches.sweep(limit, replace(budget), threads)), stretches.root
+
+        proof = self._rise(sweeps, stretches.nbytes, self.left, PRICED_WIDER) or self.proven
+        return None if proof is None else replace(proof, priced=stretches)
+
+    def _rise(
+        self,
+        sweeps: Callable[[SweepBudget, Executor], tuple[_Sweep, float]],
+        held: int,
+        most: float,
+        wider: float = WIDER,
+    ) -> Proof | None:
+        budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - held)
         best: Incumbent | None = None
         swept = False
         with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
-            rests, least = self._rests(bound, budget, threads)
-            for limit in rising(least, self.known, lambda: budget.work.left):
+            sweep_to, least = sweeps(budget, threads)
+            for limit in rising(least, self.known, lambda: budget.work.left, wider):
                 if limit is not None and limit < self.least:
                     continue
-                best = sweep_through(self.problem, limit, rests, replace(budget), threads)  # layers are kept for once
+                best = sweep_to(limit)  # layers are kept for once
                 if best is not None or limit is None:
                     break
                 self.least = max(self.least, limit + 1)

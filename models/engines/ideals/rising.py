@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 from math import log
 
 NEAR, WIDER, FAR_OVER = 0.005, 1.6, 0.1
-"""By what share of the bound a plan may be dearer that is looked for first, how many times as much next, and from what
-share on limits rise by what sweeps take."""
+"""By what share of the bound a plan may be dearer that is looked for first, how many times as much next (`wider`, where
+that is given), and from what share on limits rise by what sweeps take."""
 DEARER, LITTLE = 4.0, 0.002
 """How many times as much work as the last one the next sweep may take where limits are far; less than that share of
 what is left says nothing of the next."""
 
 
-def rising(least: float, known: int | None, left: Callable[[], float]) -> Iterator[int | None]:
+def rising(least: float, known: int | None, left: Callable[[], float], wider: float = WIDER) -> Iterator[int | None]:
     """Limits from little more than the `least` on; at last as much as a plan that is `known`, None where none is.
 
     `left` is the work that is left when it is called: what a sweep takes rises about as a power of its limit, so that
@@ -30,9 +30,9 @@ def rising(least: float, known: int | None, left: Callable[[], float]) -> Iterat
         had = left()
         yield int(least + over)
         taken = had - left()
-        near = over < FAR_OVER * least / WIDER
+        near = over < FAR_OVER * least / wider
         if near or before <= 0.0 or taken < LITTLE * had:
-            step = (WIDER - 1.0) * over
+            step = (wider - 1.0) * over
         else:
             times = log(max(1.0, taken / before)) / step  # of the work, a unit of the limit more
             if times * (known - least - over) <= log(DEARER):

@@ -6,6 +6,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.microns import cost_um
+from kerfwise.models.problem.bits import Masks, words
 from kerfwise.models.problem.problem import Problem
 
 from .crossed import HOME, UNLAWFUL, add_settled, cross, crossing_price
@@ -44,18 +45,29 @@ def make_moves(problem: Problem, local: Local, earlier: frozenset[int], ways: In
     rows = np.concatenate([ways, local.sites])
     travel = travel_between(problem, rows, local.sites)
     mask = cross(problem, local, earlier, rows, travel)
-    travel[travel > limit] = never(limit)
+    return table_of(local, travel, limit, mask, crossing_price(problem))
+
+
+def table_of(local: Local, travel: Ints, limit: int, mask: Masks | None = None, price: int = 0) -> MoveTable:
+    """What moves cost, (rows, columns), as a table: rows are ways in, then the sites of a stretch, columns the sites.
+
+    Where they cross nothing that may be out, `mask` is left out.
+    """
+    ways = len(travel) - len(local.sites)
+    if mask is None:
+        mask = np.zeros((0, 0, words(len(local.contours))), dtype=np.uint64)
+    travel = np.where(travel > limit, never(limit), travel)
     size = local.orders.size
     pad = np.where(size > 1, -(-size // LANES) * LANES, size)
     narrowest = entrance_of([], limit).dtype
     base = np.append(0, np.cumsum(pad))[:-1]
     flat = []
     for i in range(len(size)):
-        block = np.full((len(rows), int(pad[i])), never(limit), dtype=narrowest)
+        block = np.full((len(travel), int(pad[i])), never(limit), dtype=narrowest)
         block[:, : int(size[i])] = travel[:, local.first[i] : local.first[i + 1]]
         flat.append(block.ravel())
-    row_of = np.append(len(ways) + local.first[:-1], 0)
-    return MoveTable(np.concatenate(flat), base * len(rows), pad, row_of, mask, crossing_price(problem))
+    row_of = np.append(ways + local.first[:-1], 0)
+    return MoveTable(np.concatenate(flat), base * len(travel), pad, row_of, mask, price)
 
 
 def travel_between(problem: Problem, rows: Ints, columns: Ints) -> Ints:

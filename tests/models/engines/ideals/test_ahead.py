@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.ahead import FAR, Ahead, look_ahead
+from kerfwise.models.engines.ideals.ahead import Ahead, look_ahead
+from kerfwise.models.engines.ideals.alone import FAR
 from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
 from kerfwise.models.engines.ideals.missed import missed_in
 from kerfwise.models.engines.ideals.series import series

@@ -1,0 +1,270 @@
+"""Stretches under the multipliers of linear programs: few states are left that a plan near the best can have.
+
+Each stretch is a network (`bounds.network`): last contours of blocks stand for the others, and sites are split by what
+their conditions ask. What the multipliers of its linear program leave of the cost of moves, a *low*, adds up along a
+plan, on top of the bound: so it says of every state, by how it was come to, what the whole plan costs at least. What is
+still to come of it is bounded by walks. From the last stretch to the first each program ends at what the next one
+still costs by the site that it is begun with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.models.engines import bounds
+from kerfwise.models.engines.bounds.moves import Moves
+from kerfwise.models.engines.bounds.passages import best_way, passages_of
+from kerfwise.models.engines.bounds.reduced import Reduced, entering, reduced
+from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import About
+
+from .alone import FAR, alone, conditions_within, ends_of
+from .budget import SweepBudget
+from .by_contour import ByContour
+from .crossed import HOME
+from .kernels import RestBound
+from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
+from .local import Local, localise
+from .series import series
+from .stretches import entrance_of, home_from, never, table_of, travel_between
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
+
+MOST_SITES = 1000
+"""Sites of a stretch: its program takes too long with more."""
+ABOUT = About("network", (), "what a site asks that is split by its conditions")
+WALKS = 0.05
+"""Share of the work that bounds by walks may take."""
+MOST_NEIGHBOURS = 3
+"""What a walk remembers at the most."""
+
+
+def fits(problem: Problem) -> bool:
+    """Whether networks hold all that is asked: nothing is crossed, no groups cost, and no stretch is too large."""
+    most = max((int(np.diff(problem.first)[list(group)].sum()) for group in series(problem)), default=0)
+    return not len(problem.crossings) and not problem.soft_groups and not problem.general and 0 < most <= MOST_SITES
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Priced:
+    """A stretch as a network, `posed`, whose sites are `sites` of the whole problem.
+
+    `apart` is the stretch as a problem, with sites `own` of the whole problem. It may be come to from the sites `ways`,
+    at `entry` (ways, sites), `lows` (ways, sites) of it beyond what the bound says. `onward` (ways,) is what plans cost
+    from there to their end at least. `rest` is what is still to come of `lows`.
+    """
+
+    apart: Problem
+    own: Ints
+    relaxed: Reduced
+    posed: Problem
+    sites: Ints
+    ways: Ints
+    travel: Ints
+    entry: Ints
+    lows: Ints
+    onward: Ints
+    rest: Completion
+
+    @property
+    def nbytes(self) -> int:
+        """What its tables take."""
+        return self.relaxed.dear.nbytes + self.relaxed.network.cost.nbytes + self.rest.to_go.nbytes
+
+    def rests(self, depth: int) -> RestBound:
+        """What is still to come after so many contours of the network."""
+        return RestBound(np.ascontiguousarray(self.rest.to_go[depth]), self.rest.near, self.rest.price, 0.0)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PricedStretches:
+    """All stretches of a problem, `root` being what every plan costs at least."""
+
+    problem: Problem
+    stretches: list[Priced]
+    work: float
+
+    @property
+    def root(self) -> float:
+        """What every plan costs at least."""
+        return float(self.stretches[0].onward.min())
+
+    @property
+    def nbytes(self) -> int:
+        """What the tables take."""
+        return sum(stretch.nbytes for stretch in self.stretches)
+
+    def sweep(self, limit: int | None, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+        """The best route of all that cost no more than `limit`; None where there is none.
+
+        Raises
+        ------
+        TooLarge
+            Over the budget.
+        """
+        assert limit is not None  # a plan is known
+        swept: list[tuple[Priced, SweptStretch, list[SweptLayer], Ints]] = []
+        ways, costs = np.array([HOME]), entrance_of([0], limit)
+        for here in self.stretches:
+            local = localise(here.posed, tuple(range(here.posed.n)), frozenset())
+            row = np.searchsorted(here.ways, ways)
+            stretch = _stretch(here, local, row, limit)
+            lows = np.minimum(costs + np.int64(here.relaxed.bound), stretch.never).astype(costs.dtype)
+            costs = np.where(lows > limit, stretch.never, costs).astype(costs.dtype)
+            layers = sweep_layers(stretch, costs, budget, threads, lows)
+            costs = layers[-1].values
+            swept.append((here, stretch, layers, ways))
+            if not (costs < stretch.never).any():
+                return None
+            ways = here.sites[local.sites_of(layers[-1].contour)]
+        total = costs + home_from(self.problem, ways)
+        best = int(np.argmin(total))
+        if total[best] > limit:
+            return None
+        route = _route(swept, best)
+        return Incumbent(route, route_cost(self.problem, route))
+
+
+def price(
+    problem: Problem, incumbent: Incumbent, work: float, progress: Progress | None, most_bytes: float,
+    earlier: PricedStretches | None = None,
+) -> PricedStretches | None:  # fmt: skip
+    """Solve the linear program of every stretch, the last first; `incumbent` is a lawful plan.
+
+    Where a stretch is as it was `earlier`, in the same problem with fewer statements, its multipliers stay.
+
+    None where that cannot be had within the work, in deterministic seconds.
+    """
+    groups = series(problem)
+    weight = np.array([float(np.diff(problem.first)[list(group)].sum()) ** 2 for group in groups])
+    until = np.cumsum([len(group) for group in groups]).tolist()
+    parts = ByContour(problem)
+    found: list[Priced] = []
+    spent, left_bytes = 0.0, most_bytes
+    for k in reversed(range(len(groups))):
+        share = (work - spent) * float(weight[k] / weight[: k + 1].sum())
+        before = ends_of(problem, groups[k - 1])[1] if k else np.array([HOME])
+        out = frozenset(c for group in groups[:k] for c in group)
+        route = incumbent.route[until[k] - len(groups[k]) : until[k]]
+        known = earlier.stretches[k] if earlier is not None and len(earlier.stretches) == len(groups) else None
+        asked = _Asked(parts.of(groups[k]), groups[k], before, out, found[-1] if found else None, known)
+        here, took = asked.priced(route, incumbent.cost, share, progress, left_bytes)
+        spent += took
+        if here is None:
+            return None
+        left_bytes -= here.nbytes
+        found.append(here)
+    return PricedStretches(problem, found[::-1], spent)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Asked:
+    """A stretch that is to be priced, come to from the sites `before` once all of `earlier` is out."""
+
+    problem: Problem
+    group: tuple[int, ...]
+    before: Ints
+    earlier: frozenset[int]
+    following: Priced | None
+    known: Priced | None
+
+    def priced(
+        self, route: Sequence[int], known: int, work: float, progress: Progress | None, most_bytes: float
+    ) -> tuple[Priced | None, float]:
+        """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there."""
+        problem, own = self.problem, self.problem.sites_of(self.group)
+        leave = ends_of(problem, self.group)[1]
+        if self.following is None:
+            onward = travel_between(problem, leave, np.array([HOME]))[:, 0]
+        else:
+            onward = self.following.onward
+        travel = np.minimum(travel_between(problem, self.before, own), FAR)
+        apart = alone(problem, self.group, own, travel.min(axis=0), leave, np.minimum(onward, FAR))
+        apart = replace(apart, conditions=tuple(conditions_within(problem, self.group, own, self.earlier)))
+        plan = tuple(np.searchsorted(own, route).tolist())
+        of_plan = Incumbent(plan, route_cost(apart, plan))
+        was = None if self.known is None else self.known.relaxed
+        relaxed = reduced(apart, of_plan, known, (1.0 - WALKS) * work, progress, was)
+        if relaxed is None:
+            return None, work
+        posed = _posed(relaxed)
+        target = float(max(1, of_plan.cost - relaxed.bound))
+        walked = replace(posed, matrix=relaxed.dear, conditions=())
+        rest = bounds.complete(walked, target, WALKS * work, progress, MOST_NEIGHBOURS, most_bytes)
+        entry = entering(apart, relaxed.network, travel)
+        enter = np.minimum(relaxed.network.cost[-1, :-1], FAR).astype(np.int64)
+        lows = np.minimum(relaxed.dear[-1, :-1] + entry - enter, FAR)
+        least = relaxed.bound + (lows + _to_come(posed, rest)).min(axis=1)
+        sites = own[relaxed.network.sites]
+        here = Priced(apart, own, relaxed, posed, sites, self.before, travel, entry, lows, least, rest)
+        return here, relaxed.work + rest.work
+
+
+def _posed(relaxed: Reduced) -> Problem:
+    """A network as a problem: a split of a site holds where what it asks is so."""
+    network, problem = relaxed.network, relaxed.network.problem
+    hard = []
+    for site in range(problem.m):
+        i = int(problem.site_contour[site])
+        out = np.flatnonzero(network.sooner[site] & ~problem.before[:, i]).tolist()
+        still = np.flatnonzero(network.later[site] & ~problem.before[i]).tolist()
+        if out or still:
+            weights = (1,) * len(out) + (-1,) * len(still)
+            hard.append(Condition(i, (*out, *still), weights, len(out), ABOUT, site))
+    matrix = np.minimum(network.cost, FAR).astype(np.int64)
+    none = np.zeros_like(problem.site_cost)
+    return replace(problem, site_cost=none, matrix=matrix, conditions=(*problem.conditions, *hard))
+
+
+def _to_come(posed: Problem, rest: Completion) -> Ints:
+    """What is still to come of lows at least after the first site, (sites,)."""
+    contour = posed.site_contour
+    memory = ((rest.near >= 0) << np.arange(rest.near.shape[1])).sum(axis=1)[contour]
+    left = rest.to_go[1, memory, np.arange(posed.m)] + rest.price.sum() - rest.price[contour]
+    whole: Ints = np.floor(np.minimum(left, FAR)).astype(np.int64)
+    return whole
+
+
+def _stretch(here: Priced, local: Local, row: Ints, limit: int) -> SweptStretch:
+    """A stretch to be swept, entered from these rows of its ways."""
+    inside = here.posed.matrix
+    assert inside is not None
+    moves = table_of(local, np.concatenate([here.entry[row], inside[:-1, :-1]]), limit)
+    dear = table_of(local, np.concatenate([here.lows[row], here.relaxed.dear[:-1, :-1]]), limit)
+    return SweptStretch(local, moves, here.rests, limit, never(limit), dear)
+
+
+def _route(swept: Sequence[tuple[Priced, SweptStretch, list[SweptLayer], Ints]], state: int) -> tuple[int, ...]:
+    route: list[int] = []
+    for here, stretch, layers, ways in reversed(swept):
+        columns, state = walk_back(stretch, layers, state)
+        route = [*_with_inner(here, columns, int(ways[state])), *route]
+    return tuple(route)
+
+
+def _with_inner(here: Priced, columns: Sequence[int], way: int) -> list[int]:
+    """The sites of the whole problem on a way through a network from site `way`, with those inside of blocks."""
+    apart, moves = here.apart, Moves(here.apart)
+    of_last = {passage.last: passage for passage in passages_of(apart)}
+    route: list[int] = []
+    for site in here.relaxed.network.sites[list(columns)].tolist():
+        passage = of_last.get(int(apart.site_contour[site]))
+        if passage is not None:
+            inner = apart.sites_of(passage.inner)
+            if route:
+                entered = moves.between(np.array(route[-1:]), inner)[0]
+            else:
+                entered = here.travel[int(np.searchsorted(here.ways, way)), inner].astype(np.float64)
+            route += best_way(apart, passage, moves, entered, site)
+        route.append(site)
+    return [int(here.own[site]) for site in route]

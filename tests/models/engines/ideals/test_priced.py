@@ -1,0 +1,124 @@
+"""Sweeps by the multipliers of linear programs against brute force: bounds never above, plans never dearer."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from kerfwise.models.engines.bounds.reduced import reduced
+from kerfwise.models.engines.ideals import priced
+from kerfwise.models.engines.ideals.budget import SweepBudget
+from kerfwise.models.engines.ideals.prove import applies
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+from kerfwise.tests.models.brute import cheapest, lawful
+from kerfwise.tests.models.engines.ideals.test_ahead import in_zones
+from kerfwise.tests.models.problems import ABOUT, problem
+
+
+def swept(tiny: Problem, known: Incumbent, limit: int, work: float = 1.0) -> tuple[float, Incumbent | None]:
+    """What all plans cost at least, and the best of those up to the limit."""
+    stretches = priced.price(tiny, known, work, None, 1e9)
+    assert stretches is not None
+    with ThreadPoolExecutor(1) as thread:
+        return stretches.root, stretches.sweep(limit, SweepBudget.of(10.0, lambda: True), thread)
+
+
+def agrees(tiny: Problem) -> None:
+    """The best plan is found from the worst one on, and none that costs less."""
+    plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
+    if not plans:
+        return
+    (best, _), (most, worst) = plans[0], plans[-1]
+    for known in (Incumbent(worst, most), Incumbent(plans[0][1], best)):
+        for work in (1.0, 1e-3):
+            root, found = swept(tiny, known, best, work)
+            assert root <= best
+            assert found is not None
+            assert found.cost == best == route_cost(tiny, found.route)
+            assert broken(tiny, found.route) == ()
+            assert swept(tiny, known, best - 1, work)[1] is None
+        assert swept(tiny, known, known.cost)[1] == found
+
+
+@pytest.mark.slow
+@settings(max_examples=25, deadline=None)
+@given(in_zones())
+def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
+    tiny = replace(drawn, crossings=Crossings(), soft_groups=())
+    assume(applies(tiny))
+    agrees(tiny)
+
+
+@st.composite
+def with_holes(draw: st.DrawFn) -> Problem:
+    """Two zones of contours with holes right before them, and conditions between these."""
+    where = draw(
+        st.lists(st.lists(st.tuples(*[st.integers(0, 60)] * 2), min_size=1, max_size=2), min_size=6, max_size=6)
+    )
+    blocks = draw(st.sampled_from([[(0, 1)], [(0, 1), (4, 5)], [(0, 1, 2)], [(0, 1, 2), (3, 4)]]))
+    before = [(c, block[-1]) for block in blocks for c in block[:-1]]
+    border = draw(st.sampled_from([3, 6]))
+    before += [(a, b) for a in range(border) for b in range(border, 6)]
+    outer = [c for c in range(6) if all(c not in block[:-1] for block in blocks)]
+    conditions = []
+    for _ in range(draw(st.integers(0, 4))):
+        contour, *members = draw(st.permutations(outer))
+        weights = tuple(draw(st.sampled_from([-1, 1])) for _ in members[:2])
+        when = draw(st.sampled_from([None, 0, 1]))
+        site = None if when is None else sum(map(len, where[:contour])) + min(when, len(where[contour]) - 1)
+        cost = draw(st.sampled_from([None, 0, 3000, 40_000]))
+        bound = draw(st.integers(-1, 2))
+        conditions.append(Condition(contour, tuple(members[:2]), weights, bound, ABOUT, site, cost))
+    return problem(
+        [[(float(x), float(y)) for x, y in row] for row in where], pairs=before, blocks=blocks, conditions=conditions
+    )
+
+
+@pytest.mark.slow
+@settings(max_examples=25, deadline=None)
+@given(with_holes())
+def test_ways_through_holes_are_found_again(tiny: Problem) -> None:
+    agrees(tiny)
+
+
+@pytest.mark.slow
+@settings(max_examples=15, deadline=None)
+@given(with_holes())
+def test_multipliers_found_with_fewer_statements_hold_with_more(tiny: Problem) -> None:
+    """Those of a stretch stay where it is as it was, and are found anew where it is not."""
+    best, fewer = cheapest(tiny), replace(tiny, conditions=tiny.conditions[:-1])
+    assume(best is not None)
+    assert best is not None
+    known = Incumbent(best.route, route_cost(fewer, best.route))
+    earlier = priced.price(fewer, known, 1.0, None, 1e9)
+    stretches = priced.price(tiny, best, 1.0, None, 1e9, earlier)
+    assert stretches is not None
+    assert stretches.root <= best.cost
+    with ThreadPoolExecutor(1) as thread:
+        found = stretches.sweep(best.cost, SweepBudget.of(10.0, lambda: True), thread)
+        assert stretches.sweep(best.cost - 1, SweepBudget.of(10.0, lambda: True), thread) is None
+    assert found is not None
+    assert found.cost == best.cost
+
+
+@settings(max_examples=20, deadline=None)
+@given(with_holes())
+def test_no_plan_costs_less_than_the_bound_and_what_is_left_of_its_moves(tiny: Problem) -> None:
+    best = cheapest(tiny)
+    assume(best is not None)
+    assert best is not None
+    found = reduced(tiny, best, best.cost, 1.0, None)
+    assert found is not None
+    assert found.dear.min() >= 0
+    network = found.network
+    route = np.array([network.problem.m, *network.plan, network.problem.m])
+    assert found.bound + found.dear[route[:-1], route[1:]].sum() <= best.cost
