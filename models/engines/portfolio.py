@@ -77,7 +77,7 @@ class _Run:
             else:
                 self._look(first, shares.LOOKS if self.problem.n <= shares.LONGEST else 1)
         if not self._over() and self._ideals_fit():
-            share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST or self._in_zones() else shares.PROOF
+            share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST else shares.PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self._beam_applies():
             dense = self._density() >= shares.DENSE and not self._bounded_beside()
@@ -238,10 +238,6 @@ class _Run:
             return False
         self.known.notes.append(f"ideals: {self.count}")
         return True
-
-    def _in_zones(self) -> bool:
-        """Whether the order falls apart into stretches, so that nothing proves as much as the ideals."""
-        return self.count is not None and self.count.stretches > 1
 
     def _sure(self) -> bool:
         """Whether a sweep over all sets fits well into what is left."""

@@ -5,14 +5,21 @@ A limit in seconds needs none of this: its clock stands still meanwhile (`kernel
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import replace
+
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
+from kerfwise.models.engines.ideals.budget import TABLE_BYTES, SweepBudget, TooLarge
+from kerfwise.models.engines.ideals.priced import price
 from kerfwise.models.engines.ideals.windows import polish
 from kerfwise.models.kernels import take_plainly
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.stating.state_rules import state_rules
@@ -43,7 +50,20 @@ def load_kernels(problem: Problem | None = None) -> None:
     for known, stages in ((None, ()), (found, ()), (found, ideals.STAGES), (dear, ()), (dear, ideals.STAGES)):
         ideals.prove(problem, known, LOADING_S, watch, stages)
     flow_bound(problem, found, LOADING_S, watch)
+    _load_priced(problem, found)
     polish(problem, found, LOADING_S, watch)
+
+
+def _load_priced(problem: Problem, found: Incumbent) -> None:
+    """The sweeps by multipliers of linear programs, which hold no crossings and no groups."""
+    bare = replace(problem, crossings=Crossings(), soft_groups=(), general=())
+    stretches = price(bare, found, LOADING_S, None, TABLE_BYTES)
+    if stretches is None:
+        return
+    with ThreadPoolExecutor(1) as thread:
+        for limit in (found.cost, found.cost + DEAR_UM):
+            with suppress(TooLarge):
+                stretches.sweep(limit, SweepBudget.of(LOADING_S, lambda: True), thread)
 
 
 def _problem() -> Problem:

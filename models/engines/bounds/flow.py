@@ -109,8 +109,7 @@ class CutLoop:
 
     No move leaves the program that a plan of `most_um` may have, where that is given.
     `best` is what every plan costs at least. `stalled` says that more rounds are not worth it, but that there is work
-    left, `proving` are multipliers
-    that prove as much of all moves.
+    left; `proving` are multipliers that prove about as much of all moves.
     """
 
     def __init__(

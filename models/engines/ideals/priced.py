@@ -40,19 +40,11 @@ from .stretches import entrance_of, home_from, never, table_of, travel_between
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
 
-MOST_SITES = 1000
-"""Sites of a stretch: its program takes too long with more."""
 ABOUT = About("network", (), "what a site asks that is split by its conditions")
 WALKS = 0.05
 """Share of the work that bounds by walks may take."""
 MOST_NEIGHBOURS = 3
 """What a walk remembers at the most."""
-
-
-def fits(problem: Problem) -> bool:
-    """Whether networks hold all that is asked: nothing is crossed, no groups cost, and no stretch is too large."""
-    most = max((int(np.diff(problem.first)[list(group)].sum()) for group in series(problem)), default=0)
-    return not len(problem.crossings) and not problem.soft_groups and not problem.general and 0 < most <= MOST_SITES
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -79,7 +71,9 @@ class Priced:
     @property
     def nbytes(self) -> int:
         """What its tables take."""
-        return self.relaxed.dear.nbytes + self.relaxed.network.cost.nbytes + self.rest.to_go.nbytes
+        assert self.posed.matrix is not None
+        tables = self.relaxed.dear, self.relaxed.network.cost, self.posed.matrix, self.rest.to_go, self.entry, self.lows
+        return sum(table.nbytes for table in tables)
 
     def rests(self, depth: int) -> RestBound:
         """What is still to come after so many contours of the network."""
@@ -143,7 +137,7 @@ def price(
 
     Where a stretch is as it was `earlier`, in the same problem with fewer statements, its multipliers stay.
 
-    None where that cannot be had within the work, in deterministic seconds.
+    None where that cannot be had within the work, in deterministic seconds, or the memory.
     """
     groups = series(problem)
     weight = np.array([float(np.diff(problem.first)[list(group)].sum()) ** 2 for group in groups])
@@ -163,6 +157,8 @@ def price(
         if here is None:
             return None
         left_bytes -= here.nbytes
+        if left_bytes < 0.0:
+            return None
         found.append(here)
     return PricedStretches(problem, found[::-1], spent)
 

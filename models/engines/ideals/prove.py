@@ -23,6 +23,7 @@ from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
 from .ahead import Ahead, look_ahead
+from .alone import FAR
 from .budget import TABLE_BYTES, SweepBudget, TooLarge
 from .kernels import RestBound
 from .lattice import THREADS
@@ -49,6 +50,8 @@ PRICED = 0.7
 """Share of the work that is left for linear programs of the stretches, where walks do not suffice."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
+MOST_SITES_PRICED = 1000
+"""Sites of a stretch: its linear program takes too long with more."""
 MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 """Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
@@ -82,6 +85,13 @@ def unfit(problem: Problem) -> str:
     size = np.diff(problem.first)
     longest = max((int(size[list(g)].sum()) for g in series(problem)), default=0)
     return "" if 0 < longest <= MOST_SITES else f"it takes up to {MOST_SITES} ways to cut, a stretch has {longest}"
+
+
+def priceable(problem: Problem) -> bool:
+    """Whether linear programs of several stretches hold all that is asked: nothing is crossed, and no groups cost."""
+    groups, size = series(problem), np.diff(problem.first)
+    held = not (len(problem.crossings) or problem.soft_groups or problem.general)
+    return held and len(groups) > 1 and max(int(size[list(g)].sum()) for g in groups) <= MOST_SITES_PRICED
 
 
 def prove(
@@ -126,7 +136,7 @@ def prove(
     apart = len(series(problem)) > 1
     if not stages or incumbent is None or known is None or (not apart and problem.m > MOST_SITES_BOUND):
         return rounds.sweep(None, work)
-    programs = apart and len(stages) > 1 and len(problem.crossings) == 0
+    programs = len(stages) > 1 and known < FAR and priceable(problem)
     for share in stages:
         tried = share != stages[0] or earlier is not None
         if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
@@ -209,11 +219,9 @@ class _Rounds:
         return self._rise(sweeps, _held(bound), most)
 
     def priced(self, incumbent: Incumbent, earlier: PricedStretches | None) -> Proof | None:
-        """What sweeps prove by linear programs of all stretches; None where these hold not all that is asked."""
+        """What sweeps prove by linear programs of all stretches; None where nothing is proven."""
         from . import priced  # its programs take long to load
 
-        if not priced.fits(self.problem):
-            return None
         share = PRICED * self.left
 
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:

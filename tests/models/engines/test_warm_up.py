@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from kerfwise.models.engines.ideals import kernels
+from kerfwise.models.engines.ideals import doubled, kernels
 from kerfwise.models.engines.warm_up import load_kernels
 
 
-def _signatures() -> list[object]:
-    return list(cast(Any, kernels.sweep).dispatcher.signatures)
+def _signatures(kernel: object) -> list[Any]:
+    return list(cast(Any, kernel).dispatcher.signatures)
 
 
-def test_the_sweep_is_loaded_for_cheap_plans_and_dear_ones_with_a_bound_and_without() -> None:
+def test_the_sweeps_are_loaded_for_cheap_plans_and_dear_ones() -> None:
     load_kernels()
-    loaded = len(_signatures())
-    assert loaded >= 4
+    sweeps = kernels.sweep, doubled.sweep_both
+    loaded = [_signatures(kernel) for kernel in sweeps]
+    for signatures in loaded:
+        assert {str(moves.types[0].dtype) for moves, *_ in signatures} == {"int32", "int64"}
     load_kernels()
-    assert len(_signatures()) == loaded
+    assert [_signatures(kernel) for kernel in sweeps] == loaded

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -13,15 +14,18 @@ from hypothesis import strategies as st
 from kerfwise.models.engines.bounds.reduced import reduced
 from kerfwise.models.engines.ideals import priced
 from kerfwise.models.engines.ideals.budget import SweepBudget
-from kerfwise.models.engines.ideals.prove import applies
+from kerfwise.models.engines.ideals.prove import applies, priceable, prove
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.problem import Problem, SoftGroup
+from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.engines.ideals.test_ahead import in_zones
-from kerfwise.tests.models.problems import ABOUT, problem
+from kerfwise.tests.models.problems import ABOUT, problem, scattered
+
+PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
 
 
 def swept(tiny: Problem, known: Incumbent, limit: int, work: float = 1.0) -> tuple[float, Incumbent | None]:
@@ -60,7 +64,7 @@ def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
 
 @st.composite
 def with_holes(draw: st.DrawFn) -> Problem:
-    """Two zones of contours with holes right before them, and conditions between these."""
+    """Two zones of contours with holes right before them, conditions between these, and pairs that are to lie apart."""
     where = draw(
         st.lists(st.lists(st.tuples(*[st.integers(0, 60)] * 2), min_size=1, max_size=2), min_size=6, max_size=6)
     )
@@ -78,9 +82,13 @@ def with_holes(draw: st.DrawFn) -> Problem:
         cost = draw(st.sampled_from([None, 0, 3000, 40_000]))
         bound = draw(st.integers(-1, 2))
         conditions.append(Condition(contour, tuple(members[:2]), weights, bound, ABOUT, site, cost))
-    return problem(
-        [[(float(x), float(y)) for x, y in row] for row in where], pairs=before, blocks=blocks, conditions=conditions
-    )
+    lags = []
+    for _ in range(draw(st.integers(0, 3))):
+        first, second, *_ = draw(st.permutations(range(6)))
+        weight = draw(st.sampled_from([None, 0.0, 5.0, 30.0]))
+        lags.append(Lag(first, second, ABOUT, cuts=draw(st.sampled_from([1, 1, 0])), weight=weight))
+    points = [[(float(x), float(y)) for x, y in row] for row in where]
+    return problem(points, pairs=before, blocks=blocks, conditions=conditions, lags=lags)
 
 
 @pytest.mark.slow
@@ -122,3 +130,50 @@ def test_no_plan_costs_less_than_the_bound_and_what_is_left_of_its_moves(tiny: P
     network = found.network
     route = np.array([network.problem.m, *network.plan, network.problem.m])
     assert found.bound + found.dear[route[:-1], route[1:]].sum() <= best.cost
+
+
+def two_zones() -> tuple[Problem, Incumbent]:
+    """Ten contours, some of them apart, with conditions that may be paid for, and some lawful plan."""
+    bare = scattered(5, 10, 2, pairs=4)
+    before = bare.before.copy()
+    before[:5, 5:] = True
+    held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=30_000) for k in (0, 2, 6)]
+    lags = [Lag(0, 1, ABOUT, cuts=1), Lag(4, 5, ABOUT, cuts=1, weight=400.0), Lag(7, 8, ABOUT, cuts=1, weight=90.0)]
+    given = replace(bare, before=before, conditions=tuple(held), lags=tuple(lags))
+    far = prove(replace(given, home_um=given.home_um + 9_000_000), None, work=1.0)
+    assert far is not None
+    assert far.incumbent is not None
+    return given, Incumbent(far.incumbent.route, route_cost(given, far.incumbent.route))
+
+
+def test_what_is_proven_is_the_same_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, known = two_zones()
+    monkeypatch.setattr(PROVING, "FIRST", 0.0)  # the first sweeps do not suffice
+    plain, proof, again = prove(given, None, work=1.0), prove(given, known, work=1.0), prove(given, known, work=1.0)
+    assert plain is not None
+    assert proof is not None
+    assert again is not None
+    assert proof.priced is not None
+    assert again.priced is not None
+    assert plain.incumbent is not None
+    assert proof.incumbent is not None
+    assert proof.incumbent.cost == plain.incumbent.cost < known.cost
+    assert (again.incumbent, again.work) == (proof.incumbent, proof.work)
+    for one, other in zip(proof.priced.stretches, again.priced.stretches, strict=True):
+        assert one.lows.tobytes() == other.lows.tobytes()
+        assert one.relaxed.dear.tobytes() == other.relaxed.dear.tobytes()
+
+
+def test_without_memory_for_tables_there_are_none() -> None:
+    given, known = two_zones()
+    assert priced.price(given, known, 1.0, None, 1e9) is not None
+    assert priced.price(given, known, 1.0, None, 1e3) is None
+
+
+def test_where_groups_cost_or_moves_cross_there_are_no_linear_programs() -> None:
+    given, _ = two_zones()
+    over = Crossings(*(np.array([k]) for k in (0, 4, 1, 5000, 0)))
+    assert priceable(given)
+    assert not priceable(replace(given, crossings=over))
+    assert not priceable(replace(given, soft_groups=(SoftGroup((0, 1), 100, ABOUT),)))
+    assert not priceable(scattered(5, 10, 2))
