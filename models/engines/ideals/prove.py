@@ -52,6 +52,8 @@ AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
 MOST_SITES_PRICED = 1000
 """Sites of a stretch: its linear program takes too long with more."""
+MOST_CONTOURS_PRICED = 2500
+"""Contours up to which they are made: at 10,000 they take 0.7 GB, and nothing is left of small work for them."""
 MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 """Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
@@ -91,7 +93,8 @@ def priceable(problem: Problem) -> bool:
     """Whether linear programs of several stretches hold all that is asked: nothing is crossed, and no groups cost."""
     groups, size = series(problem), np.diff(problem.first)
     held = not (len(problem.crossings) or problem.soft_groups or problem.general)
-    return held and len(groups) > 1 and max(int(size[list(g)].sum()) for g in groups) <= MOST_SITES_PRICED
+    few = problem.n <= MOST_CONTOURS_PRICED
+    return held and few and len(groups) > 1 and max(int(size[list(g)].sum()) for g in groups) <= MOST_SITES_PRICED
 
 
 def prove(

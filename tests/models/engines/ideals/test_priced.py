@@ -177,3 +177,12 @@ def test_where_groups_cost_or_moves_cross_there_are_no_linear_programs() -> None
     assert not priceable(replace(given, crossings=over))
     assert not priceable(replace(given, soft_groups=(SoftGroup((0, 1), 100, ABOUT),)))
     assert not priceable(scattered(5, 10, 2))
+
+
+def test_of_very_many_contours_there_are_no_linear_programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, _ = two_zones()
+    module = import_module("kerfwise.models.engines.ideals.prove")
+    monkeypatch.setattr(module, "MOST_CONTOURS_PRICED", given.n)
+    assert priceable(given)
+    monkeypatch.setattr(module, "MOST_CONTOURS_PRICED", given.n - 1)
+    assert not priceable(given)
