@@ -21,8 +21,8 @@ from kerfwise.models.problem.problem import Problem
 from .alone import FAR, alone, ends_of
 from .by_contour import ByContour
 from .crossed import HOME
-from .kernels import RestBound
 from .local import Local
+from .rest_bound import RestBound
 from .series import series
 from .shelf import Shelf
 from .stretches import travel_between

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Int16s, Ints
 from kerfwise.models.kernels import kept
-from kerfwise.models.problem.bits import Masks, has
+from kerfwise.models.problem.bits import Masks
 
-from .kernels import TOGETHER, Costs, MoveTable, RestBound, asked, least_of
+from .kernels import TOGETHER, Costs, MoveTable, asked, least_of, most_columns, most_states
 from .local import StepTerms
+from .rest_bound import RestBound, near_left, still_to_come
 
 
 class Lows(NamedTuple):
@@ -51,15 +52,10 @@ def sweep_both(  # pragma: no cover - compiled
     stop: int,
 ) -> None:
     """As `kernels.sweep`, with `low` beside the costs, and what is still to come of these; nothing is crossed."""
-    widest = padded = 0
-    for a in range(start, stop):
-        widest = max(widest, begin[ideal_entry[alive[a] + 1]] - begin[ideal_entry[alive[a]]])
-    for pad in moves.pad:
-        padded = max(padded, pad)
-    have = np.empty(widest + TOGETHER, values.dtype)
-    lows = np.empty(widest + TOGETHER, values.dtype)
-    row = np.empty(widest + TOGETHER, np.int64)
-    best, lowest = np.empty(padded, values.dtype), np.empty(padded, values.dtype)
+    rows, columns = most_states(ideal_entry, begin, alive, start, stop), most_columns(moves)
+    have, lows = np.empty(rows, values.dtype), np.empty(rows, values.dtype)
+    row = np.empty(rows, np.int64)
+    best, lowest = np.empty(columns, values.dtype), np.empty(columns, values.dtype)
     for a in range(start, stop):
         k = alive[a]
         count = 0
@@ -72,18 +68,11 @@ def sweep_both(  # pragma: no cover - compiled
         while count % TOGETHER:
             have[count], lows[count], row[count] = never, never, row[0]
             count += 1
-        to_come = rest.later
-        for i in range(len(rest.price)):
-            if not has(masks[k], i):
-                to_come += rest.price[i]
+        to_come = still_to_come(rest, masks[k])
         for e in range(entry_from[a], entry_from[a + 1]):
             i = int(np.int64(contour[e]))
             least_of(low.moves.table, low.moves.base[i], low.moves.pad[i], lows, row, count, never, lowest)
-            free = 0
-            for b in range(rest.near.shape[1]):
-                other = rest.near[i, b]
-                if other >= 0 and other != i and not has(masks[k], other):
-                    free |= 1 << b
+            free = near_left(rest, masks[k], i)
             room = limit - to_come + rest.price[i]
             lives = False
             for d in range(first[i + 1] - first[i]):

@@ -17,6 +17,7 @@ from kerfwise.models.kernels import inner, kept
 from kerfwise.models.problem.bits import Masks, has, missing
 
 from .local import HARD, StepTerms
+from .rest_bound import RestBound, near_left, still_to_come
 
 Costs = NDArray[Any]  # int32 or int64
 TOGETHER = 4
@@ -38,19 +39,6 @@ class MoveTable(NamedTuple):
     row_of: Ints
     mask: Masks
     price: int
-
-
-class RestBound(NamedTuple):
-    """What a plan still costs after a state at least: `to_go[A, c]` at column c, and `price` for contours not out.
-
-    Bit b of A says that neighbour b of the last contour is not out; `near[i, b]` is that neighbour of contour i, -1
-    where it is out already or there is none, -2 where it comes after the stretch. `later` is added to all.
-    """
-
-    to_go: Floats
-    near: Ints
-    price: Floats
-    later: float
 
 
 @kept(nogil=True)
@@ -83,6 +71,26 @@ def arrange(  # pragma: no cover - compiled
     return ideal_entry, sorted_contour, source, place, begin
 
 
+@inner(nogil=True)
+def most_states(  # pragma: no cover - compiled
+    ideal_entry: Ints, begin: Ints, alive: Ints, start: int, stop: int
+) -> int:
+    """The most states of a set of `alive[start:stop]`, and room to fill them up to a multiple of `TOGETHER`."""
+    most = 0
+    for a in range(start, stop):
+        most = max(most, begin[ideal_entry[alive[a] + 1]] - begin[ideal_entry[alive[a]]])
+    return most + TOGETHER
+
+
+@inner(nogil=True)
+def most_columns(moves: MoveTable) -> int:  # pragma: no cover - compiled
+    """The most columns of the table that a contour has."""
+    most = 0
+    for pad in moves.pad:
+        most = max(most, pad)
+    return most
+
+
 @kept(nogil=True)
 def sweep(  # pragma: no cover - compiled
     moves: MoveTable,
@@ -111,16 +119,11 @@ def sweep(  # pragma: no cover - compiled
     What is dearer than `limit`, less what is still to come, becomes `never`; `living` says which entries have any
     other. Entries and states of a set are as `arrange` and `sets.grow` left them.
     """
-    widest = 0
-    for a in range(start, stop):
-        widest = max(widest, begin[ideal_entry[alive[a] + 1]] - begin[ideal_entry[alive[a]]])
-    have = np.empty(widest + TOGETHER, values.dtype)
-    row = np.empty(widest + TOGETHER, np.int64)
-    owner = np.empty(widest + TOGETHER, np.int64)
-    padded = 0
-    for pad in moves.pad:
-        padded = max(padded, pad)
-    best = np.empty(padded, values.dtype)
+    rows = most_states(ideal_entry, begin, alive, start, stop)
+    have = np.empty(rows, values.dtype)
+    row = np.empty(rows, np.int64)
+    owner = np.empty(rows, np.int64)
+    best = np.empty(most_columns(moves), values.dtype)
     crossed, grouped = len(moves.mask) > 0, len(terms.soft_cost) > 0
     for a in range(start, stop):
         k = alive[a]
@@ -134,21 +137,14 @@ def sweep(  # pragma: no cover - compiled
         while count % TOGETHER:
             have[count], row[count], owner[count] = never, row[0], owner[0]
             count += 1
-        to_come = rest.later
-        for i in range(len(rest.price)):
-            if not has(masks[k], i):
-                to_come += rest.price[i]
+        to_come = still_to_come(rest, masks[k])
         for e in range(entry_from[a], entry_from[a + 1]):
             i = int(np.int64(contour[e]))
             if crossed or grouped:
                 _least_of_each(moves, terms, masks[k], i, first, have, row, owner, count, never, best)
             else:
                 least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
-            free = 0
-            for b in range(rest.near.shape[1]):
-                other = rest.near[i, b]
-                if other == -2 or (other >= 0 and other != i and not has(masks[k], other)):
-                    free |= 1 << b
+            free = near_left(rest, masks[k], i)
             room = limit - to_come + rest.price[i]
             span = np.uint64(new_begin[place[e]]), np.uint64(first[i]), np.uint64(first[i + 1] - first[i])
             if terms.cond_of[i] < terms.cond_of[i + 1]:

@@ -16,8 +16,9 @@ from kerfwise.models.problem.bits import masks_of
 
 from .budget import SweepBudget
 from .doubled import Lows, sweep_both
-from .kernels import Costs, MoveTable, RestBound, arrange, crossing_in_set, leaving, sweep
+from .kernels import Costs, MoveTable, arrange, crossing_in_set, leaving, sweep
 from .local import Local
+from .rest_bound import RestBound
 from .sets import Sets, grow, growth
 
 THREADS = cores()

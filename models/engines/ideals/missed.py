@@ -21,9 +21,9 @@ from .ahead import Ahead
 from .alone import FAR
 from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
-from .kernels import RestBound
 from .lattice import SweptStretch, sweep_layers
 from .local import Local, in_line, localise
+from .rest_bound import RestBound
 from .stretches import entrance_of, make_moves, never
 
 SHARES = 0.25, 0.5, 0.75, 1.0

@@ -31,9 +31,9 @@ from .alone import FAR, alone, conditions_within, ends_of
 from .budget import SweepBudget
 from .by_contour import ByContour
 from .crossed import HOME
-from .kernels import RestBound
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
 from .local import Local, localise
+from .rest_bound import RestBound
 from .series import series
 from .stretches import entrance_of, home_from, never, table_of, travel_between
 

@@ -25,11 +25,11 @@ from kerfwise.models.problem.problem import Problem
 from .ahead import Ahead, look_ahead
 from .alone import FAR
 from .budget import TABLE_BYTES, SweepBudget, TooLarge
-from .kernels import RestBound
 from .lattice import THREADS
 from .local import Local
 from .missed import missed_in
 from .prune import least_in, least_rest, walked_rest
+from .rest_bound import RestBound
 from .rising import WIDER, rising
 from .series import series
 from .sweep import Rests, sweep_through

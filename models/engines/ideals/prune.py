@@ -9,8 +9,8 @@ import numpy as np
 
 from kerfwise.models.problem.problem import Problem
 
-from .kernels import RestBound
 from .local import Local
+from .rest_bound import RestBound
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion

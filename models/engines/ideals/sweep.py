@@ -13,9 +13,9 @@ from kerfwise.models.problem.problem import Problem
 from .budget import SweepBudget
 from .by_contour import ByContour
 from .crossed import HOME
-from .kernels import RestBound
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
 from .local import Local, localise
+from .rest_bound import RestBound
 from .series import series
 from .stretches import NARROW, dearest, entrance_of, home_from, make_moves, never
 
