@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
@@ -32,6 +32,8 @@ FLAT_MM2 = 1e-6
 RAYS_IN_BOX = 4
 CONTACT_MM = 0.05
 """Outlines that overlap by less touch; a contour's own line nearer than this is where one stands."""
+Stretch: TypeAlias = tuple[int, shapely.LineString, float, float, int]
+"""The number of a part, a line of it, where spots begin there, mm, for how far, mm, and how many they are."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,29 +66,17 @@ def spots_along(part: int, line: shapely.LineString, begin_mm: float, length_mm:
     >>> spots.at.tolist(), (spots.normal + 0.0).tolist()
     ([[0.0, 2.5], [2.5, 0.0]], [[-1.0, 0.0], [0.0, -1.0]])
     """
-    return spots_along_each([part], [line], [begin_mm], [length_mm], [count])
+    return spots_along_each([(part, line, begin_mm, length_mm, count)])
 
 
-def spots_along_each(
-    parts: Sequence[int],
-    lines: Sequence[shapely.LineString],
-    begin_mm: Sequence[float],
-    length_mm: Sequence[float],
-    count: Sequence[int],
-) -> Spots:
+def spots_along_each(asked: Sequence[Stretch]) -> Spots:
     """As `spots_along` of each, one behind the other, in less time."""
-    some = (slice(k, k + LINES_AT_ONCE) for k in range(0, len(lines), LINES_AT_ONCE))
-    return Spots.joined([_spots(parts[s], lines[s], begin_mm[s], length_mm[s], count[s]) for s in some])
+    return Spots.joined([_spots(asked[k : k + LINES_AT_ONCE]) for k in range(0, len(asked), LINES_AT_ONCE)])
 
 
-def _spots(
-    parts: Sequence[int],
-    lines: Sequence[shapely.LineString],
-    begin_mm: Sequence[float],
-    length_mm: Sequence[float],
-    count: Sequence[int],
-) -> Spots:
-    """See `spots_along_each`; of some lines, but not too many."""
+def _spots(stretches: Sequence[Stretch]) -> Spots:
+    """See `spots_along_each`; of some stretches, but not too many."""
+    parts, lines, begin_mm, length_mm, count = zip(*stretches, strict=True)
     points, of = shapely.get_coordinates(lines, return_index=True)
     chord = np.flatnonzero(of[1:] == of[:-1])
     step = points[chord + 1] - points[chord]

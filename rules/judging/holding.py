@@ -26,10 +26,8 @@ def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) 
     """
     at = places(nest, host_holes(nest))
     place = [at[part.id] for part in nest.parts]
-    lines = [part.outer.line for part in nest.parts]
-    around_mm = [line.length for line in lines]
-    spots = [max(LEAST_SPOTS, int(mm / STEP_MM)) for mm in around_mm]
-    every = spots_along_each(range(len(lines)), lines, [0.0] * len(lines), around_mm, spots)
+    around = [(k, part.outer.line, part.outer.line.length) for k, part in enumerate(nest.parts)]
+    every = spots_along_each([(k, line, 0.0, mm, max(LEAST_SPOTS, int(mm / STEP_MM))) for k, line, mm in around])
     faced = facing(nest, web_mm, edge_band_mm).faced(every)
     joined: dict[int, set[int]] = {k: set() for k in range(len(nest.parts))}
     framed: set[int] = set()

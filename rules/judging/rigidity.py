@@ -12,7 +12,7 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 
-from .facing import EDGE, facing, spots_along, spots_along_each
+from .facing import EDGE, Stretch, facing, spots_along, spots_along_each
 from .followed import every_followed
 
 STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
@@ -26,7 +26,7 @@ def rigid_at_the_end(
 ) -> Iterator[tuple[int, float]]:
     """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
     cut_at = np.full(len(nest.parts), len(cuts) + 1)
-    judged: list[int] = []
+    judged: list[tuple[int, int]] = []
     asked: list[tuple[Contour, Cut]] = []
     for k, cut in enumerate(cuts, 1):
         contour = nest.contour(cut.contour)
@@ -34,16 +34,16 @@ def rigid_at_the_end(
             continue
         part = nest.owners[nest.index[cut.contour]]
         cut_at[part] = k
-        judged.append(k)
+        judged.append((k, part))
         asked.append((contour, cut))
-    parts = [nest.owners[nest.index[cut.contour]] for _, cut in asked]
-    tails = [row.stretch(tail_share, last=True) for row in every_followed(asked)]
-    counts = [min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS) for _, tail_mm in tails]
-    lines = [contour.line for contour, _ in asked]
-    spots = spots_along_each(parts, lines, [end_mm for end_mm, _ in tails], [mm for _, mm in tails], counts)
-    faced = facing(nest, web_mm, edge_band_mm).faced(spots)
+    tails: list[Stretch] = []
+    for (_, part), (contour, _), way in zip(judged, asked, every_followed(asked), strict=True):
+        end_mm, tail_mm = way.stretch(tail_share, last=True)
+        count = min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
+        tails.append((part, contour.line, end_mm, tail_mm, count))
+    faced = facing(nest, web_mm, edge_band_mm).faced(spots_along_each(tails))
     begin = 0
-    for k, count in zip(judged, counts, strict=True):
+    for (k, _), (*_, count) in zip(judged, tails, strict=True):
         met = faced[begin : begin + count]
         begin += count
         still_in = cut_at[np.maximum(met, 0)] > k

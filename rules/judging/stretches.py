@@ -11,8 +11,8 @@ import numpy as np
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 
-from .facing import EDGE, SOLID, Spots, facing, spots_along
-from .followed import followed
+from .facing import EDGE, SOLID, Stretch, facing, spots_along_each
+from .followed import every_followed
 
 STEP_MM, LEAST_SPOTS, MOST_SPOTS = 0.5, 200, 2000
 """A stretch is looked at this far apart, in no less and no more spots than these."""
@@ -35,12 +35,10 @@ def faced_by_cuts(
     nest: Nest, cuts: CutSequence, share: float, web_mm: float, edge_band_mm: float, *, last: bool
 ) -> dict[int, Faced]:
     """Contour number → what the first (or `last`) share of its cut faces, for each outer contour that is cut."""
-    asked: list[tuple[int, float, float]] = []
-    for cut in cuts:
-        contour = nest.contour(cut.contour)
-        if contour.kind != "outer":
-            continue
-        asked.append((nest.index[cut.contour], *followed(contour, cut).stretch(share, last=last)))
+    of_cuts = ((nest.contour(cut.contour), cut) for cut in cuts)
+    outers = [(contour, cut) for contour, cut in of_cuts if contour.kind == "outer"]
+    ways = zip(outers, every_followed(outers), strict=True)
+    asked = [(nest.index[contour.id], *way.stretch(share, last=last)) for (contour, _), way in ways]
     return _faced(nest, asked, web_mm, edge_band_mm)
 
 
@@ -54,13 +52,13 @@ def _faced(nest: Nest, asked: list[tuple[int, float, float]], web_mm: float, edg
     """What stretches of contours (number, where they begin, how long they are) face."""
     part = {p.id: k for k, p in enumerate(nest.parts)}
     outer = [nest.index[p.outer.id] for p in nest.parts]
-    spots, counts = [], []
+    stretches: list[Stretch] = []
     for number, begin_mm, length_mm in asked:
         contour = nest.contours[number]
         count = min(max(math.ceil(abs(length_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
-        spots.append(spots_along(part[contour.part], contour.line, begin_mm, length_mm, count))
-        counts.append(count)
-    met = facing(nest, web_mm, edge_band_mm).faced(Spots.joined(spots))
+        stretches.append((part[contour.part], contour.line, begin_mm, length_mm, count))
+    met = facing(nest, web_mm, edge_band_mm).faced(spots_along_each(stretches))
+    counts = [count for *_, count in stretches]
     found: dict[int, Faced] = {}
     for (number, _, length_mm), own in zip(asked, np.split(met, np.cumsum(counts)[:-1]), strict=True):
         each_mm = abs(length_mm) / len(own)

@@ -69,10 +69,9 @@ def test_spots_along_several_lines_are_those_along_each(sheet: Nest, data: st.Da
     lengths = [data.draw(st.floats(-1.5, 1.5).filter(bool)) * line.length for line in lines]
     begins = [data.draw(st.floats(0.0, 1.0)) * line.length for line in lines]
     counts = [data.draw(st.integers(1, 30)) for _ in lines]
-    together = spots_along_each(range(len(lines)), lines, begins, lengths, counts)
-    alone = Spots.joined(
-        [spots_along(k, *row) for k, row in enumerate(zip(lines, begins, lengths, counts, strict=True))]
-    )
+    asked = list(zip(range(len(lines)), lines, begins, lengths, counts, strict=True))
+    together = spots_along_each(asked)
+    alone = Spots.joined([spots_along(*stretch) for stretch in asked])
     assert together.part.tolist() == alone.part.tolist()
     assert together.at.tolist() == alone.at.tolist()
     assert together.normal.tolist() == alone.normal.tolist()
