@@ -55,7 +55,7 @@ class OlderKerfs:
         number[list(kept)] = np.arange(len(kept))
         rings = np.column_stack([number[self.rings[:, 0]], self.rings[:, 1]])
         leads = number[self.leads]
-        return OlderKerfs(_sorted(rings[rings[:, 0] >= 0]), _sorted(leads[(leads >= 0).all(axis=1)]))
+        return OlderKerfs(distinct_pairs(rings[rings[:, 0] >= 0]), distinct_pairs(leads[(leads >= 0).all(axis=1)]))
 
 
 def older_kerfs(
@@ -162,12 +162,7 @@ class _Paths:
             if asked is not None:
                 others &= asked[line]
             found.append(np.column_stack([of[row[others]], name[line[others]]]))
-        return _sorted(np.concatenate(found))
-
-
-def _sorted(rows: Ints) -> Ints:
-    """Each row once."""
-    return distinct_pairs(rows)
+        return distinct_pairs(np.concatenate(found))
 
 
 def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...], bool]]:
@@ -196,7 +191,7 @@ def _ring_rows(nest: Nest, around: Surroundings, paths: _Paths, part: Ints, kerf
         if whose.any():
             of, pierce_mm = around.contour, far_mm + kerf_mm / 2 + splash_mm
             found.append(paths.met(around.chords, of, part[of], pierce_mm, far_mm, whose[of]))
-    return _sorted(np.concatenate([np.empty((0, 2), dtype=np.int64), *found]))
+    return distinct_pairs(np.concatenate([np.empty((0, 2), dtype=np.int64), *found]))
 
 
 def _lead_rows(paths: _Paths, kerf_mm: float, splash_mm: float) -> Ints:

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from kerfwise.arrays import Ints
+from kerfwise.encoder.distinct import distinct, distinct_pairs
 
 from .hard_orders import HardOrders
 
@@ -58,16 +59,14 @@ class Forcing:
     def _kept(self) -> Ints:
         """The orders that the plan keeps, (k, 2) numbers, each once; what is not cut comes before all."""
         asked = np.concatenate([np.empty((0, 2), np.int64), *self.orders.by_rule.values()])
-        at, size = self.orders.at, len(self.orders.names)
-        kept = asked[at[asked[:, 0]] < at[asked[:, 1]]]
-        both = np.unique(kept[:, 0] * size + kept[:, 1])
-        return np.column_stack(np.divmod(both, max(size, 1)))
+        at = self.orders.at
+        return distinct_pairs(asked[at[asked[:, 0]] < at[asked[:, 1]]])
 
     @cached_property
     def _groups(self) -> list[tuple[str, ...]]:
         """What is cut in one go, and every other contour by itself, in the order of the cuts."""
         at, names = self.cuts.positions(), self.orders.names
-        known = {*at, *(names[k] for k in np.unique(self._kept).tolist())}
+        known = {*at, *(names[k] for k in distinct(self._kept.ravel()).tolist())}
         groups = {self._runs.get(name, (name,)) for name in known}
         return sorted(groups, key=lambda group: (min(at.get(name, 0) for name in group), group))
 
@@ -100,10 +99,8 @@ class Forcing:
     def _straight(self) -> list[list[int]]:
         """For each group the others that an order puts before it."""
         group = np.array([self._number.get(name, -1) for name in self.orders.names], dtype=np.int64)
-        before, after = group[self._kept].T
-        size = len(self._groups)
-        both = np.unique((after * size + before)[before != after])
-        into, of = np.divmod(both, max(size, 1))
+        pairs, size = group[self._kept[:, ::-1]], len(self._groups)
+        into, of = distinct_pairs(pairs[pairs[:, 0] != pairs[:, 1]]).T
         ends = np.searchsorted(into, np.arange(1, size))
         return [row.tolist() for row in np.split(of, ends)] if size else []
 
