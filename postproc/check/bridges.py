@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import shapely
 
 from kerfwise.encoder.bridges.bridge import Bridge
-from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
-from .metal import SLACK_MM, metal_of
+from .metal import SLACK_MM, every_metal_of
 from .program_rules import tolerance_mm
 from .torch_run import TorchRun
 
@@ -26,9 +26,9 @@ def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iter
     """
     if not nest.bridges:
         return
-    drawn = {part.id: part for part in nest.apart}
-    yield from _third_parts(nest.bridges, drawn)
-    yield from _other_outlines(nest, drawn)
+    metal = dict(zip((part.id for part in nest.apart), every_metal_of(nest.apart), strict=True))
+    yield from _third_parts(nest, metal)
+    yield from _other_outlines(nest, metal)
     paths = [(run, line) for run in runs if not run.marks for line in (run.loop, *run.leads)]
     tree = shapely.STRtree([line for _, line in paths])
     reach_mm = kerf_mm / 2 - tolerance_mm(kerf_mm) - SLACK_MM
@@ -43,26 +43,26 @@ def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iter
             break
 
 
-def _third_parts(bridges: Sequence[Bridge], drawn: dict[str, Part]) -> Iterator[Violation]:
-    for bridge in bridges:
-        for part in drawn.values():
-            if part.id not in bridge.parts and shapely.intersects(_strip(bridge), metal_of(part)):
+def _third_parts(nest: Nest, metal: Mapping[str, shapely.Geometry]) -> Iterator[Violation]:
+    for bridge in nest.bridges:
+        for part in nest.apart:
+            if part.id not in bridge.parts and shapely.intersects(_strip(bridge), metal[part.id]):
                 yield Violation(
                     _RULE, (part.outer.id,), f"{bridge.name} lies on part {part.id}, which it does not join"
                 )
 
 
-def _other_outlines(nest: Nest, drawn: dict[str, Part]) -> Iterator[Violation]:
+def _other_outlines(nest: Nest, metal: Mapping[str, shapely.Geometry]) -> Iterator[Violation]:
     """What is cut round against what is drawn, both as areas: outlines, then holes and waste that bridges enclose.
 
     Holes are those of the drawing: a profile may have small ones marked, or left out.
     """
-    made = [part for part in nest.parts if part.id not in drawn]
+    made = [part for part in nest.parts if part.id not in metal]
     with_all_holes = {part.id: part for part in (nest.drawn or nest).parts}
     for group in _groups(nest.bridges):
         names = dict.fromkeys(name for bridge in group for name in bridge.parts)
         strips = [shapely.buffer(_strip(bridge), _SAME_MM, join_style="mitre") for bridge in group]
-        meant = shapely.union_all([*(metal_of(drawn[name]) for name in names), *strips])
+        meant = shapely.union_all([*(metal[name] for name in names), *strips])
         outline = shapely.union_all([shapely.Polygon(area.exterior) for area in shapely.get_parts(meant)])
         apart = [shapely.symmetric_difference(outline, part.outer.polygon) for part in made]
         k = min(range(len(made)), key=lambda k: float(apart[k].area))

@@ -65,7 +65,7 @@ def gouges(
     burns += [_Burn(run, lead, True) for run in runs if not run.marks for lead in run.leads]
     if kerf_mm <= 0 or not burns or not nest.parts:
         return Gouges((), ())
-    metal = _metal_of_parts(nest)
+    metal = metal_of_parts(nest)
     burns = _not_clear(nest, burns, kerf_mm)
     lines = np.array([burn.line for burn in burns], dtype=object)
     rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=max(half_mm - allowed_mm, 0.0))
@@ -118,23 +118,18 @@ def _clear_rings(nest: Nest, kerf_mm: float) -> Mapping[str, Ring]:
     away_mm = kerf_mm / 2 - SLACK_MM
     if away_mm <= 0 or not len(lines):
         return {}
-    near = set(shapely.STRtree(_metal_of_parts(nest)).query(lines, predicate="dwithin", distance=away_mm)[0].tolist())
+    near = set(shapely.STRtree(metal_of_parts(nest)).query(lines, predicate="dwithin", distance=away_mm)[0].tolist())
     return {name: ring for k, (name, ring) in enumerate(rings.items()) if k not in near}
 
 
 @kept_with_nest(most=1)
-def _metal_of_parts(nest: Nest) -> Any:
+def metal_of_parts(nest: Nest) -> Any:
     """The metal of each part: a plan and its program ask for the same."""
     return every_metal_of(nest.parts)
 
 
-def metal_of(part: Part) -> shapely.Geometry:
-    """The metal of a part in fine chords, whether shapely calls its rings valid or not."""
-    return every_metal_of([part])[0]
-
-
 def every_metal_of(parts: Sequence[Part]) -> Any:
-    """As `metal_of` of each, in less time."""
+    """The metal of each part in fine chords, whether shapely calls its rings valid or not."""
     curves = [contour.curve for part in parts for contour in (part.outer, *part.holes)]
     areas = shapely.make_valid(polygons_of(curves, _CHORD_MM))
     first = np.cumsum([0, *(1 + len(part.holes) for part in parts)])

@@ -27,7 +27,7 @@ from kerfwise.rules.rule import Violation
 from .covering.intervals import total_mm, union
 from .covering.sharing import stretches_of
 from .matching import Matcher
-from .metal import metal_of
+from .metal import metal_of_parts
 from .names import folded
 from .program_rules import tolerance_mm
 from .resumed import told_ends
@@ -74,7 +74,7 @@ def with_passes(nest: Nest, passes: Iterable[Pass], profile: Profile) -> tuple[N
     if profile.cuts.narrow != "slit":
         return nest, {}
     kerf_mm = profile.material.kerf_mm
-    metal = {part.id: metal_of(part) for part in nest.parts}
+    metal = dict(zip((part.id for part in nest.parts), metal_of_parts(nest), strict=True))
     made: dict[str, list[Contour]] = {part.id: [] for part in nest.parts}
     slots: dict[str, Slot] = {}
     for name, start, end in passes:
