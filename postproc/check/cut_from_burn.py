@@ -146,11 +146,11 @@ def _at_mouth(path: Curve, slit: Curve) -> Pieces:
     """A path along a slit, taken apart at its vertex nearest to where the slit begins; all after that is the slit."""
     away_mm = np.hypot(*(path.vertices[:-1, :2] - slit.vertices[0, :2]).T)
     k = int(np.argmin(away_mm))
-    lead_in, along = Curve(path.vertices[: k + 1], closed=False), Curve(path.vertices[k:], closed=False)
-    return Pieces(lead_in, along, Curve(path.vertices[-1:], closed=False), 0.0)
+    last = len(path.vertices) - 1
+    return Pieces(path.piece(0, k), path.piece(k, last), path.piece(last, last), 0.0)
 
 
 def _whole(path: Curve) -> Pieces:
     """A path that does not come apart, as a round without leads."""
-    start, end = Curve(path.vertices[:1], closed=False), Curve(path.vertices[-1:], closed=False)
-    return Pieces(start, path, end, math.dist(_xy(path, 0), _xy(path, -1)))
+    last = len(path.vertices) - 1
+    return Pieces(path.piece(0, 0), path, path.piece(last, last), math.dist(_xy(path, 0), _xy(path, -1)))
