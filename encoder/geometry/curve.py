@@ -172,11 +172,13 @@ class Curve:
         """
         if not self.closed:
             return self._flattened(tolerance_mm)
-        if tolerance_mm not in self._kept:
-            points = self._flattened(tolerance_mm)
-            points.flags.writeable = False
-            self._kept[tolerance_mm] = points
-        return self._kept[tolerance_mm]
+        known = self._kept.get(tolerance_mm)
+        return self._keep(tolerance_mm, self._flattened(tolerance_mm)) if known is None else known
+
+    def _keep(self, tolerance_mm: float, points: Floats) -> Floats:
+        points.flags.writeable = False
+        self._kept[tolerance_mm] = points
+        return points
 
     @cached_property
     def _kept(self) -> dict[float, Floats]:
@@ -219,11 +221,8 @@ def lines_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_
     """
     if not curves:
         return np.zeros(0, dtype=object)
-    kept = [curve._kept.get(tolerance_mm) if curve.closed else None for curve in curves]
-    asked = [curve for curve, points in zip(curves, kept, strict=True) if points is None]
-    new, rows = _flattened_together(asked, tolerance_mm), []
-    for curve, known in zip(curves, kept, strict=True):
-        points = next(new) if known is None else known
+    rows: list[Floats] = []
+    for curve, points in zip(curves, _known_or_together(curves, tolerance_mm), strict=True):
         rows += [points, points[:1] if curve.closed or len(points) < 2 else points[:0]]
     count = np.array([len(points) + len(first) for points, first in zip(rows[::2], rows[1::2], strict=True)])
     lines: NDArray[np.object_] = np.full(len(curves), shapely.LineString(), dtype=object)
@@ -259,17 +258,21 @@ def flattened(curves: Sequence[Curve], tolerance_mm: float) -> list[Floats]:
     >>> [points.tolist() for points in flattened([Curve.of([(0, 0), (4, 0), (4, 3)])], 0.1)]
     [[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]]
     """
-    known = [curve._kept.get(tolerance_mm) if curve.closed else None for curve in curves]
-    new = _flattened_together([c for c, points in zip(curves, known, strict=True) if points is None], tolerance_mm)
     found = []
-    for curve, points in zip(curves, known, strict=True):
-        if points is None:
-            points = next(new).copy()
-            if curve.closed:
-                points.flags.writeable = False
-                curve._kept[tolerance_mm] = points
+    for curve, points in zip(curves, _known_or_together(curves, tolerance_mm), strict=True):
+        if not curve.closed:
+            points = points.copy()
+        elif tolerance_mm not in curve._kept:
+            points = curve._keep(tolerance_mm, points.copy())
         found.append(points)
     return found
+
+
+def _known_or_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
+    """The points of each; what is not known is made together, and not kept."""
+    kept = [curve._kept.get(tolerance_mm) if curve.closed else None for curve in curves]
+    new = _flattened_together([c for c, known in zip(curves, kept, strict=True) if known is None], tolerance_mm)
+    return (next(new) if known is None else known for known in kept)
 
 
 def _flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
