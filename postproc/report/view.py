@@ -67,6 +67,8 @@ class View:
 
     def paths(self, curves: Sequence[Curve]) -> list[Floats]:
         """As `path` of each, made together."""
+        if not curves:
+            return []
         tolerance_mm = _CHORD / self.scale
         points = flattened(curves, tolerance_mm)
         closed = np.array([curve.closed for curve in curves], dtype=np.bool_)
@@ -81,9 +83,7 @@ class View:
             last = np.searchsorted(of, np.arange(len(own)), side="right")
             for k, begin, end in zip(chosen, [0, *last.tolist()], last.tolist(), strict=False):
                 points[k] = rows[begin : end - bool(closed[k])]
-        sizes = [len(own) for own in points]
-        drawn = self.xy(np.concatenate(points)) if points else np.empty((0, 2))
-        return np.split(drawn, np.cumsum(sizes)[:-1]) if points else []
+        return np.split(self.xy(np.concatenate(points)), np.cumsum([len(own) for own in points])[:-1])
 
     @property
     def mm(self) -> float:
