@@ -82,7 +82,8 @@ def cut_from_burn(
         burn.start_s, burn.end_s,
     )  # fmt: skip
     where = f"line {burn.line}"
-    run = TorchRun(position, where, contour, taken.lead_in, loop, taken.lead_out, marks)
+    follows = match.ring if taken.on_ring else None
+    run = TorchRun(position, where, contour, taken.lead_in, loop, taken.lead_out, marks, follows=follows)
     wrong = list(_wrong(contour, match, taken, kerf_mm, marks))
     return cut, run, [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in wrong]
 

@@ -99,10 +99,11 @@ def _not_clear(nest: Nest, burns: Sequence[_Burn], kerf_mm: float) -> list[_Burn
     """The burns without rounds that surely gouge nothing: they lie within the tolerance of a ring that is clear."""
     clear = _clear_rings(nest, kerf_mm)
     asked = [(k, burn) for k, burn in enumerate(burns) if not burn.lead and burn.run.contour is not None]
-    rings = [(k, burn.line, ring) for k, burn in asked if (ring := clear.get(burn.run.name)) is not None]
-    gone = {k for k, line, ring in rings if line is ring}
+    rings = [(k, burn.run, ring) for k, burn in asked if (ring := clear.get(burn.run.name)) is not None]
+    gone = {k for k, run, ring in rings if run.loop is ring or run.follows is ring}
     others = [row for row in rings if row[0] not in gone]
-    beside = surely_beside([line for _, line, _ in others], [ring for *_, ring in others], 0.0, tolerance_mm(kerf_mm))
+    loops, along = [run.loop for _, run, _ in others], [ring for *_, ring in others]
+    beside = surely_beside(loops, along, 0.0, tolerance_mm(kerf_mm))
     gone |= {k for (k, _, _), near in zip(others, beside.tolist(), strict=True) if near}
     return [burn for k, burn in enumerate(burns) if k not in gone]
 

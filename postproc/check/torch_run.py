@@ -27,7 +27,8 @@ class TorchRun:
     around the contour; `marks` says that another tool than the torch was on. A `linked` run follows the one before it
     with the torch on: its lead-in is the link. The loop of a `partial` one is not all of its contour's ring. Over the
     stretches of its loop that `unlit` names, as wide as that, the torch is off. A run `between_tabs` is partial for
-    that alone: together with the others of its contour it goes all round, but for the tabs.
+    that alone: together with the others of its contour it goes all round, but for the tabs. The loop surely lies within
+    the tolerance of the line that it `follows`; None where that is not known.
     """
 
     position: int
@@ -41,6 +42,7 @@ class TorchRun:
     partial: bool = False
     unlit: tuple[Tab, ...] = ()
     between_tabs: bool = False
+    follows: shapely.LineString | None = None
 
     @property
     def name(self) -> str:

@@ -165,6 +165,18 @@ def test_rounds_beside_clear_rings_gouge_nothing() -> None:
     assert told == plainly == ()
 
 
+def test_rounds_known_to_follow_their_clear_ring_are_not_held_against_it_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet = nest(150, 90, part("A", rect(20, 20, 50, 50)), part("B", rect(85, 20, 50, 50)))
+    rings = rings_of(sheet, 1.5)
+    loops = [shapely.LineString(shapely.segmentize(ring, 10.0).coords) for ring in rings]
+    monkeypatch.setattr(metal, "surely_beside", lambda lines, *_: np.zeros(len(lines), dtype=bool))
+    for follows, left in ((rings, []), (rings[::-1], ["A", "B"]), ((None, rings[1]), ["A"])):
+        rows = zip(sheet.contours, loops, follows, strict=True)
+        runs = [TorchRun(1, "a line", contour, None, loop, None, follows=ring) for contour, loop, ring in rows]
+        burns = metal._not_clear(sheet, [metal._Burn(run, run.loop, False) for run in runs], 1.5)
+        assert [f"{name}.outer" for name in left] == [burn.run.name for burn in burns]
+
+
 def test_rounds_that_leave_a_clear_ring_are_held_against_metal() -> None:
     offs_mm = [(0, 0.055, 0), (0.07, 0, 0), (0.2, 0.2, 0), (0, 0, 0.01), (0, 0, 0.5), (60.0, 0, 0), (0.01, 0, 0)]
     asked, (told, plainly) = gouges_near(offs_mm)
