@@ -16,9 +16,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
-from kerfwise.encoder.ranges import laid_out
+from kerfwise.arrays import Floats
 
+from .chords import flattened_together
 from .segment import Point, Segment
 
 
@@ -194,7 +194,7 @@ class Curve:
         whole = len(self.segments) == len(self.vertices) - (not self.closed)
         if whole and not self.vertices[:, 2].any():
             return self.vertices[:, :2].copy()
-        return next(_flattened_together([self], tolerance_mm))
+        return next(flattened_together([self], tolerance_mm))
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
         """The path as a shapely LineString, closed ones repeat their first point, as a mere point does."""
@@ -271,51 +271,5 @@ def flattened(curves: Sequence[Curve], tolerance_mm: float) -> list[Floats]:
 def _known_or_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
     """The points of each; what is not known is made together, and not kept."""
     kept = [curve._kept.get(tolerance_mm) if curve.closed else None for curve in curves]
-    new = _flattened_together([c for c, known in zip(curves, kept, strict=True) if known is None], tolerance_mm)
+    new = flattened_together([c for c, known in zip(curves, kept, strict=True) if known is None], tolerance_mm)
     return (next(new) if known is None else known for known in kept)
-
-
-def _flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
-    """As `Curve._flattened` of each."""
-    segments: list[Segment] = []
-    count: list[int] = []
-    ends: list[Point] = []
-    sizes = []
-    for curve in curves:
-        own, before = curve.segments, len(count)
-        if own:
-            segments += own[:1] + own
-            count += [1, *(s.chords_within(tolerance_mm) for s in own)]
-            ends += [own[0].start, *(s.end for s in own)]
-        elif len(curve.vertices):
-            x, y = curve.vertices[0, :2].tolist()
-            segments.append(Segment((x, y), (x, y)))
-            count.append(1)
-            ends.append((x, y))
-        sizes.append(sum(count[before:]))
-    points = _with_arcs(segments, np.array(count), np.array(ends)) if count else np.empty((0, 2))
-    begin = 0
-    for curve, size in zip(curves, sizes, strict=True):
-        yield points[begin : begin + size - (curve.closed and size > 1)]
-        begin += size
-
-
-def _with_arcs(segments: Sequence[Segment], count: Ints, ends: Floats) -> Floats:
-    """The points of all chords: of every segment as many as are counted, the last its end.
-
-    Where a curve begins, a segment with one chord stands for its first point.
-    """
-    last = np.cumsum(count) - 1
-    points = np.empty((last[-1] + 1, 2))
-    arcs = np.flatnonzero(count > 1)
-    if len(arcs):
-        rows = [(*s.centre, s.radius_mm, s.angle_rad, s.sweep_rad) for s in (segments[k] for k in arcs.tolist())]
-        n = count[arcs]
-        place = laid_out(np.zeros_like(n), n)
-        x, y, r, begin, sweep = np.repeat(np.array(rows), n, axis=0).T
-        angle = begin + sweep * (place + 1) / np.repeat(n, n)
-        at = np.repeat(last[arcs - 1] + 1, n) + place
-        points[at, 0] = x + r * np.cos(angle)
-        points[at, 1] = y + r * np.sin(angle)
-    points[last] = ends
-    return points
