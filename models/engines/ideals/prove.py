@@ -42,8 +42,6 @@ if TYPE_CHECKING:
 _Sweep = Callable[[int | None], Incumbent | None]
 STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
-FIRST = 0.03
-"""Share of the work for sweeps by the first walks, where linear programs come next."""
 PRICED_WIDER = 2.5
 """How many times as much over the bound the next limit is by these: what sweeps take rises slowly."""
 PRICED = 0.7
@@ -149,15 +147,15 @@ def prove(
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
             return go() and running_s() < until_s
 
-        bound: Completion | _Apart | None
+        bound: Completion | _Apart
         if apart:
             bound = _Apart(look_ahead(problem, incumbent.route, share * work, pricing, most_bytes), incumbent)
         else:
             bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes)
         rounds.left -= bound.work
-        more = programs and share == stages[0]
+        more = programs and share == stages[0]  # linear programs come next
         last = share == stages[-1] or (bound.work <= AS_GOOD_AS_IT_GETS * share * work and not more)
-        proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, (FIRST if more else share) * work))
+        proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
         if proof is not None or last or not go():
             return proof or rounds.proven
         del bound  # the next has tables of its own
