@@ -62,6 +62,12 @@ class Completion:
     root: float
     work: float
 
+    def after_first(self, contour: Ints) -> Floats:
+        """What the rest costs at least once a plan has begun at a site, (m,); `contour` (m,) is that of every site."""
+        memory = ((self.near >= 0) << np.arange(self.near.shape[1])).sum(axis=1)[contour]
+        rest: Floats = self.to_go[1, memory, np.arange(len(contour))] + self.price.sum() - self.price[contour]
+        return rest
+
 
 def complete(
     problem: Problem,

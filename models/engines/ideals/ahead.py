@@ -95,10 +95,8 @@ def _onward(problem: Problem, leave: Ints, following: Ahead | None) -> Ints:
     """What plans cost from the end of a stretch at least, by the site that they leave it from."""
     if following is None:
         return np.minimum(travel_between(problem, leave, np.array([HOME]))[:, 0], FAR)
-    bound, size = following.bound, np.diff(problem.first)[list(following.group)]
-    contour = np.repeat(np.arange(len(size)), size)
-    memory = ((bound.near >= 0) << np.arange(bound.near.shape[1])).sum(axis=1)[contour]
-    rest = bound.to_go[1, memory, np.arange(len(contour))] + bound.price.sum() - bound.price[contour]
+    size = np.diff(problem.first)[list(following.group)]
+    rest = following.bound.after_first(np.repeat(np.arange(len(size)), size))
     whole = np.floor(np.minimum(rest + problem.site_cost[following.sites], FAR)).astype(np.int64)
     first = np.isin(following.sites, following.into)
     least: Ints = (travel_between(problem, leave, following.into) + whole[first]).min(axis=1)

@@ -200,7 +200,8 @@ class _Asked:
         entry = entering(apart, relaxed.network, travel)
         enter = np.minimum(relaxed.network.cost[-1, :-1], FAR).astype(np.int64)
         lows = np.minimum(relaxed.dear[-1, :-1] + entry - enter, FAR)
-        least = relaxed.bound + (lows + _to_come(posed, rest)).min(axis=1)
+        to_come = np.floor(np.minimum(rest.after_first(posed.site_contour), FAR)).astype(np.int64)
+        least = relaxed.bound + (lows + to_come).min(axis=1)
         sites = own[relaxed.network.sites]
         here = Priced(apart, own, relaxed, posed, sites, self.before, travel, entry, lows, least, rest)
         return here, relaxed.work + rest.work
@@ -220,15 +221,6 @@ def _posed(relaxed: Reduced) -> Problem:
     matrix = np.minimum(network.cost, FAR).astype(np.int64)
     none = np.zeros_like(problem.site_cost)
     return replace(problem, site_cost=none, matrix=matrix, conditions=(*problem.conditions, *hard))
-
-
-def _to_come(posed: Problem, rest: Completion) -> Ints:
-    """What is still to come of lows at least after the first site, (sites,)."""
-    contour = posed.site_contour
-    memory = ((rest.near >= 0) << np.arange(rest.near.shape[1])).sum(axis=1)[contour]
-    left = rest.to_go[1, memory, np.arange(posed.m)] + rest.price.sum() - rest.price[contour]
-    whole: Ints = np.floor(np.minimum(left, FAR)).astype(np.int64)
-    return whole
 
 
 def _stretch(here: Priced, local: Local, row: Ints, limit: int) -> SweptStretch:
