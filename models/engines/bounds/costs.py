@@ -23,19 +23,17 @@ TURNS = 4
 
 
 def costs_of(
-    problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools, passages: Sequence[Passage] = (),
-    go: Callable[[], bool] = lambda: True,
+    problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools, inside: Inside, go: Callable[[], bool]
 ) -> Floats | Float32s:  # fmt: skip
     """What every move costs, as `Network` says.
 
     `sites` are those of the problem that the sites of the `split` one stand for. Where these are of the last contour of
-    one of the `passages`, a move leads to some site of its block. `go` is asked now and then.
+    a block with ways `inside`, a move leads to some site of it. `go` is asked now and then.
     """
     m, moves = split.m, Moves(problem)
     cost = empty_costs(m)
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
     lawful, kind = _lawful(split.site_contour, sooner, later)
-    inside = Inside(problem, sites, split.site_cost, passages)
 
     def work_out(start: int) -> None:
         rows = np.arange(start, min(start + ROWS, m + 1))

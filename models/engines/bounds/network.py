@@ -20,7 +20,7 @@ from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
-from .costs import costs_of
+from .costs import Inside, costs_of
 from .passages import passages_of, renumbered, stand_for, without_inner
 
 MOST_SPLIT = 2
@@ -35,7 +35,7 @@ class Network:
     `cost` (m + 1, m + 1) is that of every move with the site it leads to, and with the way through such a block to its
     last contour, home last, infinite where no plan has it: no more than that where there are many sites, as narrow
     numbers do not hold all that wide ones do.
-    `sites` (m,) are those of the whole problem that its sites stand for.
+    `sites` (m,) are those of the whole problem that its sites stand for, `inside` the ways through such blocks to them.
     `sooner[s, c]` says that contour c is out before site s is cut, `later[s, c]` that it is not; both (m + 1, n), all
     false for home. `plan` is the known plan on these sites.
     """
@@ -43,6 +43,7 @@ class Network:
     problem: Problem
     contours: Ints
     sites: Ints
+    inside: Inside
     cost: Floats | Float32s
     sooner: Bools
     later: Bools
@@ -106,8 +107,9 @@ def network_of(
     none = np.zeros((1, len(kept)), dtype=np.bool_)
     sooner = np.vstack([*(split.sooner[None, kept] for split in splits), none])
     later = np.vstack([*(split.later[None, kept] for split in splits), none])
-    cost = costs_of(problem, sites, split_problem, sooner, later, passages, go)
-    return Network(split_problem, kept, sites, cost, sooner, later, tuple(_on(splits, route, problem)))
+    inside = Inside(problem, sites, split_problem.site_cost, passages)
+    cost = costs_of(problem, sites, split_problem, sooner, later, inside, go)
+    return Network(split_problem, kept, sites, inside, cost, sooner, later, tuple(_on(splits, route, problem)))
 
 
 def _splits(problem: Problem, kept: Ints, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:

@@ -17,11 +17,10 @@ from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
-from .costs import WIDE, Inside, Stopped
+from .costs import WIDE, Stopped
 from .flow import CutLoop
 from .flow_work import made_s
 from .network import Network, network_of
-from .passages import passages_of
 from .pricing import Multipliers
 
 NEVER = 1 << 38
@@ -134,12 +133,12 @@ def _left_of(network: Network, proving: Proving) -> tuple[float, Floats]:
     return bound, left - least[owner][None, :]
 
 
-def entering(problem: Problem, network: Network, travel: Ints) -> Ints:
+def entering(network: Network, travel: Ints) -> Ints:
     """What it costs to come to every site of a network from elsewhere, (rows, m), as `Network.cost` is counted.
 
-    `travel` (rows, sites) is what it costs to come to every site of the whole `problem`. `NEVER` where no plan does.
+    `travel` (rows, sites) is what it costs to come to every site of the whole problem. `NEVER` where no plan does.
     """
-    inside = Inside(problem, network.sites, network.problem.site_cost, passages_of(problem))
+    inside = network.inside
     part: Floats = travel[:, network.sites].astype(np.float64) + network.problem.site_cost
     inside.come_through(travel[:, inside.inner].astype(np.float64), part)
     part[:, ~np.isfinite(network.cost[-1, :-1])] = np.inf

@@ -197,7 +197,7 @@ class _Asked:
         target = float(max(1, of_plan.cost - relaxed.bound))
         walked = replace(posed, matrix=relaxed.dear, conditions=())
         rest = bounds.complete(walked, target, WALKS * work, progress, MOST_NEIGHBOURS, most_bytes)
-        entry = entering(apart, relaxed.network, travel)
+        entry = entering(relaxed.network, travel)
         enter = np.minimum(relaxed.network.cost[-1, :-1], FAR).astype(np.int64)
         lows = np.minimum(relaxed.dear[-1, :-1] + entry - enter, FAR)
         to_come = np.floor(np.minimum(rest.after_first(posed.site_contour), FAR)).astype(np.int64)
