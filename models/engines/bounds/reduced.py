@@ -36,29 +36,34 @@ PATIENCE, LEAST_GAIN = 8, 1e-3
 
 
 class Proving(NamedTuple):
-    """Multipliers of a program, and what its columns `beside` the moves cost."""
+    """Multipliers of the program of a network, and what its columns `beside` the moves cost."""
 
+    network: Network
     multipliers: Multipliers
     beside: Floats
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Reduced:
-    """A network, in which a plan costs `bound` and the `dear` of all its moves at least, µm.
+    """A plan costs `bound` and the `dear` of all its moves in the network at least, µm.
 
     `dear` (m + 1, m + 1), home last, is never negative; `NEVER` where no plan has the move.
     """
 
-    network: Network
     bound: int
     dear: Ints
     work: float
     by: Proving
 
+    @property
+    def network(self) -> Network:
+        """What the moves are of."""
+        return self.by.network
+
 
 def reduced(
     problem: Problem, plan: Incumbent, most_um: int, work: float, progress: Progress | None = None,
-    earlier: Reduced | None = None,
+    earlier: Proving | None = None,
 ) -> Reduced | None:  # fmt: skip
     """Solve the linear program of a problem, and say what it leaves of every move.
 
@@ -75,7 +80,7 @@ def reduced(
     progress
         Asked every round whether to go on.
     earlier
-        What was found of such a problem: where only moves from and to home cost something else, its multipliers stay.
+        Multipliers of such a problem: where only moves from and to home cost something else, they stay.
 
     Returns
     -------
@@ -91,7 +96,7 @@ def reduced(
             return None
         network = replace(network, cost=np.where(network.cost < NEVER, network.cost, np.inf))
         if earlier is not None and _alike(network, earlier.network):
-            return _reduced(network, earlier.by, made_s(network.cost.size))
+            return _reduced(earlier._replace(network=network), made_s(network.cost.size))
         loop = CutLoop(network, plan, work, progress, in_time, np.inf, MOST_UM)
         with suppress(Stopped):
             loop.run(PATIENCE, LEAST_GAIN)
@@ -99,7 +104,7 @@ def reduced(
         return None
     if loop.proving is None:
         return None
-    return _reduced(network, Proving(loop.proving, loop.flow.beside_cost), loop.flow.work)
+    return _reduced(Proving(network, loop.proving, loop.flow.beside_cost), loop.flow.work)
 
 
 def _alike(one: Network, other: Network) -> bool:
@@ -113,17 +118,18 @@ def _alike(one: Network, other: Network) -> bool:
     return same and one.problem.conditions == other.problem.conditions
 
 
-def _reduced(network: Network, by: Proving, work: float) -> Reduced:
-    bound, left = _left_of(network, by)
+def _reduced(by: Proving, work: float) -> Reduced:
+    bound, left = _left_of(by)
     dear = np.full(left.shape, NEVER, dtype=np.int64)
     lawful = np.isfinite(left)
     dear[lawful] = np.floor(np.minimum(left[lawful], NEVER)).astype(np.int64)
-    return Reduced(network, int(np.floor(bound)), dear, work, by)
+    return Reduced(int(np.floor(bound)), dear, work, by)
 
 
-def _left_of(network: Network, proving: Proving) -> tuple[float, Floats]:
+def _left_of(proving: Proving) -> tuple[float, Floats]:
     """The bound that multipliers prove over all moves, and what they leave of each, without it."""
-    by, owner = proving.multipliers, np.append(network.problem.site_contour, network.problem.n)
+    network, by = proving.network, proving.multipliers
+    owner = np.append(network.problem.site_contour, network.problem.n)
     price, paid = np.rint(by.price * GRAIN) / GRAIN, np.floor(by.paid * GRAIN) / GRAIN
     left = network.cost - by.inequalities.worth(paid) + price[:, None] - price[None, :]
     first = np.append(network.problem.first[:-1], network.problem.m)

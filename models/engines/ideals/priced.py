@@ -20,7 +20,7 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.bounds.moves import Moves
 from kerfwise.models.engines.bounds.passages import best_way, passages_of
-from kerfwise.models.engines.bounds.reduced import Reduced, entering, reduced
+from kerfwise.models.engines.bounds.reduced import Proving, Reduced, entering, reduced
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
@@ -94,6 +94,11 @@ class PricedStretches:
         return float(self.stretches[0].onward.min())
 
     @property
+    def proving(self) -> tuple[Proving, ...]:
+        """Multipliers of every stretch: all that a later proof takes over."""
+        return tuple(stretch.relaxed.by for stretch in self.stretches)
+
+    @property
     def nbytes(self) -> int:
         """What the tables take."""
         return sum(stretch.nbytes for stretch in self.stretches)
@@ -131,11 +136,11 @@ class PricedStretches:
 
 def price(
     problem: Problem, incumbent: Incumbent, work: float, progress: Progress | None, most_bytes: float,
-    earlier: PricedStretches | None = None,
+    earlier: Sequence[Proving] = (),
 ) -> PricedStretches | None:  # fmt: skip
     """Solve the linear program of every stretch, the last first; `incumbent` is a lawful plan.
 
-    Where a stretch is as it was `earlier`, in the same problem with fewer statements, its multipliers stay.
+    Where a stretch is as it was in the same problem with fewer statements, its multipliers of `earlier` stay.
 
     None where that cannot be had within the work, in deterministic seconds, or the memory.
     """
@@ -150,7 +155,7 @@ def price(
         before = ends_of(problem, groups[k - 1])[1] if k else np.array([HOME])
         out = frozenset(c for group in groups[:k] for c in group)
         route = incumbent.route[until[k] - len(groups[k]) : until[k]]
-        known = earlier.stretches[k] if earlier is not None and len(earlier.stretches) == len(groups) else None
+        known = earlier[k] if len(earlier) == len(groups) else None
         asked = _Asked(parts.of(groups[k]), groups[k], before, out, found[-1] if found else None, known)
         here, took = asked.priced(route, incumbent.cost, share, progress, left_bytes)
         spent += took
@@ -172,7 +177,7 @@ class _Asked:
     before: Ints
     earlier: frozenset[int]
     following: Priced | None
-    known: Priced | None
+    known: Proving | None
 
     def priced(
         self, route: Sequence[int], known: int, work: float, progress: Progress | None, most_bytes: float
@@ -189,8 +194,7 @@ class _Asked:
         apart = replace(apart, conditions=tuple(conditions_within(problem, self.group, own, self.earlier)))
         plan = tuple(np.searchsorted(own, route).tolist())
         of_plan = Incumbent(plan, route_cost(apart, plan))
-        was = None if self.known is None else self.known.relaxed
-        relaxed = reduced(apart, of_plan, known, (1.0 - WALKS) * work, progress, was)
+        relaxed = reduced(apart, of_plan, known, (1.0 - WALKS) * work, progress, self.known)
         if relaxed is None:
             return None, work
         posed = _posed(relaxed)

@@ -36,8 +36,7 @@ from .sweep import Rests, sweep_through
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
-
-    from .priced import PricedStretches
+    from kerfwise.models.engines.bounds.reduced import Proving
 
 _Sweep = Callable[[int | None], Incumbent | None]
 STAGES = (0.03, 0.1, 0.4)
@@ -61,14 +60,14 @@ class Proof:
     """The best route there is; `incumbent` is None where no lawful route exists at all.
 
     `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each). Where it did not
-    suffice, `least` is what every route costs at least, µm, and there is no incumbent. `priced` are the stretches under
-    multipliers, where these were asked for.
+    suffice, `least` is what every route costs at least, µm, and there is no incumbent. `priced` are the multipliers of
+    linear programs of its stretches, where these were asked for.
     """
 
     incumbent: Incumbent | None
     work: float = field(default=0.0, compare=False)
     least: int | None = None
-    priced: PricedStretches | None = field(default=None, compare=False, repr=False)
+    priced: tuple[Proving, ...] = field(default=(), compare=False, repr=False)
 
 
 def applies(problem: Problem) -> bool:
@@ -103,7 +102,7 @@ def prove(
     stages: tuple[float, ...] = STAGES,
     time_s: float | None = None,
     most_bytes: float = TABLE_BYTES,
-    earlier: PricedStretches | None = None,
+    earlier: tuple[Proving, ...] = (),
 ) -> Proof | None:
     """Solve exactly, or say what is proven if the budget does not suffice; None if nothing is.
 
@@ -124,7 +123,7 @@ def prove(
     most_bytes
         What the tables may take, those of the bound included.
     earlier
-        The stretches of the same problem with fewer statements.
+        Multipliers of the stretches of the same problem with fewer statements.
     """
     if unfit(problem):
         return None
@@ -139,7 +138,7 @@ def prove(
         return rounds.sweep(None, work)
     programs = len(stages) > 1 and known < FAR and priceable(problem)
     for share in stages:
-        tried = share != stages[0] or earlier is not None
+        tried = share != stages[0] or earlier
         if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
             return found
         until_s = np.inf if time_s is None else running_s() + share * time_s
@@ -219,7 +218,7 @@ class _Rounds:
 
         return self._rise(sweeps, _held(bound), most)
 
-    def priced(self, incumbent: Incumbent, earlier: PricedStretches | None) -> Proof | None:
+    def priced(self, incumbent: Incumbent, earlier: tuple[Proving, ...]) -> Proof | None:
         """What sweeps prove by linear programs of all stretches; None where nothing is proven."""
         from . import priced  # its programs take long to load
 
@@ -239,7 +238,7 @@ class _Rounds:
             return (lambda limit: stretches.sweep(limit, replace(budget), threads)), stretches.root
 
         proof = self._rise(sweeps, stretches.nbytes, self.left, PRICED_WIDER) or self.proven
-        return None if proof is None else replace(proof, priced=stretches)
+        return None if proof is None else replace(proof, priced=stretches.proving)
 
     def _rise(
         self,

@@ -108,7 +108,7 @@ def test_multipliers_found_with_fewer_statements_hold_with_more(tiny: Problem) -
     assert best is not None
     known = Incumbent(best.route, route_cost(fewer, best.route))
     earlier = priced.price(fewer, known, 1.0, None, 1e9)
-    stretches = priced.price(tiny, best, 1.0, None, 1e9, earlier)
+    stretches = priced.price(tiny, best, 1.0, None, 1e9, () if earlier is None else earlier.proving)
     assert stretches is not None
     assert stretches.root <= best.cost
     with ThreadPoolExecutor(1) as thread:
@@ -154,13 +154,16 @@ def test_what_is_proven_is_the_same_each_time() -> None:
     assert plain is not None
     assert proof is not None
     assert again is not None
-    assert proof.priced is not None
-    assert again.priced is not None
+    assert proof.priced
+    assert again.priced
     assert plain.incumbent is not None
     assert proof.incumbent is not None
     assert proof.incumbent.cost == plain.incumbent.cost < known.cost
     assert (again.incumbent, again.work) == (proof.incumbent, proof.work)
-    for one, other in zip(proof.priced.stretches, again.priced.stretches, strict=True):
+    tables = [priced.price(given, known, 1.0, None, 1e9, found.priced) for found in (proof, again)]
+    assert tables[0] is not None
+    assert tables[1] is not None
+    for one, other in zip(tables[0].stretches, tables[1].stretches, strict=True):
         assert one.lows.tobytes() == other.lows.tobytes()
         assert one.relaxed.dear.tobytes() == other.relaxed.dear.tobytes()
 
