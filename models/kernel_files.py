@@ -31,6 +31,8 @@ from .kernels import Kernel, compiling
 
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
+COMPILED_BY = tuple(str(Path(__file__).with_name(name)) for name in ("kernel_code.py", "late_code.py"))
+"""What says how numba compiles a kernel here."""
 
 
 def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], keep: bool) -> Any:
@@ -75,7 +77,7 @@ def _tell(text: str) -> None:
 
 
 class Files:
-    """The kept kernels of one function: a sealed file for each kind of arguments, by numba and source.
+    """The kept kernels of one function: a sealed file for each kind of arguments, by numba, how it is used, and source.
 
     `stamp` tells the source; it is asked when the first kernel is looked for, once all that it calls is defined.
     """
@@ -85,8 +87,9 @@ class Files:
 
     @cached_property
     def made_by(self) -> bytes:
-        """Which numba and which source a kernel has to be compiled by."""
-        return hashlib.sha256(repr((numba.__version__, self._stamp())).encode()).digest()
+        """Which numba, used how, and which source a kernel has to be compiled by."""
+        used = [_digest(file) for file in COMPILED_BY]
+        return hashlib.sha256(repr((numba.__version__, used, self._stamp())).encode()).digest()
 
     def load(self, key: object) -> Any:
         """What is kept for a key; None where nothing is, or nothing that may be run."""
