@@ -97,32 +97,30 @@ class Searcher:
         """See `run`; `budget` is in operations."""
         if self._regions is None:
             return self._by_annealing(pool, budget, time_s, progress)
-        began_s, likely = running_s(), budget if time_s is None else min(budget, int(time_s * WORK_PER_S))
-        whole = min(int(WHOLE * likely), int(WHOLE_MOST * self._problem.n**1.5))
+        ends_s = inf if time_s is None else running_s() + time_s
+        whole = min(int(WHOLE * _likely(budget, time_s)), int(WHOLE_MOST * self._problem.n**1.5))
         enough = whole <= LONGER * self._longest and self.best is not None
-        if budget - (0 if enough else whole) < REGIONS:  # too little for a look by regions
-            self._longest = max(self._longest, budget)
-            return self._by_annealing(pool, budget, time_s, progress)
         if enough:
             whole = 0
-        elif not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
+        if budget - whole < REGIONS:  # too little for a look by regions
+            self._longest = max(self._longest, budget)
+            return self._by_annealing(pool, budget, time_s, progress)
+        if not enough and not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
             return False
         self._longest = max(self._longest, whole)
-        left_s = None if time_s is None else time_s - (running_s() - began_s)
-        return self._by_regions(self._regions, pool, budget - whole, left_s, progress)
+        return self._by_regions(self._regions, pool, budget - whole, ends_s, progress)
 
     def _by_regions(
-        self, regions: Regions, pool: Executor, budget: int, time_s: float | None, progress: Progress | None
+        self, regions: Regions, pool: Executor, budget: int, ends_s: float, progress: Progress | None
     ) -> bool:
-        """Improve the best route region by region; answers as `run` does."""
-        started_s, spent, best = running_s(), 0, self.best
+        """Improve the best route region by region until `ends_s`, by `running_s`; answers as `run` does."""
+        spent, best = 0, self.best
         if best is None:
             return True
         route = np.array(best.route, dtype=np.int64)
-        while spent + REGIONS <= budget and (time_s is None or running_s() - started_s < time_s):
+        while spent + REGIONS <= budget and running_s() < ends_s:
             if progress is not None and not progress("search", self._best_cost(), None):
                 return False
-            ends_s = inf if time_s is None else started_s + time_s
             better, work = regions.step(pool, route, REGIONS, budget - spent, ends_s)
             spent += work
             if not np.array_equal(better, route):
@@ -133,7 +131,7 @@ class Searcher:
     def _by_annealing(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
         """Anneal the whole route; answers as `run` does."""
         started_s, spent = running_s(), 0
-        likely = budget if time_s is None else max(1, min(budget, int(time_s * WORK_PER_S)))
+        likely = _likely(budget, time_s)
         schedule = Schedule.of(self._problem.n, likely)
         if not self._walkers[0].ready:
             end_s = None if time_s is None else started_s + FIRST * time_s
@@ -191,3 +189,8 @@ class Searcher:
 
     def _best_cost(self) -> int | None:
         return min((walker.cost for walker in self._walkers if walker.cost is not None), default=None)
+
+
+def _likely(budget: int, time_s: float | None) -> int:
+    """Operations that are likely to be done of a budget, as there is so much time."""
+    return budget if time_s is None else max(1, min(budget, int(time_s * WORK_PER_S)))

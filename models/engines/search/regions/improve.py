@@ -26,7 +26,7 @@ LARGEST_BLOCK = 40
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """How regions are searched until every contour was free about `passes` times.
+    """How regions are searched until every contour was free about `passes` times, earlier stages counted.
 
     `free` contours of a region, and a few more, as blocks are whole; `each` operations for each of its pieces; `hot` is
     the first temperature, as a share of what a move from contour to contour costs about.
@@ -42,9 +42,9 @@ CHUNK = 20_000_000
 """Operations between two looks at the clock."""
 STAGES = (
     Stage(4.0, 40, 300_000, 2.0),
-    Stage(12.0, 120, 500_000, 4.0),
-    Stage(12.0, 120, 1_000_000, 4.0),
-    Stage(12.0, 120, 2_000_000, 4.0),
+    Stage(16.0, 120, 500_000, 4.0),
+    Stage(28.0, 120, 1_000_000, 4.0),
+    Stage(40.0, 120, 2_000_000, 4.0),
     Stage(inf, 120, 4_000_000, 4.0),
 )
 """What little searches leave is soon found by small regions. The rest asks for large ones, laid out anew from above."""
@@ -108,12 +108,7 @@ class Regions:
 
     def _stage(self) -> Stage:
         """The stage that it has come to."""
-        passes = self._freed / self._problem.n
-        for stage in STAGES:
-            if passes < stage.passes:
-                break
-            passes -= stage.passes
-        return stage
+        return next(stage for stage in STAGES if self._freed < stage.passes * self._problem.n)
 
     def _part(self, route: Ints, random: np.random.Generator) -> int:
         """A place about the middle of a route, between two blocks."""
