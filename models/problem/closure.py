@@ -116,13 +116,10 @@ def immediate_pairs(sooner: Masks) -> Ints:
     """
     rank = np.bitwise_count(sooner).sum(axis=1, dtype=np.int64)
     latest_first = np.argsort(-rank, kind="stable")
-    n, wide = sooner.shape
-    ranked = np.zeros((n, wide * 8), dtype=np.uint8)
+    n, ranked = len(sooner), np.empty(sooner.shape, dtype=np.uint64)
     for k in range(0, n, ROWS_AT_ONCE):
-        some = unpacked(sooner[k : k + ROWS_AT_ONCE], n)[:, latest_first]
-        ranked[k : k + ROWS_AT_ONCE, : -(-n // 8)] = np.packbits(some, axis=1, bitorder="little")
-    words_of = ranked.view("<u8").astype(np.uint64, copy=False)
-    return suited(_immediate_pairs, STEPS_A_CONTOUR * n * wide)(words_of, latest_first)
+        ranked[k : k + ROWS_AT_ONCE] = packed(unpacked(sooner[k : k + ROWS_AT_ONCE], n)[:, latest_first])
+    return suited(_immediate_pairs, STEPS_A_CONTOUR * ranked.size)(ranked, latest_first)
 
 
 def known_immediate_pairs(before: Bools, sooner: Masks | None = None) -> Ints:
