@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 from kerfwise.encoder.facts.facts import Facts
@@ -58,7 +58,7 @@ def find_core(
         return None
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
     if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], budget):
-        return _firmest(facts, groups, replace(in_order(groups, *locked), soon=True), gives_way, budget)
+        return _firmest(facts, groups, in_order(groups, *locked, soon=True), gives_way, budget)
     at_once = partial(clash_at_once, facts, budget=budget)
     try:
         if at_once(ranked) is None:
@@ -85,7 +85,7 @@ def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], bud
     minimal = True
     if not exactly(orders_of(facts, clashing)):
         clashing, minimal = shrink(clashing, partial(clash, facts, budget=budget))
-    return replace(in_order(groups, clashing, minimal), soon=True)
+    return in_order(groups, clashing, minimal, soon=True)
 
 
 def _firmest(facts: Facts, groups: Sequence[Group], core: Core, gives_way: Mapping[str, int], budget: Budget) -> Core:
@@ -115,7 +115,7 @@ def _among(facts: Facts, suspected: list[Group], budget: Budget) -> tuple[list[G
     return None if left is None else shrink([suspected[k] for k in left], partial(clash, facts, budget=budget))
 
 
-def in_order(groups: Sequence[Group], core: Sequence[Group], minimal: bool) -> Core:
+def in_order(groups: Sequence[Group], core: Sequence[Group], minimal: bool, soon: bool = False) -> Core:
     """The core with its groups as they stand among all."""
     place = {group.about: k for k, group in enumerate(groups)}
-    return Core(tuple(sorted(core, key=lambda group: place[group.about])), minimal)
+    return Core(tuple(sorted(core, key=lambda group: place[group.about])), minimal, soon)
