@@ -11,7 +11,6 @@ import numpy as np
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.plan.another_profile import made_with_another
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.explain import (
     Along,
@@ -21,6 +20,7 @@ from kerfwise.models.plan.explain import (
     explained,
     make_setting,
 )
+from kerfwise.models.plan.made_from import made_with_another
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.stating.state_rules import state_rules
 

@@ -11,7 +11,6 @@ from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
@@ -137,13 +136,9 @@ def common_cuts_not_made(given: Given) -> str:
 
 def differences(plan: Plan, given: Given) -> Iterator[str]:
     """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
-    from kerfwise.models.plan.another_profile import made_with_another
+    from kerfwise.models.plan.made_from import made_from_others
 
-    if plan.nest.get("sha256") != given.nest.sha256:
-        yield "the nest is not the one the plan was made with (its sha256 differs)"
-    if told := made_with_another(plan, given.profile):
-        yield told
-    yield from changed_since(plan.made_with, given.profile.for_one_nest)
+    yield from made_from_others(plan, given.nest, given.profile)
     if plan.origin != given.profile.machine.origin:
         yield f"the plan's origin is {plan.origin}, here it is {given.profile.machine.origin}: the plan's counts"
 

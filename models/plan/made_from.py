@@ -1,12 +1,25 @@
-"""That a plan was made with another profile than the one it is read with."""
+"""What a plan was made from, against what it is read with."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import Profile
 
 from .plan import Plan
 
 _SHA_DIGITS = 12
+
+
+def made_from_others(plan: Plan, nest: Nest, profile: Profile) -> Iterator[str]:
+    """A sentence for each thing that is not as it was when the plan was made: nest, profile, what is for one nest."""
+    if plan.nest.get("sha256") != nest.sha256:
+        yield "the nest is not the one the plan was made with (its sha256 differs)"
+    if told := made_with_another(plan, profile):
+        yield told
+    yield from changed_since(plan.made_with, profile.for_one_nest)
 
 
 def made_with_another(plan: Plan, profile: Profile) -> str:

@@ -15,14 +15,13 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import join_of
 from kerfwise.encoder.listed import listed
 from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.plan.another_profile import made_with_another
+from kerfwise.models.plan.made_from import made_from_others
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Precede
 from kerfwise.rules.stating.state_rules import Stated
@@ -81,14 +80,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     """
     _same_contours(facts, plan)
     problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
-    notes: list[str] = []
-    if plan.nest.get("sha256") != facts.nest.sha256:
-        notes.append("the nest is not the one the plan was made with (its sha256 differs)")
-    if told := made_with_another(plan, profile):
-        notes.append(told)
-    notes += changed_since(plan.made_with, profile.for_one_nest)
     candidates, stand_ins = _candidates_of(facts, problem, plan)
-    notes += stand_ins
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
     conditions: dict[int, list[Condition]] = defaultdict(list)
     for condition in problem.conditions:
@@ -107,7 +99,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
         orders,
         np.array([(s.before, s.after) for s in orders], dtype=np.int64).reshape(-1, 2),
         tuple(dict.fromkeys(s.about.rule for s in kinds.crossing if s.weight is None)),
-        tuple(notes),
+        (*made_from_others(plan, facts.nest, profile), *stand_ins),
     )
 
 
