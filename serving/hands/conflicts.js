@@ -35,7 +35,7 @@ function drawConflict(app, work, place, conflict) {
   const way = (title, changes, relax = false) => {
     const bring = make("small", {}, "…");
     ways.push([bring, { changes, relax }]);
-    const take = () => relax ? work.change("solve", { relax }) : lockAndPlan(work, changes);
+    const take = () => relax ? work.solve({ relax }) : lockAndPlan(work, changes);
     return make("p", {}, make("button", { type: "button", onclick: take }, title), " ", bring);
   };
   const rows = conflict.clash.map((/** @type {any} */ one) => make("li", {},

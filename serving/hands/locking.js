@@ -1,6 +1,5 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
-import { planNow } from "./planning.js";
 
 /**
  * A panel of what is locked, and under *Why* the buttons that lock the chosen contour.
@@ -67,6 +66,6 @@ export function quoted(id) {
 
 /** @type {(work: Work, changes: object[], plan?: number) => Promise<void>} */
 export async function lockAndPlan(work, changes, plan) {
-  const told = await work.edit(changes, plan);
-  if (told && !work.state.solving) await planNow(work);
+  const { cancels } = work;
+  if (await work.edit(changes, plan)) await work.solve({}, cancels);
 }

@@ -10,14 +10,14 @@ const METRE_MM = 1000;
  * @param {Work} work
  */
 export function planBar(app, work) {
-  const plan = make("button", { type: "button", id: "hands-plan", title: "plan what is wanted (Enter)", onclick: () => planNow(work) }, "Plan");
+  const plan = make("button", { type: "button", id: "hands-plan", title: "plan what is wanted (Enter)", onclick: () => work.solve() }, "Plan");
   const cancel = make("button", { type: "button", id: "hands-cancel", hidden: true, onclick: () => cancelNow(work) }, "Cancel");
   const undo = make("button", { type: "button", id: "hands-undo", title: "back to the plan before (u)", onclick: () => undoLast(work) }, "Undo");
   const save = make("button", { type: "button", id: "hands-save", title: "write the program, the plan and the job file", onclick: () => saveAll(work) }, "Save");
   const said = make("span", { id: "hands-said" });
   const reached = make("span", { id: "hands-reached" });
   app.slots.tools.append(make("a", { href: "/?list", title: "the nests of the folder" }, "Nests"), plan, cancel, undo, save, reached, said);
-  app.key("Enter", () => planNow(work), "plan what is wanted");
+  app.key("Enter", () => work.solve(), "plan what is wanted");
   app.key("u", () => undoLast(work), "back to the plan before");
   let wasSolving = false;
   work.on(() => {
@@ -40,15 +40,10 @@ function stillText({ state, plan }) {
   return plan ? "not planned yet; shown is the plan before" : "not planned yet: press Plan";
 }
 
-/** @type {(work: Work) => Promise<any>} */
-export function planNow(work) {
-  return work.state.solving ? Promise.resolve(null) : work.change("solve", {});
-}
-
 /** @type {(work: Work) => void} */
 function cancelNow(work) {
   const again = work.state.solving?.ending;
-  work.change("cancel", { at_once: Boolean(again) });
+  work.cancel(Boolean(again));
   work.say(again ? "ended without a plan" : "ending with the best plan so far; once more ends it at once");
 }
 

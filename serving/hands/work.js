@@ -23,6 +23,8 @@ export class Work {
     this.say = () => {};
     /** @type {Promise<any>} the change that was asked for last */
     this.turn = Promise.resolve();
+    /** how often somebody has cancelled here */
+    this.cancels = 0;
   }
 
   /** The state of now, and then whatever changes. */
@@ -66,7 +68,7 @@ export class Work {
 
   /**
    * Has the server change something; what it refuses is said. Each change waits for the answer to the one before, of
-   * whose state it is; only what cancels does not.
+   * whose state it is.
    *
    * @param {string} what
    * @param {object} said
@@ -74,13 +76,32 @@ export class Work {
    * @returns {Promise<any>} what the server told; null where it refused
    */
   change(what, said, plan) {
-    if (what === "cancel") return this.asked(what, said);
     this.turn = this.turn.then(() => {
       if (plan === undefined || plan === this.state.shown) return this.asked(what, said);
       this.say("another plan is shown by now: look at it, and do it again");
       return null;
     });
     return this.turn;
+  }
+
+  /**
+   * Has the nest planned once the changes before are made: not where it is being planned by then, nor where somebody
+   * has cancelled since it was wanted.
+   *
+   * @param {object} said
+   * @param {number} cancels how often somebody had cancelled when it was wanted
+   * @returns {Promise<any>} what the server told; null where it was not asked, or refused
+   */
+  solve(said = {}, cancels = this.cancels) {
+    this.turn = this.turn.then(() => this.state.solving || cancels !== this.cancels ? null : this.asked("solve", said));
+    return this.turn;
+  }
+
+  /** Ends the planning, with the best plan so far or at once with none: it waits for no change before. */
+  /** @type {(atOnce: boolean) => Promise<any>} */
+  cancel(atOnce) {
+    this.cancels += 1;
+    return this.asked("cancel", { at_once: atOnce });
   }
 
   /**
