@@ -11,8 +11,11 @@ On small problems the search has found the best plan long since, and only the pr
 """
 SET_OUT_S = 0.2
 """Seconds below which no further member begins: each has tables of its own to make first."""
-LOOKS, SEEDS_APART = 6, 1_000_003
-"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart."""
+LOOKS, SEEDS_APART = 3, 1_000_003
+"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart.
+
+With more they are so short that orders which bind tightly hold all of them up.
+"""
 DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
