@@ -74,7 +74,7 @@ def solve(
     settings
         Values of the profile for this nest only: {"leads.lead_in": "4 mm"}, or lines such as "leads.lead_in=4 mm".
     time_s
-        Wall-clock limit, s, instead of `work`.
+        Wall-clock limit of the planning, s, instead of `work`.
     work
         Limit that does not depend on the machine's speed; one is about a second.
     seed

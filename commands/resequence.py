@@ -34,7 +34,7 @@ if TYPE_CHECKING:
               help="Go on by travel alone where nobody can tell what the burns cut.")  # fmt: skip
 @click.option("--picture", metavar="OUT.svg|.png", help="A picture of both orders.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan of the new program, where there is one.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit a program by the clock, in seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each planning by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
 @click.option(

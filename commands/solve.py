@@ -11,6 +11,7 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
 from kerfwise.models.engines.baselines import STRATEGIES
+from kerfwise.models.kernels import counted_s
 
 from .drawings_out import drawings, expect_as_drawn, expect_drawings
 from .engine_choice import EngineChoice
@@ -28,7 +29,7 @@ from .numbers import AMOUNT_OVER_ZERO, MEMORY, Amount
 )
 @click.option("--reordered-dxf", metavar="OUT.dxf", help="The same as DXF: geometry, layers and colours as drawn.")
 @click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="A picture of the plan.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit the planning by the clock, in seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit the command by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
 @click.option(
@@ -79,6 +80,7 @@ def command(
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
+    began_s = counted_s()
     from kerfwise.jobs.default_names import expect_own, named_after
     from kerfwise.jobs.main_job import plan_nest
     from kerfwise.jobs.no_plan import NoPlan
@@ -86,6 +88,7 @@ def command(
     from kerfwise.jobs.solve_options import options_for
     from kerfwise.jobs.stopped import already_cut
     from kerfwise.jobs.summary import job_line, summary
+    from kerfwise.jobs.whole_limit import WholeLimit
     from kerfwise.postproc.files import write_files
     from kerfwise.postproc.nc.dxf_out import write_dxf
     from kerfwise.postproc.nc.remnant import remnant_files, remnant_names
@@ -115,12 +118,14 @@ def command(
         work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
         memory_gb=memory_gb,
     )  # fmt: skip
+    drawn = () if picture is None else (Path(picture).suffix,)
+    whole = None if time_limit is None else WholeLimit(time_limit, began_s, drawn)
     listener = ProgressLine()
     try:
         done = plan_nest(
             given, limits,
             already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
-            listener=listener, tell=tell_note,
+            listener=listener, tell=tell_note, whole=whole,
         )  # fmt: skip
     except NoPlan as no_plan:
         return tell_conflict(no_plan, conflict_picture)
@@ -147,6 +152,8 @@ def command(
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         return 1
     click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+    if whole is not None and (over := whole.over()):
+        tell_note(over)
     return 130 if listener.interrupted else 0
 
 

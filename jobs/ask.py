@@ -20,6 +20,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.kernels import running_s
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.common_use import expect_common_cuts
@@ -35,6 +36,7 @@ from kerfwise.rules.stating.state_rules import (
 
 from .one_torch import expect_torches
 from .torches import at_best_spacing, facts_of_torches, first_groups, of_parts
+from .whole_limit import Took
 
 RELAX = 0.5
 """Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
@@ -48,16 +50,16 @@ class Asked:
     stated: Stated
 
 
-def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> str:
+def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> str:
     return f"measuring {nest.file or 'the nest'}"
 
 
 @long_job(_measuring)
 @few_collections()
-def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Facts:
+def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
-    Where some of it is `already` cut they are those of what is left.
+    Where some of it is `already` cut they are those of what is left. `took` is told how long finding candidates takes.
 
     Raises
     ------
@@ -88,7 +90,10 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
         drawn = drawn_alike(nest, groups, step) if groups else nest
         leads = profile.lead_options(nest)
         leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
+        began_s = running_s()
         candidates, met = build_with_older_kerfs(drawn, leads, already, loose)
+        if took is not None:
+            took.candidates_s = running_s() - began_s
     except InputError as error:
         unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
         if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):

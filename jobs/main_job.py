@@ -21,11 +21,10 @@ from .no_plan import NoPlan
 from .one_torch import expect_one_torch
 from .produce import Produced, produce
 from .stopped import again_first
+from .whole_limit import LEAST_SHARE, Took, WholeLimit
 
 SAID_S = 5.0
 """What takes longer beside a limit in seconds is told."""
-LEAST_SHARE = 0.2
-"""Share of a limit in seconds that is left for the plan where what gives way was looked for all the time."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,6 +50,7 @@ def plan_nest(
     strategy: Strategy = "ours",
     listener: Listener | None = None,
     tell: Tell = silent,
+    whole: WholeLimit | None = None,
 ) -> Finished:
     """Plan a nest, or what is left of it, write the program, and judge both.
 
@@ -70,6 +70,8 @@ def plan_nest(
         Listens while the plan is made.
     tell
         Told what took long beside a limit in seconds.
+    whole
+        A limit of the command that this is part of, in place of one in seconds for the planning alone.
 
     Raises
     ------
@@ -89,31 +91,40 @@ def plan_nest(
         from kerfwise.models.engines.minizinc.installation import solver_named
 
         solver_named(solver)  # the same goes for a MiniZinc that is missing or broken
-    limit_s, listener = limits.time_s, listener or Listener()
-    began_s, made_before_s = running_s(), made_s()
-    facts = facts_of(nest, profile, already)
+    limit_s, listener = limits.time_s if whole is None else None, listener or Listener()
+    began_s, made_before_s, took = running_s(), made_s(), Took()
+    facts = facts_of(nest, profile, already, took)
     _not_counted("the facts of the nest", running_s() - began_s, limit_s, tell)
     try:
         began_s = running_s()
+        limits = limits if whole is None else whole.begin(limits, took)
         asked = ask(facts, profile, relax, limits)
         left = limits
         if limit_s:  # stating the rules is inside the limit; a plan gets its share all the same
             spent_s = running_s() - began_s
             left = replace(limits, time_s=max(limit_s - spent_s, LEAST_SHARE * limit_s))
+        if whole is not None:
+            left = whole.begin(limits, took)
+            if told := whole.too_short(took):
+                tell(told)
         began_s = running_s()
         with listener:
-            made = produce(asked, profile, left, listener, engine, solver, strategy, and_zones=True)
+            going = listener if whole is None else whole.watched(listener)
+            made = produce(asked, profile, left, going, engine, solver, strategy, and_zones=True)
     except RulesConflict as error:
         from kerfwise.models.engines.budget import Budget
         from kerfwise.models.plan.conflict import NotAnswered, find_conflict
 
+        limits = limits if whole is None else replace(limits, time_s=whole.left_s())
         try:
             conflict = None if listener.interrupted else find_conflict(facts, profile, Budget.of(limits))
         except NotAnswered:
             raise NoPlan(error, facts, profile, within_limit=False) from error
         raise NoPlan(error, facts, profile, conflict) from error
+    if whole is not None:
+        whole.end(made.judging_s)
     over_s = running_s() - began_s - made.judging_s - (left.time_s or 0.0)
-    if (limit_s or limits.no_improvement_s) and (took_s := made_s() - made_before_s) > SAID_S:
+    if (left.time_s or limits.no_improvement_s) and (took_s := made_s() - made_before_s) > SAID_S:
         tell(f"kernels were compiled, which is done once: {took_s:.0f} s, not counted by the limit")
     _not_counted("ending the planning", over_s, limit_s, tell)
     _not_counted("writing and checking the program", made.judging_s, limit_s, tell)

@@ -28,6 +28,8 @@ TRIES = 2
 """Ways to make zones along a plan that are tried."""
 A_TRY = 0.6
 """Share of what is left that one of them may take, but for the last."""
+LEAST_S = 0.05
+"""Seconds of a limit that are left for it, however long its rules have taken to be stated."""
 
 
 @dataclass(slots=True)
@@ -152,11 +154,12 @@ def along(
     told what every try takes.
     """
     tried, unproven = 0, 0
-    for zone in zones_along(facts, [facts.candidates[c].contour for c in free.solution.route]):
+    zones = zones_along(facts, [facts.candidates[c].contour for c in free.solution.route])
+    while tried < TRIES and account.left() is not None and (zone := next(zones, None)) is not None:
         if int(zone.max()) <= unproven:  # as large as zones of which a proof took too long
             continue
         tried += 1
-        if tried > TRIES or (left := account.left()) is None:
+        if (left := account.left()) is None:
             break
         if tried < TRIES:
             left = replace(left, work=A_TRY * left.work, time_s=left.time_s and A_TRY * left.time_s)
@@ -186,9 +189,11 @@ def _by_zones(
     """
     from kerfwise.models.engines.rounds import solve
 
-    limits = replace(limits, member="ideals", gap=None, no_improvement_s=None)
+    limits, began_s = replace(limits, member="ideals", gap=None, no_improvement_s=None), running_s()
     try:
         stated = state_rules(facts, profile)
+        if limits.time_s is not None:  # stating them is inside the limit
+            limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), LEAST_S))
         looks = afterthoughts(facts, profile)
         return Asked(facts, stated), solve(facts, stated.statements, limits, progress, looks, start=start.route)
     except (InputError, RulesConflict):

@@ -27,7 +27,7 @@ from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
 
 from .kernel_code import code_of_kernels
-from .kernels import Kernel, compiling
+from .kernels import Kernel, compiling, note_compiled
 
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
@@ -47,7 +47,12 @@ def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], k
 
     def make_off_the_clock(*given: Any, **named: Any) -> Any:
         with compiling(), few_collections(), code_of_kernels():
-            return make(*given, **named)
+            not_kept = sum(dispatcher.stats.cache_misses.values())
+            try:
+                return make(*given, **named)
+            finally:
+                if sum(dispatcher.stats.cache_misses.values()) > not_kept:
+                    note_compiled()
 
     dispatcher._compile_for_args = make_off_the_clock
     return dispatcher

@@ -2,7 +2,8 @@
 
 To compile one takes seconds, once for each machine; to load numba and what is kept takes most of a second in each run.
 So neither is done before a kernel needs it, and a run may first take some steps in plain Python: a small nest needs no
-more. Both ways compute the same. No clock of a limit runs while something is compiled or loaded.
+more. Both ways compute the same. No engine's clock runs while something is compiled or loaded; that of a command's
+limit runs while something is loaded.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ class _OfProcess:
     plain_steps: float = PLAIN_STEPS
     making = 0
     """Threads that compile or load."""
-    since_s = made_s = 0.0
+    compiled = False
+    """Whether one of those has compiled something, not only loaded it."""
+    since_s = made_s = compiled_s = 0.0
 
 
 _thread, _process = _OfThread(), _OfProcess()
@@ -126,7 +129,16 @@ def compiling() -> Iterator[None]:
         with _lock:
             _process.making -= 1
             if not _process.making:
-                _process.made_s += time.monotonic() - _process.since_s
+                took_s = time.monotonic() - _process.since_s
+                _process.made_s += took_s
+                _process.compiled_s += took_s if _process.compiled else 0.0
+                _process.compiled = False
+
+
+def note_compiled() -> None:
+    """Say, within `compiling`, that something was compiled: it was not kept from an earlier run."""
+    with _lock:
+        _process.compiled = True
 
 
 def made_s() -> float:
@@ -139,6 +151,16 @@ def running_s() -> float:
     """A clock, s, for limits: it stands still while a kernel is compiled or loaded."""
     with _lock:
         return time.monotonic() - made_s()
+
+
+def counted_s() -> float:
+    """A clock, s, for limits of whole commands: each run loads kernels, so it stands still only where one is compiled.
+
+    Until a kernel is there it is not known which of the two it was: so long it stands still, too.
+    """
+    with _lock:
+        now_s = time.monotonic()
+        return now_s - _process.compiled_s - (now_s - _process.since_s if _process.making else 0.0)
 
 
 def cores() -> int:

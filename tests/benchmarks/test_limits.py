@@ -22,6 +22,7 @@ def test_a_row_is_what_a_run_of_the_command_took(tmp_path: Path) -> None:
     assert kept.gap == 0.0
     assert 50 < kept.memory_mb < 3000
     assert str(kept).count("|") == HEAD.splitlines()[0].count("|")
+    assert str(kept).split(" | ")[3] == f"{kept.command_s - 60.0:+.1f}"
     assert {path.name for path in tmp_path.iterdir()} >= {"e1x_6.nc", "e1x_6.plan.json", "e1x_6.svg"}
 
 

@@ -18,7 +18,19 @@ import pytest
 from kerfwise.encoder.errors import Advice
 from kerfwise.models import kernel_files, kernels
 from kerfwise.models.kernel_files import Files, Kept
-from kerfwise.models.kernels import Kernel, compiling, cores, inner, kept, made_s, running_s, suited, take_plainly
+from kerfwise.models.kernels import (
+    Kernel,
+    compiling,
+    cores,
+    counted_s,
+    inner,
+    kept,
+    made_s,
+    note_compiled,
+    running_s,
+    suited,
+    take_plainly,
+)
 
 
 def doubled(x: int) -> int:
@@ -264,6 +276,33 @@ def test_the_clock_of_limits_stands_still_while_something_is_compiled() -> None:
     since_s = made_s()
     kernel(4)
     assert made_s() > since_s
+
+
+@pytest.mark.parametrize("compiles", [True, False])
+def test_the_clock_of_commands_stands_still_while_something_is_compiled_and_counts_loading(
+    compiles: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = 1000.0
+    monkeypatch.setattr(kernels.time, "monotonic", lambda: now_s)
+    before_s, before_running_s = counted_s(), running_s()
+    with compiling():
+        now_s += 3.0
+        if compiles:
+            note_compiled()
+        assert counted_s() == before_s
+    assert counted_s() == before_s + (0.0 if compiles else 3.0)
+    assert running_s() == before_running_s
+    now_s += 2.0
+    assert counted_s() == before_s + (2.0 if compiles else 5.0)
+
+
+def test_a_kernel_that_is_kept_is_loaded_and_one_that_is_not_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(kernel_files, "note_compiled", lambda: told.append("compiled"))
+    run()
+    assert told == ["compiled"] * 2
+    run()
+    assert told == ["compiled"] * 2
 
 
 @pytest.mark.parametrize(("asked", "found"), [("3", 3), ("0", 1), ("many", 1)])

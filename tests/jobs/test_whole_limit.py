@@ -1,0 +1,214 @@
+"""A limit for a whole command: what is left for the planning, by clocks that the tests wind on themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.jobs import main_job
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.main_job import plan_nest
+from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.whole_limit import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, Took, WholeLimit
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.postproc.report import expect_picture
+from kerfwise.rules.profile.profile import load_profile
+
+PLATE = nest(300, 200, part("A", rect(20, 20, 80, 60)), part("B", rect(140, 20, 80, 60)))
+PROFILE = load_profile()
+
+
+@dataclass
+class Wound:
+    """A clock that stands still until it is wound on."""
+
+    now_s: float = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+@pytest.fixture
+def clock() -> Wound:
+    return Wound(100.0)
+
+
+def limit_of(limit_s: float, clock: Wound, *drawn: str) -> WholeLimit:
+    return WholeLimit(limit_s, drawn=drawn, clock=clock)
+
+
+def test_what_has_passed_and_what_comes_after_are_taken_off(clock: Wound) -> None:
+    limit = limit_of(30.0, clock)
+    clock.now_s += 5.0
+    assert limit.spent_s == 5.0
+    assert limit.planning_s(Took(1.0)) == pytest.approx(30.0 - 5.0 - CHECKED - ENDED_S)
+    assert limit.planning_s(Took(2.0)) == pytest.approx(30.0 - 5.0 - 2 * CHECKED - ENDED_S)
+
+
+@pytest.mark.parametrize("suffix", sorted(DRAWN))
+def test_a_picture_takes_its_share(suffix: str, clock: Wound) -> None:
+    plain, drawn = limit_of(90.0, clock), limit_of(90.0, clock, suffix.upper())
+    times, more_s = DRAWN[suffix]
+    assert plain.planning_s(Took(1.0)) - drawn.planning_s(Took(1.0)) == pytest.approx(times + more_s)
+
+
+def test_every_kind_of_picture_has_a_share() -> None:
+    with pytest.raises(InputError) as refused:
+        expect_picture(".none")
+    assert refused.value.message.endswith(f"one of {', '.join(DRAWN)}")
+
+
+def test_the_planning_keeps_its_least_share(clock: Wound) -> None:
+    limit = limit_of(10.0, clock)
+    clock.now_s += 9.0
+    assert limit.planning_s(Took(0.0)) == LEAST_SHARE * 10.0
+    clock.now_s += 90.0
+    assert limit.planning_s(Took(0.0)) == LEAST_SHARE * 10.0
+    assert limit.left_s() == LEAST_SHARE * 10.0
+
+
+def test_a_limit_that_cannot_hold_is_told_before_the_planning(clock: Wound) -> None:
+    limit, took = limit_of(10.0, clock), Took(1.0)
+    clock.now_s += 2.0
+    limit.begin(SolveOptions(), took)
+    assert limit.too_short(took) == ""
+    clock.now_s += 5.0
+    limits = limit.begin(SolveOptions(seed=3), took)
+    assert limits == SolveOptions(seed=3, time_s=2.0)
+    assert limit.too_short(took) == (
+        f"reading, facts, rules and the check alone take about {7.0 + CHECKED + ENDED_S:.1f} s of a limit of 10 s: the "
+        "planning has 2.0 s all the same, and the command takes longer than its limit"
+    )
+
+
+def test_a_command_that_has_taken_longer_says_what_took_how_long(clock: Wound) -> None:
+    limit = limit_of(10.0, clock)
+    clock.now_s += 2.0
+    share_s = limit.begin(SolveOptions(), Took(0.0)).time_s
+    assert share_s == pytest.approx(8.0 - ENDED_S)
+    clock.now_s += 7.5
+    limit.end(0.5)
+    clock.now_s += 1.0
+    assert limit.over() == ""
+    clock.now_s += 1.5
+    assert limit.over() == (
+        "the command took 12.0 s, 2.0 s longer than its limit: 2.0 s before the planning, 7.0 s for it "
+        f"(left: {share_s:.1f} s), 3.0 s for program, check and files"
+    )
+
+
+def test_the_planning_is_stopped_when_its_seconds_are_over_whatever_the_engines_count(clock: Wound) -> None:
+    limit, heard = limit_of(10.0, clock), list[str]()
+
+    def listener(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        heard.append(engine)
+        return True
+
+    limits = limit.begin(SolveOptions(), Took(0.0))
+    watch = Watch(limits, limit.watched(listener), clock=lambda: 0.0)  # as where kernels are loaded all the time
+    clock.now_s += 10.0 - ENDED_S - 0.01
+    assert watch("search", None, None)
+    clock.now_s += 0.02
+    assert not watch("search", None, None)
+    assert heard == ["search", "search"]
+
+
+class _Planned(Exception):
+    """The planning was reached."""
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
+    """The limits and the listener that a planning is given: facts take 4 s, 1 s of it for candidates, and rules 3 s."""
+    seen: list[Any] = []
+    facts_of, ask = main_job.facts_of, main_job.ask
+
+    def facts(nest: Any, profile: Any, already: Any, took: Took) -> Any:
+        clock.now_s += 4.0
+        made = facts_of(nest, profile, already, took)
+        took.candidates_s = 1.0
+        return made
+
+    def stated(facts: Any, profile: Any, relax: bool, limits: SolveOptions) -> Any:
+        seen.append(limits.time_s)
+        clock.now_s += 3.0
+        return ask(facts, profile, relax, limits)
+
+    def produce(asked: Any, profile: Any, limits: SolveOptions, progress: Any, *rest: Any, **more: Any) -> Any:
+        seen.extend((limits.time_s, progress))
+        raise _Planned
+
+    monkeypatch.setattr(main_job, "facts_of", facts)
+    monkeypatch.setattr(main_job, "ask", stated)
+    monkeypatch.setattr(main_job, "produce", produce)
+    return seen
+
+
+def test_rules_and_engines_get_what_is_left(asked: list[Any], clock: Wound) -> None:
+    told: list[str] = []
+    limits, limit = options_for(PLATE, PROFILE, time_s=30.0), limit_of(30.0, clock, ".svg")
+    kept_s = CHECKED + DRAWN[".svg"][0] + ENDED_S
+    clock.now_s += 2.0  # reading
+    with pytest.raises(_Planned):
+        plan_nest(Given(PLATE, PROFILE), limits, whole=limit, tell=told.append)
+    assert asked[0] == pytest.approx(30.0 - 6.0 - kept_s)
+    assert asked[1] == pytest.approx(30.0 - 9.0 - kept_s)
+    assert asked[2]("search", None, None)
+    clock.now_s += asked[1] + 0.1
+    assert not asked[2]("search", None, None)
+    assert told == []
+
+
+def test_a_limit_that_reading_uses_up_is_told(asked: list[Any], clock: Wound) -> None:
+    told: list[str] = []
+    limits, limit = options_for(PLATE, PROFILE, time_s=8.0), limit_of(8.0, clock)
+    with pytest.raises(_Planned):
+        plan_nest(Given(PLATE, PROFILE), limits, whole=limit, tell=told.append)
+    assert asked[:2] == pytest.approx([LEAST_SHARE * 8.0] * 2)
+    (told_once,) = told
+    assert "of a limit of 8 s" in told_once
+
+
+def test_without_a_limit_of_the_command_the_planning_has_its_own(asked: list[Any], clock: Wound) -> None:
+    with pytest.raises(_Planned):
+        plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0))
+    assert asked[0] == 50_000.0
+    assert asked[1] == pytest.approx(50_000.0, rel=0.01)
+    clock.now_s += 1e6
+    assert asked[2]("search", None, None)
+
+
+def test_by_work_nothing_looks_at_a_clock(asked: list[Any]) -> None:
+    with pytest.raises(_Planned):
+        plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, work=2.0))
+    assert asked[:2] == [None, None]
+    assert isinstance(asked[2], Listener)
+
+
+def test_what_contradicts_what_is_looked_for_in_what_is_left(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> None:
+    from kerfwise.models.plan import conflict
+
+    left: list[float] = []
+
+    def found(facts: Any, profile: Any, budget: Any) -> None:
+        left.append(budget.left)
+
+    def refused(*given: Any) -> None:
+        clock.now_s += 12.0
+        raise RulesConflict("no plan")
+
+    monkeypatch.setattr(conflict, "find_conflict", found)
+    monkeypatch.setattr(main_job, "ask", refused)
+    for limit_s in (50_012.0, 10.0):
+        limits = replace(options_for(PLATE, PROFILE), time_s=limit_s)
+        with pytest.raises(NoPlan):
+            plan_nest(Given(PLATE, PROFILE), limits, whole=limit_of(limit_s, clock))
+    assert left[0] == pytest.approx(50_000.0, rel=0.01)
+    assert 0.0 < left[1] <= LEAST_SHARE * 10.0
