@@ -71,6 +71,11 @@ class WholeLimit:
         """Seconds since the command began."""
         return self._clock() - self._began_s
 
+    @property
+    def planned_s(self) -> float:
+        """Seconds that the planning took, once it is over."""
+        return self._planned_s[1] - self._planned_s[0]
+
     def kept_s(self, took: Took) -> float:
         """Seconds that are kept for what comes after the planning."""
         times = CHECKED + sum(times for times, _ in self._drawn)
@@ -124,6 +129,6 @@ class WholeLimit:
             return ""
         return (
             f"the command took {spent_s:.1f} s, {spent_s - self.limit_s:.1f} s longer than its limit: "
-            f"{before_s:.1f} s before the planning, {planned_s - before_s:.1f} s for it (left: {self._share_s:.1f} s), "
+            f"{before_s:.1f} s before the planning, {self.planned_s:.1f} s for it (left: {self._share_s:.1f} s), "
             f"{spent_s - planned_s:.1f} s for program, check and files"
         )

@@ -14,10 +14,11 @@ NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
 
 
 @pytest.mark.slow
-def test_a_row_is_what_a_run_of_the_command_took(tmp_path: Path) -> None:
+@pytest.mark.parametrize("processor", [False, True])
+def test_a_row_is_what_a_run_of_the_command_took(processor: bool, tmp_path: Path) -> None:
     nest = tmp_path / NEST.name
     shutil.copy(NEST, nest)
-    kept = run(nest, "16 contours", 60.0, ["--memory", "1"])
+    kept = run(nest, "16 contours", 60.0, ["--memory", "1"], processor)
     assert 0.0 < kept.planned_s < kept.command_s
     assert kept.gap == 0.0
     assert 50 < kept.memory_mb < 3000

@@ -95,6 +95,7 @@ def test_a_command_that_has_taken_longer_says_what_took_how_long(clock: Wound) -
     assert share_s == pytest.approx(8.0 - ENDED_S)
     clock.now_s += 7.5
     limit.end(0.5)
+    assert limit.planned_s == pytest.approx(7.0)
     clock.now_s += 1.0
     assert limit.over() == ""
     clock.now_s += 1.5
