@@ -37,11 +37,11 @@ Made by `python benchmarks/limits.py --plates {plates} --memory {memory:g} --see
 
 Made plates under the default profile, cut zone after zone and without zones, solved by `kerfwise solve --time-limit S
 --memory GB`, each in a process of its own, compiled kernels kept. The limit is for the whole command: it starts Python,
-reads the nest, works out facts, plans, checks, and writes program, plan and picture. `command` is how long that took; by
-how much it missed its limit stands beside it, below 0 where it ended earlier. `planned in` is the part from the stated
-rules to the plan that the program is written of; where there are zones, plans without them and by other zones are in
-it. `rest` is all but that. The gap is to what had been proven when it ended, empty where nothing was. Memory is the
-most that the process held, the interpreter and its libraries included; `--memory` caps the tables of the engines.
+reads the nest, works out facts, plans, checks, and writes program, plan and picture. `command` is how long that took;
+by how much it missed its limit stands beside it, below 0 where it ended earlier. `planned in` is the part from the
+stated rules to the plan that the program is written of; where there are zones, plans without them and by other zones
+are in it. `rest` is all but that. The gap is to what had been proven when it ended, empty where nothing was. Memory is
+the most that the process held, the interpreter and its libraries included; `--memory` caps the tables of the engines.
 """
 HEAD = """\
 | plate | limit, s | command, s | over the limit, s | planned in, s | rest, s | gap | memory, MB |
