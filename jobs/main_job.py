@@ -81,7 +81,7 @@ def plan_nest(
         If contours cannot be cut and hard rules cannot hold in any order.
     NoPlan
         If the hard rules cannot all hold, or no plan was found. What contradicts what is looked for within `limits`
-        once more, unless the user has interrupted.
+        once more, or in what is left of `whole`, unless the user has interrupted.
     """
     nest, profile = given.nest, again_first(given.profile, already)
     dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
