@@ -2,8 +2,9 @@
 
 To compile one takes seconds, once for each machine; to load numba and what is kept takes most of a second in each run.
 So neither is done before a kernel needs it, and a run may first take some steps in plain Python: a small nest needs no
-more. Both ways compute the same. No engine's clock runs while something is compiled or loaded; that of a command's
-limit runs while something is loaded.
+more. Some kernels have a twin that does whole arrays at once in numpy, which bears nests a good deal larger. All ways
+compute the same. No engine's clock runs while something is compiled or loaded; that of a command's limit runs while
+something is loaded.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ F = TypeVar("F", bound=Callable[..., object])
 PLAIN_STEPS = 400_000
 """Steps that a process takes in plain Python for one kernel, before that is compiled or loaded: about 0.4 s, as loading
 takes."""
+ARRAY_STEPS = 4e8
+"""Steps that a process takes by whole arrays for one kernel: 1 to 3 s, less than compiling takes."""
 
 _lock = threading.RLock()
 
@@ -32,6 +35,8 @@ class _OfThread(threading.local):
 
 class _OfProcess:
     plain_steps: float = PLAIN_STEPS
+    made = False
+    """Whether some kernel was compiled or loaded, and numba with it."""
     making = 0
     """Threads that compile or load."""
     compiled = False
@@ -52,7 +57,7 @@ class Kernel:
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any], keep: bool) -> None:
         update_wrapper(self, function)
         self.py_func, self._options, self._keep = function, options, keep
-        self.plain_steps = 0.0
+        self.plain_steps = self.array_steps = 0.0
 
     def __call__(self, *given: Any) -> Any:
         return self.py_func(*given) if _thread.plain else self.dispatcher(*given)
@@ -76,6 +81,7 @@ class Kernel:
         with compiling():
             from .kernel_files import dispatcher_of
 
+            _process.made = True
             return dispatcher_of(self.py_func, self._options, self._keep)
 
 
@@ -98,21 +104,29 @@ def inner(**options: Any) -> Callable[[F], F]:
     return made
 
 
-def suited(kernel: F, steps: float) -> F:
+def suited(kernel: F, steps: float, by_arrays: F | None = None, most: float = ARRAY_STEPS) -> F:
     """The kernel as it is best run to take about so many steps: compiled, or as plain Python if the steps are few.
 
-    A step is a turn of an inner loop. All plain runs of a kernel together take no more than `PLAIN_STEPS`.
+    A step is a turn of an inner loop. All plain runs of a kernel together take no more than `PLAIN_STEPS`. `by_arrays`
+    computes the same in numpy: it takes up to `most` steps as long as nothing is compiled or loaded, as then whatever
+    is kept of the others costs little.
     """
     known = cast(Kernel, kernel)
     with _lock:
-        if known.made or known.plain_steps + steps > _process.plain_steps:
+        if known.made:
             return kernel
-        known.plain_steps += steps
-    return cast(F, known.plainly)
+        if known.plain_steps + steps <= _process.plain_steps:
+            known.plain_steps += steps
+            return cast(F, known.plainly)
+        arrays_do = _process.plain_steps > 0 and not _process.made and known.array_steps + steps <= most
+        if by_arrays is None or not arrays_do:
+            return kernel
+        known.array_steps += steps
+    return by_arrays
 
 
 def take_plainly(steps: float) -> None:
-    """Take so many steps of a kernel in plain Python from now on; with 0 whatever runs is compiled."""
+    """Take so many steps of a kernel in plain Python from now on; with 0 whatever runs is compiled, by arrays none."""
     _process.plain_steps = steps
 
 

@@ -48,10 +48,10 @@ COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
 COUNTED_S = 30.0
-PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 500_000
+PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 3_000_000
 """Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
-counted before: a plan is shown while many are counted, and where they are few the search need not be compiled. It is no
-part of what a plan takes, so that a plan is the same whoever looks on."""
+counted before, in less than a second: a plan is shown while many are counted, and where they are few the search need
+not be compiled. It is no part of what a plan takes, so that a plan is the same whoever looks on."""
 LONGEST, LONGEST_ZONE = 36, 80
 """Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
 all."""

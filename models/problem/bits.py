@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
 from kerfwise.models.kernels import inner
 
 Masks = NDArray[np.uint64]
@@ -36,6 +37,19 @@ def masks_of(sets: Sequence[Sequence[int]], n: int) -> Masks:
         for k in members:
             row[k // 64] |= np.uint64(1 << k % 64)
     return masks
+
+
+def bits_of(masks: Masks, n: int) -> Bools:
+    """Which of n contours are in each of some sets, (len(masks), n).
+
+    Examples
+    --------
+    >>> bits_of(masks_of([(0, 2), (64,)], 65), 65).nonzero()[1].tolist()
+    [0, 2, 64]
+    """
+    octets = np.ascontiguousarray(masks, dtype="<u8").view(np.uint8)
+    bits: Bools = np.unpackbits(octets, axis=1, count=n, bitorder="little").view(np.bool_)
+    return bits
 
 
 @inner(nogil=True)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.kernels import cores, inner, kept, suited
+
+from .crossed_by_arrays import Areas, crossed_by_arrays
 
 THREADS = cores()
 STEPS_A_MOVE = 8
@@ -25,14 +26,6 @@ Going = Callable[[float], bool]
 
 class Stopped(Exception):
     """Whoever asked has had enough."""
-
-
-class Areas(NamedTuple):
-    """Areas as edges: those of area a are `edges[edge_from[a]:edge_from[a + 1]]`, each x, y, x, y; `boxes` (a, 4)."""
-
-    boxes: Floats
-    edge_from: Ints
-    edges: Floats
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,7 +66,7 @@ def crossed_areas(
     made = _edges_of(areas)
 
     done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
-    cross = suited(_crossed, STEPS_A_MOVE * float(done[-1]))
+    cross = suited(_crossed, STEPS_A_MOVE * float(done[-1]), crossed_by_arrays)
 
     def look(moves: IdleMoves) -> tuple[Ints, Ints, Ints]:
         ends = np.concatenate([moves.leave, moves.reach])

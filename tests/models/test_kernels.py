@@ -256,6 +256,27 @@ def test_few_steps_are_taken_in_plain_python_and_more_are_compiled_with_all_that
 
 
 @pytest.mark.usefixtures("plainly")
+def test_what_takes_more_is_done_by_arrays_until_something_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernels._process, "made", False)
+    kernel: Any = kept(nogil=True)(doubled)
+    other: Any = kept(nogil=True)(doubled)
+
+    def twin(x: int) -> int:
+        return x + x
+
+    assert suited(kernel, 100, twin, 1000) == kernel.plainly
+    assert suited(kernel, 600, twin, 1000) is twin
+    assert suited(kernel, 600, twin, 1000) is kernel, "it has taken 600 of 1000 steps"
+    assert suited(kernel, 400, twin, 1000) is twin
+    assert suited(kernel, 1) is kernel
+    assert kernel(4) == 8
+    assert suited(other, 600, twin, 1000) is other, "numba is there"
+    take_plainly(0)
+    kernels._process.made = False
+    assert suited(other, 1, twin, 1000) is other
+
+
+@pytest.mark.usefixtures("plainly")
 def test_none_runs_as_plain_python_once_everything_is_to_be_compiled() -> None:
     kernel: Any = kept(nogil=True)(doubled)
     assert suited(kernel, 1) == kernel.plainly
@@ -317,18 +338,21 @@ def test_else_a_thread_for_each_core(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 LIBRARIES = "numba ortools pandas scipy ezdxf matplotlib"
-SMALL = Path(kernels.__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
+NESTS = Path(kernels.__file__).parents[1] / "examples" / "nests"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("limit", [(), ("--time-limit", "20")])
-def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(limit: tuple[str, ...], tmp_path: Path) -> None:
-    """Not even numba is loaded: that would take longer than the planning."""
+@pytest.mark.parametrize(
+    "given", [("e1x_6.json",), ("e1x_6.json", "--time-limit", "20"), ("plate40.json", "--work", "5")]
+)
+def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(given: tuple[str, ...], tmp_path: Path) -> None:
+    """Of 16 contours or 41. Not even numba is loaded: that would take longer than the planning."""
     script = (
         "import sys; from kerfwise.cli import main\n"
         "try: main(sys.argv[1:-1])\nfinally: print([m for m in sys.argv.pop().split() if m in sys.modules])"
     )
-    words = ("solve", str(SMALL), "-o", "made.nc", "--picture", "made.svg", *limit, LIBRARIES)
+    nest, *limit = given
+    words = ("solve", str(NESTS / nest), "-o", "made.nc", "--picture", "made.svg", *limit, LIBRARIES)
     run = subprocess.run(
         [sys.executable, "-c", script, *words], cwd=tmp_path, capture_output=True, encoding="utf-8", check=True
     )

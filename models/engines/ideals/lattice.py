@@ -16,10 +16,12 @@ from kerfwise.models.problem.bits import masks_of
 
 from .budget import SweepBudget
 from .doubled import Lows, sweep_both
+from .grown_by_arrays import arrange_by_arrays
 from .kernels import Costs, MoveTable, arrange, crossing_in_set, leaving, sweep
 from .local import Local
 from .rest_bound import RestBound
 from .sets import Sets, grow, growth
+from .swept_by_arrays import sweep_by_arrays
 
 THREADS = cores()
 A_SHARE = 3e7
@@ -81,7 +83,7 @@ def sweep_layers(
         ahead = growth(orders, sets, alive)
         budget.expect(ahead, len(sets), sets.masks.shape[1], wide, 1 if lows is None else 2)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
-        ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries)(
+        ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries, arrange_by_arrays)(
             contour, target, entry_from, alive, len(grown), orders.size
         )
         values = np.empty(ahead.states, dtype=entrance.dtype)
@@ -94,7 +96,8 @@ def sweep_layers(
         asked = local.terms, stretch.rests(depth), local.first, stretch.limit, stretch.never
         given: tuple[Any, ...] = (*asked, *came, *goes, living)
         if stretch.dear is None or lows is None or new_lows is None:
-            sweep_span: Callable[[int, int], None] = partial(suited(sweep, steps), stretch.moves, *given)
+            one_cost = suited(sweep, steps, sweep_by_arrays)
+            sweep_span: Callable[[int, int], None] = partial(one_cost, stretch.moves, *given)
         else:
             given = (Lows(stretch.dear, lows, new_lows), *given)
             sweep_span = partial(suited(sweep_both, 2 * steps), stretch.moves, *given)

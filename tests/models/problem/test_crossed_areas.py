@@ -72,3 +72,20 @@ def test_what_is_crossed_is_what_shapely_says(scene: tuple[np.ndarray, np.ndarra
     lines_met, areas_met = np.nonzero(meets)
     k = len(reach)
     assert found == sorted(zip((lines_met // k).tolist(), (lines_met % k).tolist(), areas_met.tolist(), strict=True))
+
+
+@given(scenes())
+def test_by_arrays_the_same_is_crossed_in_the_same_order(
+    scene: tuple[np.ndarray, np.ndarray, list[shapely.Geometry]],
+) -> None:
+    leave, reach, areas = scene
+    asked, late = np.append(reach, leave[:1], axis=0), np.arange(2 * len(areas)).reshape(2, -1) % 5 == 0
+    moves = IdleMoves(leave, asked, np.arange(len(asked)) % 2, np.arange(len(areas))[::-1].copy())
+    ((*compiled,),) = crossed_areas([moves], areas, late)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("kerfwise.models.problem.crossed_by_arrays.AT_ONCE", 50)
+        patch.setattr("kerfwise.models.problem.crossed_areas.suited", lambda kernel, steps, by_arrays: by_arrays)
+        ((*by_arrays,),) = crossed_areas([moves], areas, late)
+    for one, other in zip(compiled, by_arrays, strict=True):
+        assert one.dtype == other.dtype
+        np.testing.assert_array_equal(one, other)
