@@ -51,14 +51,17 @@ def _beside(contours: Any, rounds: Any, beside_mm: float, within_mm: float) -> B
     one that is no further off than its corners are at most. Which two points these are does not matter for that.
     """
     chords, way = _Chords(contours), _Way(rounds)
-    sides = np.where((np.abs(way.turn) > np.abs(chords.turn)) == (chords.turn > 0), -1.0, 1.0)[chords.of]
+    sides = np.where((np.abs(way.turn) > np.abs(chords.turn)) == (chords.turn > 0), -1.0, 1.0).take(chords.of)
     aside = chords.left * (beside_mm * sides)[:, None]
     first = chords.first[:-1]
-    start_mm = shapely.line_locate_point(rounds, shapely.points((chords.begin + aside)[first]))
+    start_mm = shapely.line_locate_point(
+        rounds, shapely.points(chords.begin.take(first, axis=0) + aside.take(first, axis=0))
+    )
     alike = np.where((way.turn > 0) == (chords.turn > 0), 1.0, -1.0)
     far_mm, at_mm, feet = [], [], []
     for ends, gone_mm in zip((chords.begin, chords.end), chords.gone_mm(beside_mm, sides), strict=True):
-        foot, foot_mm = way.nearest(ends + aside, start_mm[chords.of] + alike[chords.of] * gone_mm, chords.of)
+        near_mm = start_mm.take(chords.of) + alike.take(chords.of) * gone_mm
+        foot, foot_mm = way.nearest(ends + aside, near_mm, chords.of)
         far_mm.append(np.hypot(*(ends - foot).T))
         at_mm.append(foot_mm)
         feet.append(foot)
@@ -74,8 +77,10 @@ class _Chords:
 
     def __init__(self, lines: Any) -> None:
         points, of = shapely.get_coordinates(lines, return_index=True)
-        within = np.flatnonzero((of[1:] == of[:-1]) & (points[1:] != points[:-1]).any(axis=1))
-        self.begin, self.end, self.of = points[within], points[within + 1], of[within]
+        x, y = points.T
+        within = np.flatnonzero((of[1:] == of[:-1]) & ((x[1:] != x[:-1]) | (y[1:] != y[:-1])))
+        self.begin, self.end = points.take(within, axis=0), points.take(within + 1, axis=0)
+        self.of: Ints = of.take(within)
         self.first: Ints = np.searchsorted(self.of, np.arange(len(lines) + 1))
         self.turn = twice_area(points, of, len(lines))
         ways = self.end - self.begin
@@ -89,8 +94,8 @@ class _Chords:
         """
         before = np.arange(len(self.of)) - 1
         before[self.first[:-1]] = self.first[1:] - 1
-        one, other = self.left[before], self.left
-        bend = np.arctan2(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], (one * other).sum(axis=1)) * sides
+        (x, y), (u, v) = self.left.take(before, axis=0).T, self.left.T
+        bend = np.arctan2(x * v - y * u, x * u + y * v) * sides
         trimmed_mm = beside_mm * np.tan(np.clip(bend, 0.0, 3.0) / 2)
         after = np.append(trimmed_mm[1:], 0.0)
         after[self.first[1:] - 1] = trimmed_mm[self.first[:-1]]
@@ -113,6 +118,7 @@ class _Way:
         first = np.searchsorted(of, np.arange(len(lines) + 1))
         step_mm[first[:-1]] = 0.0
         self.along_mm = np.cumsum(step_mm)
+        self._xy: Floats = np.ascontiguousarray(self.at.T)
         self.first, self.last = first[:-1], first[1:] - 1
         self.begin_mm = self.along_mm[self.first]
         self.round_mm = self.along_mm[self.last] - self.begin_mm
@@ -121,24 +127,30 @@ class _Way:
 
     def nearest(self, points: Floats, near_mm: Floats, of: Ints) -> tuple[Floats, Floats]:
         """The nearest points (m, 2) of lines `of` beside some place, and how far along their line they lie."""
-        chord = self._behind(near_mm % np.maximum(self.round_mm[of], ROUNDING_MM), of)
+        chord = self._behind(near_mm % np.maximum(self.round_mm.take(of), ROUNDING_MM), of)
+        (at_x, at_y), (x, y) = self._xy, points.T
+        first, last, begin_mm = self.first.take(of) + 1, self.last.take(of), self.begin_mm.take(of)
         best_mm2 = np.full(len(of), np.inf)
-        feet, at_mm = points.copy(), np.zeros(len(of))
+        foot_x, foot_y, at_mm = x.copy(), y.copy(), np.zeros(len(of))
         for further in FROM_CHORD:
-            k = np.clip(chord + further, self.first[of] + 1, self.last[of])
-            begin, way = self.at[k - 1], self.at[k] - self.at[k - 1]
-            square = (way * way).sum(axis=1)
-            share = np.clip(((points - begin) * way).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
-            foot = begin + share[:, None] * way
-            off_mm2 = ((points - foot) ** 2).sum(axis=1)
+            k = np.clip(chord + further, first, last)
+            from_x, from_y = at_x.take(k - 1), at_y.take(k - 1)
+            u, v = at_x.take(k) - from_x, at_y.take(k) - from_y
+            square = u * u + v * v
+            share = ((x - from_x) * u + (y - from_y) * v) / np.where(square > 0, square, 1.0)
+            share = np.clip(share, 0.0, 1.0)
+            near_x, near_y = from_x + share * u, from_y + share * v
+            off_mm2 = (x - near_x) ** 2 + (y - near_y) ** 2
             better = off_mm2 < best_mm2
-            best_mm2[better], feet[better] = off_mm2[better], foot[better]
-            at_mm[better] = (self.along_mm[k - 1] - self.begin_mm[of] + share * np.sqrt(square))[better]
-        return feet, at_mm
+            np.copyto(best_mm2, off_mm2, where=better)
+            np.copyto(foot_x, near_x, where=better)
+            np.copyto(foot_y, near_y, where=better)
+            np.copyto(at_mm, self.along_mm.take(k - 1) - begin_mm + share * np.sqrt(square), where=better)
+        return np.column_stack([foot_x, foot_y]), at_mm
 
     def _behind(self, at_mm: Floats, of: Ints) -> Ints:
         """The first point of a line that lies further along it."""
-        return np.searchsorted(self.along_mm, self.begin_mm[of] + at_mm, side="right")
+        return np.searchsorted(self.along_mm, self.begin_mm.take(of) + at_mm, side="right")
 
     def astray_mm(self, one_mm: Floats, other_mm: Floats, begin: Floats, end: Floats, of: Ints) -> Floats:
         """How far lines stray from the straight ones between two of their points each, the shorter way round.
@@ -147,24 +159,26 @@ class _Way:
         """
         low_mm, high_mm = np.minimum(one_mm, other_mm), np.maximum(one_mm, other_mm)
         low, high = self._behind(low_mm - ROUNDING_MM, of), self._behind(high_mm + ROUNDING_MM, of)
-        low, high = np.maximum(low, self.first[of]), np.minimum(high, self.last[of] + 1)
-        around = 2 * (high_mm - low_mm) > self.round_mm[of]
+        first, last = self.first.take(of), self.last.take(of)
+        low, high = np.maximum(low, first), np.minimum(high, last + 1)
+        around = 2 * (high_mm - low_mm) > self.round_mm.take(of)
         # the shorter way goes from the first point to the lower one, and from the higher one to the last
         over = self._behind(low_mm + ROUNDING_MM, of), self._behind(high_mm - ROUNDING_MM, of)
         ranges = [
-            (np.where(around, self.first[of], low), np.where(around, np.minimum(over[0], high), high)),
-            (np.where(around, np.maximum(over[1], self.first[of]), high), np.where(around, self.last[of] + 1, high)),
+            (np.where(around, first, low), np.where(around, np.minimum(over[0], high), high)),
+            (np.where(around, np.maximum(over[1], first), high), np.where(around, last + 1, high)),
         ]
         counts = [np.maximum(until - since, 0) for since, until in ranges]
         whole = np.bincount(of, weights=counts[0] + counts[1], minlength=len(self.first))
         points = self.last - self.first + np.bincount(of, minlength=len(self.first))
-        known = whole[of] <= _PAIRS * points[of]
+        known = (whole <= _PAIRS * points).take(of)
         astray_mm = np.where(known, 0.0, np.inf)
         for (since, _), count in zip(ranges, counts, strict=True):
             count = np.where(known, count, 0)
             row = np.repeat(np.arange(len(of)), count)
             if len(row):
-                off_mm = _from_line_mm(self.at[laid_out(since, count)], begin[row], end[row])
+                at = self.at.take(laid_out(since, count), axis=0)
+                off_mm = _from_line_mm(at, begin.take(row, axis=0), end.take(row, axis=0))
                 some = np.flatnonzero(count)
                 most_mm = np.maximum.reduceat(off_mm, (np.cumsum(count) - count)[some])
                 astray_mm[some] = np.maximum(astray_mm[some], most_mm)
@@ -173,7 +187,7 @@ class _Way:
 
 def _from_line_mm(points: Floats, begin: Floats, end: Floats) -> Floats:
     """How far points are from straight lines."""
-    way, off = end - begin, points - begin
-    square = (way * way).sum(axis=1)
-    share = np.clip((off * way).sum(axis=1) / np.where(square > 0, square, 1.0), 0.0, 1.0)[:, None]
-    return np.asarray(np.hypot(*(off - share * way).T))
+    (u, v), (x, y) = (end - begin).T, (points - begin).T
+    square = u * u + v * v
+    share = np.clip((x * u + y * v) / np.where(square > 0, square, 1.0), 0.0, 1.0)
+    return np.asarray(np.hypot(x - share * u, y - share * v))

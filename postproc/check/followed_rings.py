@@ -26,8 +26,8 @@ class _Chords:
     def __init__(self, lines: Any) -> None:
         points, of = shapely.get_coordinates(lines, return_index=True)
         within = of[1:] == of[:-1]
-        self.begin: Floats = points[:-1][within]
-        self.step: Floats = (points[1:] - points[:-1])[within]
+        self.begin: Floats = points[:-1].compress(within, axis=0)
+        self.step: Floats = (points[1:] - points[:-1]).compress(within, axis=0)
         self.first: Ints = np.searchsorted(of[1:][within], np.arange(len(lines) + 1))
         length_mm = np.hypot(*self.step.T)
         self.end_mm = np.cumsum(length_mm)
@@ -39,13 +39,14 @@ class _Chords:
     def beside(self, points: Floats, of: Ints, along_mm: Floats, within_mm: float) -> Bools:
         """Whether points (m, 2) lie within `within_mm` of the chord that is `along_mm` from the start of line `of`."""
         found = np.zeros(len(points), dtype=bool)
-        chord = np.searchsorted(self.end_mm, self.start_mm[of] + along_mm, side="right")
+        chord = np.searchsorted(self.end_mm, self.start_mm.take(of) + along_mm, side="right")
         for further in FROM_CHORD:
             left = np.flatnonzero(~found)
-            k = np.clip(chord[left] + further, self.first[of[left]], self.last[of[left]])
-            dx, dy = (points[left] - self.begin[k]).T
-            u, v = self.step[k].T
-            share = np.clip((dx * u + dy * v) / self.square[k], 0.0, 1.0)
+            line = of.take(left)
+            k = np.clip(chord.take(left) + further, self.first.take(line), self.last.take(line))
+            dx, dy = (points.take(left, axis=0) - self.begin.take(k, axis=0)).T
+            u, v = self.step.take(k, axis=0).T
+            share = np.clip((dx * u + dy * v) / self.square.take(k), 0.0, 1.0)
             found[left] = (dx - share * u) ** 2 + (dy - share * v) ** 2 <= within_mm * within_mm
         return found
 
@@ -97,14 +98,14 @@ def _along(lines: Any, points: Floats, of: Ints, round_mm: Floats, within_mm: fl
     for rounds in (-1, 1):
         left = np.flatnonzero(~near)
         k = of[left]
-        near[left] = chords.beside(points[left], k, at_mm[left] + rounds * round_mm[k], within_mm)
+        near[left] = chords.beside(points.take(left, axis=0), k, at_mm[left] + rounds * round_mm[k], within_mm)
     return near
 
 
 def twice_area(points: Floats, of: Ints, count: int) -> Floats:
     """Twice the area in mm² that the points of each line go round, last joined to first: positive to the left."""
     new = np.flatnonzero(np.diff(of, prepend=-1))
-    from_first = points - np.repeat(points[new], np.diff(new, append=len(of)), axis=0)
+    from_first = points - np.repeat(points.take(new, axis=0), np.diff(new, append=len(of)), axis=0)
     x, y = from_first.T
     cross = np.append(x[:-1] * y[1:] - x[1:] * y[:-1], 0.0)
     cross[np.append(of[1:] != of[:-1], True)] = 0.0

@@ -79,11 +79,11 @@ def _spots(stretches: Sequence[Stretch]) -> Spots:
     parts, lines, begin_mm, length_mm, count = zip(*stretches, strict=True)
     points, of = shapely.get_coordinates(lines, return_index=True)
     chord = np.flatnonzero(of[1:] == of[:-1])
-    step = points[chord + 1] - points[chord]
+    step = points.take(chord + 1, axis=0) - points.take(chord, axis=0)
     step_mm = np.hypot(step[:, 0], step[:, 1])
     moves = step_mm > 0
-    chord, step, step_mm = chord[moves], step[moves], step_mm[moves]
-    first = np.searchsorted(of[chord], np.arange(len(lines) + 1))
+    chord, step, step_mm = chord.compress(moves), step.compress(moves, axis=0), step_mm.compress(moves)
+    first = np.searchsorted(of.take(chord), np.arange(len(lines) + 1))
     until = np.cumsum(count)
     place = laid_out(np.zeros_like(until), np.asarray(count))
     begins, lengths, counts = (np.repeat(given, count) for given in (begin_mm, length_mm, count))
@@ -95,9 +95,9 @@ def _spots(stretches: Sequence[Stretch]) -> Spots:
         where[asked] %= own[-1]
         k[asked] = a + np.minimum(np.searchsorted(own, where[asked], side="right"), b - a - 1)
         spot = last
-    along = step[k] / step_mm[k, None]
+    along = step.take(k, axis=0) / step_mm.take(k)[:, None]
     outwards = np.repeat(np.where(shapely.is_ccw(shapely.linearrings(points, indices=of)), 1.0, -1.0), count)
-    at = points[chord[k]] + along * (where - ends[k] + step_mm[k])[:, None]
+    at = points.take(chord.take(k), axis=0) + along * (where - ends.take(k) + step_mm.take(k))[:, None]
     return Spots(np.repeat(parts, count), at, outwards[:, None] * np.column_stack([along[:, 1], -along[:, 0]]))
 
 
@@ -121,8 +121,8 @@ class Facing:
             owners.append(EDGE)
         points, of = shapely.get_coordinates(lines, return_index=True)
         within = of[1:] == of[:-1]
-        self.begin: Floats = points[:-1][within]
-        self.end: Floats = points[1:][within]
+        self.begin: Floats = points[:-1].compress(within, axis=0)
+        self.end: Floats = points[1:].compress(within, axis=0)
         self._xy: Floats = np.ascontiguousarray(np.hstack([self.begin, self.end]).T)
         self.owner: Ints = np.array(owners, dtype=np.int64)[of[1:][within]]
         self.tree = shapely.STRtree(shapely.linestrings(np.stack([self.begin, self.end], axis=1)))
@@ -143,9 +143,9 @@ class Facing:
         start = spots.at - CONTACT_MM * spots.normal
         end = spots.at + (max(self.web_mm, self.edge_band_mm) + 1e-6) * spots.normal
         ray, chord = self._met(start, end, spots.part)
-        away_mm = self._away(start[ray], spots.normal[ray], chord) - CONTACT_MM
-        owner = self.owner[chord]
-        itself = (owner == spots.part[ray]) & (away_mm < CONTACT_MM)
+        away_mm = self._away(start.take(ray, axis=0), spots.normal.take(ray, axis=0), chord) - CONTACT_MM
+        owner = self.owner.take(chord)
+        itself = (owner == spots.part.take(ray)) & (away_mm < CONTACT_MM)
         ray, owner, away_mm = ray[~itself], owner[~itself], away_mm[~itself]
         order = np.lexsort((owner, away_mm, ray))
         ray, owner, away_mm = ray[order], owner[order], away_mm[order]
@@ -160,12 +160,13 @@ class Facing:
         """The numbers of rays and of chords that meet: mostly told by the sides that ends lie on, else by shapely."""
         ray, chord = self._near(start, end, part)
         (x, y), (dx, dy) = start.T, (end - start).T
-        x, y, dx, dy = x[ray], y[ray], dx[ray], dy[ray]
-        u_at = dx * (self._xy[1][chord] - y) - dy * (self._xy[0][chord] - x)
-        v_at = dx * (self._xy[3][chord] - y) - dy * (self._xy[2][chord] - x)
+        x, y, dx, dy = x.take(ray), y.take(ray), dx.take(ray), dy.take(ray)
+        u_at = dx * (self._xy[1].take(chord) - y) - dy * (self._xy[0].take(chord) - x)
+        v_at = dx * (self._xy[3].take(chord) - y) - dy * (self._xy[2].take(chord) - x)
         maybe = np.flatnonzero(~_surely_alike(u_at, v_at))
-        ray, chord, u_at, v_at = ray[maybe], chord[maybe], u_at[maybe], v_at[maybe]
-        p, q, u, v = start[ray], end[ray], self.begin[chord], self.end[chord]
+        ray, chord, u_at, v_at = ray.take(maybe), chord.take(maybe), u_at.take(maybe), v_at.take(maybe)
+        p, q = start.take(ray, axis=0), end.take(ray, axis=0)
+        u, v = self.begin.take(chord, axis=0), self.end.take(chord, axis=0)
         p_at, q_at = _side(u, v, p), _side(u, v, q)
         met = (u_at * v_at < 0) & (p_at * q_at < 0)
         least = np.minimum(np.minimum(abs(u_at), abs(v_at)), np.minimum(abs(p_at), abs(q_at)))
@@ -185,21 +186,25 @@ class Facing:
         low = np.minimum.reduceat(np.minimum(start, end), first)
         high = np.maximum.reduceat(np.maximum(start, end), first)
         box, chord = self.tree.query(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
-        looks = part[first][box]
-        other = (self.owner[chord] != looks) | ~self.convex[looks]  # a look out of a convex part meets only where it is
-        box, chord = box[other], chord[other]
-        times = count[box]
-        return laid_out(first[box], times), np.repeat(chord, times)
+        looks = part.take(first).take(box)
+        # a look out of a convex part meets only where it is
+        other = (self.owner.take(chord) != looks) | ~self.convex.take(looks)
+        box, chord = box.compress(other), chord.compress(other)
+        times = count.take(box)
+        return laid_out(first.take(box), times), np.repeat(chord, times)
 
     def _away(self, start: Floats, normal: Floats, chord: Ints) -> Floats:
         """How far along the normals the chords are that they meet, mm; along a chord itself, its nearer end."""
-        ends = np.stack([self.begin[chord] - start, self.end[chord] - start])
-        along = (ends * normal).sum(axis=2)
-        aside = ends[..., 0] * normal[:, 1] - ends[..., 1] * normal[:, 0]
+        (x, y), (u, v) = start.T, normal.T
+        along, aside = [], []
+        for xs, ys in (self._xy[:2], self._xy[2:]):
+            dx, dy = xs.take(chord) - x, ys.take(chord) - y
+            along.append(dx * u + dy * v)
+            aside.append(dx * v - dy * u)
         width = aside[0] - aside[1]
         share = np.where(np.abs(width) > 1e-12, aside[0] / np.where(width == 0, 1.0, width), 0.0)
         across = along[0] + np.clip(share, 0.0, 1.0) * (along[1] - along[0])
-        return np.asarray(np.where(np.abs(width) > 1e-12, across, np.maximum(along.min(axis=0), 0.0)))
+        return np.asarray(np.where(np.abs(width) > 1e-12, across, np.maximum(np.minimum(*along), 0.0)))
 
 
 def _side(begin: Floats, end: Floats, at: Floats) -> Floats:
