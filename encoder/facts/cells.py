@@ -53,12 +53,12 @@ def cells_of(outlines: Outlines) -> Cells:
     normal = outwards * np.column_stack([tangent[:, 1], -tangent[:, 0]])
     # A middle on a corner looks along the normal of the chord that begins there.
     chord = np.searchsorted(chord_from, middle + ROUNDING_MM, side="right") - 1
-    share = (middle - chord_from[chord]) / chord_mm[chord]
+    share = (middle - chord_from.take(chord)) / chord_mm.take(chord)
     cell_mm = np.repeat(length_mm / count, count)
     return Cells(
         contour=np.repeat(outers, count),
-        point=start[chord] + step[chord] * share[:, None],
-        normal=normal[chord],
+        point=start.take(chord, axis=0) + step.take(chord, axis=0) * share[:, None],
+        normal=normal.take(chord, axis=0),
         from_mm=number * cell_mm,
         length_mm=cell_mm,
     )

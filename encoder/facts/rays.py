@@ -83,13 +83,13 @@ def _boxes_of(contour: Ints) -> tuple[Ints, Ints]:
 
 def _crossings(cells: Cells, obstacles: Obstacles, cell: Ints, piece: Ints, reach_mm: float) -> tuple[Bools, Floats]:
     """Which of the (cell, piece) pairs meet, and the distances along the normal of those that do."""
-    normal, step = cells.normal[cell], obstacles.end[piece] - obstacles.start[piece]
-    offset = obstacles.start[piece] - cells.point[cell]
+    normal, start = cells.normal.take(cell, axis=0), obstacles.start.take(piece, axis=0)
+    step, offset = obstacles.end.take(piece, axis=0) - start, start - cells.point.take(cell, axis=0)
     turn = normal[:, 0] * step[:, 1] - normal[:, 1] * step[:, 0]
     parallel = np.abs(turn) < 1e-12
     turn = np.where(parallel, 1.0, turn)
     away_mm = (offset[:, 0] * step[:, 1] - offset[:, 1] * step[:, 0]) / turn
     share = (offset[:, 0] * normal[:, 1] - offset[:, 1] * normal[:, 0]) / turn
-    nearest_mm = np.where(obstacles.owner[piece] == cells.contour[cell], CONTACT_MM, -CONTACT_MM)
+    nearest_mm = np.where(obstacles.owner.take(piece) == cells.contour.take(cell), CONTACT_MM, -CONTACT_MM)
     met = ~parallel & (share >= -1e-9) & (share <= 1 + 1e-9) & (away_mm >= nearest_mm) & (away_mm <= reach_mm)
     return met, away_mm[met]

@@ -15,12 +15,39 @@ from .segment import Point, Segment
 if TYPE_CHECKING:
     from .curve import Curve
 
+SHORT_MM = 1e-8
+"""Lines are surely not left out where they are longer."""
+
 
 def flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
     """Array (m, 2) of points a curve, whose chords stay within `tolerance_mm`; a closed one does not repeat its first.
 
-    They are views of one array.
+    They are views of one array, or of the vertices of curves that are nothing but lines; not to be changed.
     """
+    straight = _surely_straight(curves)
+    bent = _with_lines([curve for curve, known in zip(curves, straight, strict=True) if not known], tolerance_mm)
+    return (curve.vertices[:, :2] if known else next(bent) for curve, known in zip(curves, straight, strict=True))
+
+
+def _surely_straight(curves: Sequence[Curve]) -> list[bool]:
+    """Whether curves have no arcs, and no lines so short that they are left out."""
+    if not curves:
+        return []
+    sizes = np.array([len(curve.vertices) for curve in curves])
+    x, y, bulge = np.concatenate([curve.vertices for curve in curves]).T
+    of, last = np.repeat(np.arange(len(curves)), sizes), np.cumsum(sizes) - 1
+    onward = np.arange(len(x)) + 1
+    drawn = sizes > 0
+    onward[last[drawn]] = (last - sizes + 1)[drawn]
+    wrong = np.maximum(abs(x[onward] - x), abs(y[onward] - y)) <= SHORT_MM
+    wrong[last[np.array([not curve.closed for curve in curves]) & drawn]] = False
+    wrong |= bulge != 0
+    straight = (sizes > 1) & (np.bincount(of[wrong], minlength=len(curves)) == 0)
+    return straight.tolist()  # type: ignore[no-any-return]
+
+
+def _with_lines(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
+    """See `flattened_together`; of curves that may have arcs."""
     segments: list[Segment] = []
     count: list[int] = []
     ends: list[Point] = []

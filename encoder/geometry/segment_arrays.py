@@ -226,24 +226,25 @@ class SegmentArrays:
         Of segments that are equally near the first counts.
         """
         row = np.repeat(np.arange(len(points)), count)
-        at, start, centre, bulge = points[row], self.start[k], self.centre[k], self.bulge[k]
-        along = self.end[k] - start
+        at, start, bulge = points.take(row, axis=0), self.start.take(k, axis=0), self.bulge.take(k)
+        along = self.end.take(k, axis=0) - start
         rel = at - start
         fraction = np.clip(_dot(rel, along) / _dot(along, along), 0, 1)
         arcs = np.flatnonzero(bulge)
         if len(arcs):
-            spoke, ray = start[arcs] - centre[arcs], at[arcs] - centre[arcs]
+            centre = self.centre.take(k.take(arcs), axis=0)
+            spoke, ray = start.take(arcs, axis=0) - centre, at.take(arcs, axis=0) - centre
             turn_rad = np.arctan2(_cross(spoke, ray), _dot(spoke, ray))
             sweep_rad = 4 * np.arctan(bulge[arcs])
             on_arc = (np.sign(sweep_rad) * turn_rad) % (2 * np.pi) / np.abs(sweep_rad)
-            to_end = ray - (self.end[k[arcs]] - centre[arcs])
+            to_end = ray - (self.end.take(k.take(arcs), axis=0) - centre)
             to_start = ray - spoke
             nearer_start = _dot(to_start, to_start) <= _dot(to_end, to_end)
             fraction[arcs] = np.where(on_arc <= 1, on_arc, np.where(nearer_start, 0.0, 1.0))
         feet = start + fraction[:, None] * along
         if len(arcs):
             angle = (sweep_rad * fraction[arcs])[:, None]
-            feet[arcs] = centre[arcs] + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
+            feet[arcs] = centre + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
         gap = feet - at
         squares = _dot(gap, gap)
         least = np.minimum.reduceat(squares, np.cumsum(count) - count)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import assert_never
 
 import numpy as np
 
@@ -21,10 +20,7 @@ from kerfwise.rules.statements import (
     Contiguous,
     Crossing,
     Forbid,
-    IdleTravel,
-    Lag,
     Link,
-    NoGood,
     Pick,
     Precede,
     Statement,
@@ -32,7 +28,7 @@ from kerfwise.rules.statements import (
 )
 
 from .closure import close
-from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
+from .conditions import Condition
 from .crossed_areas import Going
 from .crossings import TooManyMoves, find_crossings, from_home
 from .last import digest
@@ -40,6 +36,7 @@ from .links import Links
 from .magnitude import check_magnitude
 from .pace import Pace
 from .problem import Problem, SoftGroup
+from .translated import Translated, translated
 
 
 @few_collections()
@@ -67,16 +64,15 @@ def make_problem(
     """
     contour_of = [c.contour for c in facts.candidates]
     kinds = by_kind(statements)
-    hard = [s for s in kinds.precede if s.weight is None]
+    told = translated(statements, contour_of, Translated() if earlier is None else earlier.told)
     blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
-    pairs = np.array([(p.before, p.after) for p in hard], dtype=np.int64).reshape(-1, 2)
-    orders = digest(pairs, blocks)
-    before = earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, pairs, blocks)
+    orders = digest(told.pairs, blocks)
+    before = earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, told.pairs, blocks)
     if before.diagonal().any():
-        raise _contradiction(before, hard)
-    conditions, general = _conditions(statements, contour_of)
+        raise _contradiction(before, [s for s in kinds.precede if s.weight is None])
+    conditions = told.conditions
     allowed, costs = _candidate_costs(facts, kinds.forbid)
-    site_of, representatives = _sites(facts, allowed, costs, conditions, general, kinds.link)
+    site_of, representatives = _sites(facts, allowed, costs, conditions, told.general, kinds.link)
     chosen = np.array(representatives, dtype=np.int64)
     kept = set(representatives)  # candidates of one site are asked alike: what is asked of one counts once
     contours = np.array([contour_of[c] for c in representatives], dtype=np.int64)
@@ -97,12 +93,13 @@ def make_problem(
         before=before,
         block=blocks,
         orders=orders,
+        told=told,
         conditions=tuple(dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in kept)),
         soft_groups=tuple(
             SoftGroup(g.contours, cost_um(g.weight), g.about) for g in kinds.contiguous if g.weight is not None
         ),
         lags=kinds.lag,
-        general=tuple(general),
+        general=told.general,
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
@@ -195,30 +192,6 @@ def _contradiction(before: Bools, hard: list[Precede]) -> RulesConflict:
     return RulesConflict("the order rules contradict each other", tuple(dict.fromkeys(said)))
 
 
-def _conditions(statements: tuple[Statement, ...], contour_of: list[int]) -> tuple[list[Condition], list[AtLeast]]:
-    """What becomes conditions on sites, and what no condition can say; other kinds are fields of their own."""
-    conditions: list[Condition] = []
-    general: list[AtLeast] = []
-    for s in statements:
-        match s:
-            case Precede():
-                if s.weight is not None:
-                    conditions.append(of_soft_precede(s, cost_um(s.weight)))
-            case NoGood():
-                conditions.extend(of_no_good(s, None if s.weight is None else cost_um(s.weight)))
-            case AtLeast():
-                made = of_at_least(s, contour_of, None if s.weight is None else cost_um(s.weight))
-                if made is None:
-                    general.append(s)
-                else:
-                    conditions.append(made)
-            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link():
-                pass  # `make_problem` reads them
-            case _:
-                assert_never(s)
-    return conditions, general
-
-
 def _candidate_costs(facts: Facts, forbidden: Sequence[Forbid]) -> tuple[Bools, Ints]:
     allowed = np.ones(len(facts.candidates), dtype=np.bool_)
     costs = np.zeros(len(facts.candidates), dtype=np.int64)
@@ -241,8 +214,8 @@ def _sites(
     facts: Facts,
     allowed: Bools,
     costs: Ints,
-    conditions: list[Condition],
-    general: list[AtLeast],
+    conditions: Sequence[Condition],
+    general: Sequence[AtLeast],
     links: Sequence[Link] = (),
 ) -> tuple[dict[int, int], list[int]]:
     """Site of every candidate that is kept, and the candidate each site stands for."""

@@ -10,7 +10,7 @@ A condition that is not met makes the order unlawful (`cost` None) or costs `cos
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from kerfwise.rules.statements import About, AtLeast, Before, NoGood, Precede
@@ -57,7 +57,7 @@ def of_no_good(statement: NoGood, cost: int | None) -> Iterator[Condition]:
         )
 
 
-def of_at_least(statement: AtLeast, contour_of: list[int], cost: int | None) -> Condition | None:
+def of_at_least(statement: AtLeast, contour_of: Sequence[int], cost: int | None) -> Condition | None:
     """The statement as a condition, if all its literals are about one contour's predecessors; else None.
 
     `contour_of` maps candidates to contours. `Before(x, i)` is x in S; `Before(i, x)` is 1 minus x in S.

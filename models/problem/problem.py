@@ -21,6 +21,7 @@ from .followers import Followers
 from .links import Links
 from .pace import Pace
 from .successors import known_followers
+from .translated import Translated
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,8 @@ class Problem:
     `links` are moves with the torch on, each in place of the idle travel between its two sites.
     `left_out` are soft rules that could not be priced on a problem of this size, and why. `matrix` (m + 1, m + 1), home
     last, replaces idle travel between points where costs are given by a table. `orders` tells hard orders and blocks
-    that `before` was made of from others, where it was made of such.
+    that `before` was made of from others, where it was made of such. `told` is what the statements came to before
+    candidates became sites, for a problem of these and more.
     """
 
     n: int
@@ -72,6 +74,7 @@ class Problem:
     matrix: Ints | None = None
     left_out: tuple[tuple[str, str], ...] = ()
     orders: bytes = b""
+    told: Translated = field(default_factory=Translated, repr=False)
 
     @property
     def m(self) -> int:

@@ -8,7 +8,9 @@ nothing but that cost, and the dearer ones can go.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -39,12 +41,9 @@ def _decided(problem: Problem) -> tuple[Problem, Bools]:
     cost = problem.site_cost.copy()
     unlawful = np.zeros(problem.m, dtype=np.bool_)
     left: list[Condition] = []
-    for condition in problem.conditions:
-        rest = _undecided(problem, condition)
-        if sum(min(w, 0) for w in rest.weights) >= rest.bound:
-            continue
-        sites = list(problem.sites(rest.contour)) if rest.when is None else [rest.when]
-        if sum(max(w, 0) for w in rest.weights) >= rest.bound:
+    for rest, can_be_met in _undecided(problem):
+        sites = problem.sites(rest.contour) if rest.when is None else [rest.when]
+        if can_be_met:
             left.append(rest)
         elif rest.cost is None:
             left.append(rest)
@@ -54,18 +53,36 @@ def _decided(problem: Problem) -> tuple[Problem, Bools]:
     return replace(problem, conditions=tuple(left), site_cost=cost), unlawful
 
 
-def _undecided(problem: Problem, condition: Condition) -> Condition:
-    """The condition on those members alone of which no hard order says whether they are out before it."""
-    i, bound = condition.contour, condition.bound
-    left: list[tuple[int, int]] = []
-    for k, weight in zip(condition.members, condition.weights, strict=True):
-        if problem.before[k, i]:
-            bound -= weight
-        elif k != i and not problem.before[i, k] and weight != 0:
-            left.append((k, weight))
-    if len(left) == len(condition.members):
-        return condition
-    return replace(condition, members=tuple(k for k, _ in left), weights=tuple(w for _, w in left), bound=bound)
+def _undecided(problem: Problem) -> Iterator[tuple[Condition, bool]]:
+    """Conditions on the members of which no hard order says whether they are out before, and whether they can be met.
+
+    Those that are always met are left out.
+    """
+    given = problem.conditions
+    if not given:
+        return
+    until = np.cumsum([len(c.members) for c in given])
+    members, weights = (
+        np.fromiter(chain.from_iterable(column), dtype=np.int64)
+        for column in ((c.members for c in given), (c.weights for c in given))
+    )
+    contours = np.repeat([c.contour for c in given], np.diff(until, prepend=0))
+    out = problem.before[members, contours]
+    free = ~out & (members != contours) & ~problem.before[contours, members] & (weights != 0)
+
+    def summed(values: Ints) -> Ints:
+        return np.asarray(np.diff(np.append(0, np.cumsum(values))[until], prepend=0))
+
+    bounds = np.array([c.bound for c in given], dtype=np.int64) - summed(np.where(out, weights, 0))
+    least, most = (summed(np.where(free, some(weights, 0), 0)) for some in (np.minimum, np.maximum))
+    counts = summed(free.astype(np.int64))
+    for k in np.flatnonzero(least < bounds).tolist():
+        condition, bound = given[k], int(bounds[k])
+        if counts[k] < len(condition.members):
+            row = slice(int(until[k]) - len(condition.members), int(until[k]))
+            kept = [tuple(column[row][free[row]].tolist()) for column in (members, weights)]
+            condition = replace(condition, members=kept[0], weights=kept[1], bound=bound)
+        yield condition, bool(most[k] >= bound)
 
 
 def _spare(problem: Problem, unlawful: Bools) -> Bools:

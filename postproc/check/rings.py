@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import shapely
 
+from kerfwise.encoder.geometry.curve import polygons_of
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 
@@ -36,7 +37,7 @@ def torch_rings(contours: Sequence[Contour], kerf_mm: float, side: Side = "right
     beside = [k for k, ring in enumerate(rings) if ring is None]
     if not beside:
         return rings
-    areas = shapely.make_valid(np.array([contours[k].curve.polygon(_CHORD_MM) for k in beside], dtype=object))
+    areas = shapely.make_valid(polygons_of([contours[k].curve for k in beside], _CHORD_MM))
     by_mm = [half if contours[k].kind == "outer" else -half for k in beside]
     pieces, of = shapely.get_parts(shapely.buffer(areas, by_mm, quad_segs=16), return_index=True)
     sizes = shapely.area(pieces)

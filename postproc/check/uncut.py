@@ -17,6 +17,7 @@ import shapely
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Tab
+from kerfwise.encoder.geometry.curve import lines_of
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.rule import Violation
 
@@ -87,7 +88,7 @@ def _doubtful(cut: Sequence[TorchRun], kerf_mm: float) -> list[TorchRun]:
     most_mm = math.sqrt(2) * half_mm + more_mm
     left = list(cut)
     for by_areas, chord_mm in product((False, True), ((most_mm - half_mm) / 8, more_mm / 8)):
-        contours = np.array([run.contour.curve.line(chord_mm) for run in left if run.contour is not None], dtype=object)
+        contours = lines_of([run.contour.curve for run in left if run.contour is not None], chord_mm)
         rounds = np.array([run.loop for run in left], dtype=object)
         if by_areas:
             rounds = shapely.simplify(rounds, chord_mm)

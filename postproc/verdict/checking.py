@@ -166,6 +166,7 @@ def _block(program: str, line: int) -> str:
     return f"block {lines[line - 1].strip()!r}" if 0 < line <= len(lines) else f"line {line}"
 
 
+@few_collections()
 def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
     """The verdicts on the profile's rules as a plan states them."""
     book, files = profile.rulebook(), profile.rule_files()

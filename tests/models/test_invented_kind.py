@@ -42,6 +42,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reasons import reasons
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.links import links_on
+from kerfwise.models.problem.translated import Translated, translated
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.named import candidates_named, contours_named
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
@@ -126,6 +127,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
     "models/plan/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
     "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
+    "models/problem/translated.py": [lambda _: translated((INVENTED,), (), Translated())],
     "models/problem/links.py": [lambda _: links_on(FACTS.candidates, (INVENTED,), planned()[0], HOME)],
     "models/plan/reasons.py": [lambda _: reasons(FACTS, STATED, planned()[0], HOME)],
     "models/plan/conflict/conflict.py": [find_conflict],
