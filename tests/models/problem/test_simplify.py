@@ -47,6 +47,16 @@ def test_a_condition_that_is_always_met_goes() -> None:
     assert simple.conditions == ()
 
 
+def test_members_that_the_orders_decide_leave_a_condition() -> None:
+    """Contour 1 comes before 0, so that its weight counts, 2 behind; what says nothing of others goes as well."""
+    stops = [[(10.0 * k, 0.0)] for k in range(1, 7)]
+    asked = Condition(0, (0, 1, 2, 3, 4, 5), (7, 2, 4, 1, -3, 0), 3, ABOUT)
+    decided = Condition(0, (3, 4), (1, -3), 1, ABOUT)
+    others = [Condition(3, (4, 5), (1, 1), 1, ABOUT), Condition(4, (), (), 0, ABOUT), Condition(5, (), (), 1, ABOUT)]
+    simple = simplify(problem(stops, pairs=[(1, 0), (0, 2)], conditions=[asked, *others]))
+    assert simple.conditions == (decided, others[0], others[2])
+
+
 def test_what_no_order_decides_stays() -> None:
     given = problem(TWICE, conditions=[unless_out(0, 1, 5000), unless_out(1, 2, 5000)])
     assert simplify(given).conditions == given.conditions
