@@ -30,6 +30,7 @@ FIRST_DESCENT = 200_000  # the most operations a contour
 REGIONS = 100_000_000  # operations in each half of a route between two such looks, where it goes by regions
 WHOLE = 0.5  # share for an annealing of the whole route, where the rest can go region by region, and
 WHOLE_MOST = 400_000  # the most operations for it, times n^1.5
+FEW, HOTTER = 30, 4.0  # contours up to which annealings are hotter, and how many times: fewer are caught then
 LONGER = 1.5  # how much longer than those before it is, or there is none: the rest is better spent on regions
 
 
@@ -52,6 +53,7 @@ class Searcher:
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
         self._regions = Regions(problem, fields, seed) if regional(problem) else None
+        self._heat = HOTTER if problem.n <= FEW else 1.0
         self._longest = 0  # annealing of the whole route, in operations
 
     @property
@@ -158,7 +160,7 @@ class Searcher:
 
     def _anneal(self, pool: Executor, chunk: int, part: CoolingPart) -> None:
         """Walk on through part of an annealing; one walker is hotter than the other."""
-        heats = [part.heat(k) for k in range(WALKERS)]
+        heats = [self._heat * part.heat(k) for k in range(WALKERS)]
         list(pool.map(lambda walker, heat: walker.anneal(chunk, part, heat), self._walkers, heats))
 
     def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress | None) -> bool:
