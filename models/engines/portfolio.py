@@ -79,6 +79,8 @@ class _Run:
         if not self._over() and self._ideals_fit():
             share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST else shares.PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
+        if not self._over() and self._priced_first():
+            self._priced(self._left() * shares.PRICED)
         if not self._over() and self._beam_applies():
             dense = self._density() >= shares.DENSE and not self._bounded_beside()
             share = shares.BEAM_DENSE if dense else shares.BEAM_SPARSE
@@ -122,8 +124,7 @@ class _Run:
             return not reached.is_set() and within(engine, cost_um, bound_um)
 
         with ThreadPoolExecutor(1) as thread:
-            asked = (self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
-            bounding = thread.submit(bounds.flow_bound, *asked)
+            bounding = thread.submit(self._bound_of, plan, share, going)
             try:
                 self._search(shares.SEARCH_BESIDE * left)
                 self._windows(shares.WINDOWS_BESIDE * left)
@@ -134,7 +135,18 @@ class _Run:
                 reached.set()
         found = bounding.result()
         self.known.work = began + max(found.work, self.known.work - began + found.work / 2)
-        self._bounded(found.bound)
+        if isinstance(found, ideals.Proof):
+            self._proved(found)
+        else:
+            self._bounded(found.bound)
+
+    def _bound_of(self, plan: Incumbent, share: float, going: Progress) -> ideals.Proof | bounds.FlowBound:
+        """What is proven by flows, and by the ideals with their multipliers where these hold all that is asked."""
+        if ideals.priceable(self.problem):
+            limit_s = None if self.options.time_s is None else share
+            proof = ideals.prove_priced(self.problem, plan, share, going, limit_s, self.most_bytes)
+            return ideals.Proof(None, share, 0) if proof is None else proof
+        return bounds.flow_bound(self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
 
     def _takes(self, member: Member, why: str) -> bool:
         forced = self.options.member
@@ -254,6 +266,9 @@ class _Run:
         )
         self.known.work = before + (share if proof is None else proof.work)
         self.known.priced = self.known.priced if proof is None else proof.priced
+        self._proved(proof)
+
+    def _proved(self, proof: ideals.Proof | None) -> None:
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
         elif proof.least is not None:
@@ -276,6 +291,11 @@ class _Run:
             if self.options.member is not None:
                 self.known.unable = "what its best plan breaks, a set of contours and the last cut cannot tell"
         self.known.raise_bound(best.cost, "ideals")
+
+    def _priced_first(self) -> bool:
+        """Whether a nest is so small that the ideals with multipliers of the flow come near its best plan at once."""
+        few = self.options.member is None and self.problem.n <= shares.FLOW_FEW
+        return few and self._bounded_well() and ideals.priceable(self.problem)
 
     def _density(self) -> float:
         """Share of the pairs of contours that hard orders decide."""
@@ -321,6 +341,16 @@ class _Run:
         found = bounds.flow_bound(self.problem, self.known.incumbent, share, within, self.most_bytes, ends_s)
         self.known.work += found.work
         self._bounded(found.bound)
+
+    def _priced(self, share: float) -> None:
+        """The ideals with multipliers of the flow: few sets are left near a good bound."""
+        plan = self.known.incumbent
+        if plan is None:
+            return
+        limit_s = None if self.options.time_s is None else share
+        proof = ideals.prove_priced(self.problem, plan, share, self._within(share), limit_s, self.most_bytes)
+        self.known.work += share if proof is None else proof.work
+        self._proved(proof)
 
     def _bounded(self, bound_um: int) -> None:
         if bound_um > 0:

@@ -43,8 +43,9 @@ STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
 PRICED_WIDER = 2.5
 """How many times as much over the bound the next limit is by these: what sweeps take rises slowly."""
-PRICED = 0.7
-"""Share of the work that is left for linear programs of the stretches, where walks do not suffice."""
+PRICED, PRICED_ALONE = 0.7, 0.5
+"""Share of the work that is left for linear programs of the stretches, where walks do not suffice; and where nothing
+but these is tried."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
 MOST_SITES_PRICED = 1000
@@ -87,11 +88,38 @@ def unfit(problem: Problem) -> str:
 
 
 def priceable(problem: Problem) -> bool:
-    """Whether linear programs of several stretches hold all that is asked: nothing is crossed, and no groups cost."""
-    groups, size = series(problem), np.diff(problem.first)
-    held = not (len(problem.crossings) or problem.soft_groups or problem.general)
+    """Whether linear programs of all stretches hold all that is asked: nothing is crossed, and no groups cost."""
+    if unfit(problem) or len(problem.crossings) or problem.soft_groups or problem.general:
+        return False
+    size = np.diff(problem.first)
     few = problem.n <= MOST_CONTOURS_PRICED
-    return held and few and len(groups) > 1 and max(int(size[list(g)].sum()) for g in groups) <= MOST_SITES_PRICED
+    return few and max(int(size[list(group)].sum()) for group in series(problem)) <= MOST_SITES_PRICED
+
+
+def prove_priced(
+    problem: Problem,
+    incumbent: Incumbent,
+    work: float,
+    progress: Progress | None = None,
+    time_s: float | None = None,
+    most_bytes: float = TABLE_BYTES,
+) -> Proof | None:
+    """As `prove`, by linear programs of the stretches alone, of which one may be all there is; it must be `priceable`.
+
+    Parameters
+    ----------
+    incumbent
+        A lawful plan.
+    time_s
+        Wall-clock time, s, of which the programs take no more than their share.
+    """
+
+    def go() -> bool:
+        return progress is None or progress("ideals", incumbent.cost, None)
+
+    if incumbent.cost >= FAR:
+        return None
+    return _Rounds(problem, incumbent.cost, work, go, most_bytes).priced(incumbent, (), PRICED_ALONE, time_s)
 
 
 def prove(
@@ -136,7 +164,7 @@ def prove(
     apart = len(series(problem)) > 1
     if not stages or incumbent is None or known is None or (not apart and problem.m > MOST_SITES_BOUND):
         return rounds.sweep(None, work)
-    programs = len(stages) > 1 and known < FAR and priceable(problem)
+    programs = apart and len(stages) > 1 and known < FAR and priceable(problem)
     for share in stages:
         tried = share != stages[0] or earlier
         if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
@@ -218,14 +246,17 @@ class _Rounds:
 
         return self._rise(sweeps, _held(bound), most)
 
-    def priced(self, incumbent: Incumbent, earlier: tuple[Proving, ...]) -> Proof | None:
-        """What sweeps prove by linear programs of all stretches; None where nothing is proven."""
+    def priced(
+        self, incumbent: Incumbent, earlier: tuple[Proving, ...], part: float = PRICED, time_s: float | None = None
+    ) -> Proof | None:
+        """What sweeps prove by linear programs of all stretches, which take so much at the most; None for nothing."""
         from . import priced  # its programs take long to load
 
-        share = PRICED * self.left
+        share = part * self.left
+        until_s = inf if time_s is None else running_s() + part * time_s
 
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-            return self.go()
+            return self.go() and running_s() < until_s
 
         stretches = priced.price(self.problem, incumbent, share, going, self.most_bytes, earlier)
         if stretches is None:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from kerfwise.models.engines.bounds.reduced import reduced
 from kerfwise.models.engines.ideals import priced
 from kerfwise.models.engines.ideals.budget import SweepBudget
-from kerfwise.models.engines.ideals.prove import applies, priceable, prove
+from kerfwise.models.engines.ideals.prove import applies, priceable, prove, prove_priced
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
@@ -23,7 +23,7 @@ from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.engines.ideals.test_ahead import in_zones
-from kerfwise.tests.models.problems import ABOUT, problem, scattered
+from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
 
 PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
 
@@ -60,6 +60,40 @@ def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
     tiny = replace(drawn, crossings=Crossings(), soft_groups=())
     assume(applies(tiny))
     agrees(tiny)
+
+
+@pytest.mark.slow
+@settings(max_examples=25, deadline=None)
+@given(problems(contours=6))
+def test_the_best_plan_is_found_where_all_contours_are_one_stretch(drawn: Problem) -> None:
+    tiny = replace(drawn, crossings=Crossings(), soft_groups=(), general=())
+    assume(applies(tiny))
+    agrees(tiny)
+
+
+@settings(max_examples=15, deadline=None)
+@given(problems(contours=6))
+def test_from_the_dearest_plan_on_programs_alone_prove_the_best(drawn: Problem) -> None:
+    tiny = replace(drawn, crossings=Crossings(), soft_groups=(), general=())
+    assume(priceable(tiny))
+    plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
+    assume(plans)
+    proof = prove_priced(tiny, Incumbent(plans[-1][1], plans[-1][0]), work=1.0)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert proof.incumbent.cost == plans[0][0] == route_cost(tiny, proof.incumbent.route)
+    assert broken(tiny, proof.incumbent.route) == ()
+
+
+def test_without_work_for_a_sweep_programs_prove_a_bound() -> None:
+    whole = scattered(3, 9, 2, pairs=4)
+    best = cheapest(whole)
+    assert best is not None
+    for work in (0.0, 1e-6, 1e-3):
+        proof = prove_priced(whole, best, work)
+        if proof is not None and proof.incumbent is None:
+            assert proof.least is not None
+            assert 0 < proof.least <= best.cost
 
 
 @st.composite
@@ -180,7 +214,7 @@ def test_where_groups_cost_or_moves_cross_there_are_no_linear_programs() -> None
     assert priceable(given)
     assert not priceable(replace(given, crossings=over))
     assert not priceable(replace(given, soft_groups=(SoftGroup((0, 1), 100, ABOUT),)))
-    assert not priceable(scattered(5, 10, 2))
+    assert priceable(scattered(5, 10, 2))
 
 
 def test_of_very_many_contours_there_are_no_linear_programs(monkeypatch: pytest.MonkeyPatch) -> None:
