@@ -29,8 +29,8 @@ SEARCH_NEST, WINDOWS_NEST, FLOW = 0.3, 0.1, 0.95
 """For small nests share of what is left for more search, then for windows of the plan, and then for the bound: the
 better the plan, the more it closes."""
 PRICED = 0.6
-"""Share of what is left, where nothing is proven, for the ideals with multipliers of the flow, where these hold all that
-is asked: in a small nest, before anything else."""
+"""Share of what is left, where nothing is proven, for the ideals with multipliers of the flow, where these hold all
+that is asked: in a small nest, before anything else."""
 SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
 """For larger ones share of what is left for search alone, and then for search and windows at the same time as the
 bound, which keeps one core busy: the search has what that leaves of two."""

@@ -85,17 +85,6 @@ def test_from_the_dearest_plan_on_programs_alone_prove_the_best(drawn: Problem) 
     assert broken(tiny, proof.incumbent.route) == ()
 
 
-def test_without_work_for_a_sweep_programs_prove_a_bound() -> None:
-    whole = scattered(3, 9, 2, pairs=4)
-    best = cheapest(whole)
-    assert best is not None
-    for work in (0.0, 1e-6, 1e-3):
-        proof = prove_priced(whole, best, work)
-        if proof is not None and proof.incumbent is None:
-            assert proof.least is not None
-            assert 0 < proof.least <= best.cost
-
-
 @st.composite
 def with_holes(draw: st.DrawFn) -> Problem:
     """Two zones of contours with holes right before them, conditions between these, and pairs that are to lie apart."""
