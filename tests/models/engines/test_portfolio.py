@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
 from itertools import count
 from math import inf
 from typing import Any
@@ -160,13 +161,23 @@ def test_with_little_memory_other_members_take_over() -> None:
     assert found.proved_by != "ideals"
 
 
-def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("sites", "note"),
+    [
+        (0, "flow: a bound by linear programming"),
+        (1000, "ideals: too many sets for the limit, a bound is proven"),
+    ],
+)
+def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(
+    monkeypatch: pytest.MonkeyPatch, sites: int, note: str
+) -> None:
     """Bound and search run at the same time, and neither sees how far the other is."""
     monkeypatch.setattr(portfolio.shares, "FLOW_FEW", 10)
+    monkeypatch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "MOST_SITES_PRICED", sites)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     many = replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held))
     first, again = (found(many, work=1.0) for _ in range(2))
-    assert "flow: a bound by linear programming" in first.notes
+    assert note in first.notes
     assert (first.incumbent, first.bound_um, first.work, first.notes) == (
         again.incumbent,
         again.bound_um,
