@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +17,9 @@ from .drawings_out import drawings, expect_as_drawn, expect_drawings
 from .engine_choice import EngineChoice
 from .given import given_options, note_placing, protect, read_given, tell_note
 from .numbers import AMOUNT_OVER_ZERO, MEMORY, Amount
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.whole_limit import WholeLimit
 
 
 @click.command()
@@ -128,7 +131,9 @@ def command(
             listener=listener, tell=tell_note, whole=whole,
         )  # fmt: skip
     except NoPlan as no_plan:
-        return tell_conflict(no_plan, conflict_picture)
+        code = tell_conflict(no_plan, conflict_picture)
+        _tell_late(whole)
+        return code
     made = done.made
     files: dict[Path, str | bytes] = {}
     if made.verdict.ok:
@@ -150,11 +155,17 @@ def command(
         click.echo(told)
     if not made.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
+        _tell_late(whole)
         return 1
     click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+    _tell_late(whole)
+    return 130 if listener.interrupted else 0
+
+
+def _tell_late(whole: WholeLimit | None) -> None:
+    """Say what took how long where the command, which ends now, has taken longer than its limit."""
     if whole is not None and (over := whole.over()):
         tell_note(over)
-    return 130 if listener.interrupted else 0
 
 
 def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], inputs: Iterable[str | Path | None]) -> None:

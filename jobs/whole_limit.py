@@ -64,7 +64,7 @@ class WholeLimit:
         self._began_s = clock() if began_s is None else began_s
         self._drawn = [DRAWN[suffix.lower()] for suffix in drawn]
         self._planned_s = [0.0, 0.0]
-        self._share_s = limit_s
+        self._share_s, self._ended = limit_s, False
 
     @property
     def spent_s(self) -> float:
@@ -120,15 +120,18 @@ class WholeLimit:
 
     def end(self, judging_s: float) -> None:
         """Note that the planning is over; program and check have taken some seconds since."""
-        self._planned_s[1] = self.spent_s - judging_s
+        self._planned_s[1], self._ended = self.spent_s - judging_s, True
 
     def over(self) -> str:
         """What to say where the command, which ends now, has taken longer than its limit; "" where it has not."""
         spent_s, (before_s, planned_s) = self.spent_s, self._planned_s
         if spent_s <= self.limit_s + TOLD_S:
             return ""
-        return (
+        told = (
             f"the command took {spent_s:.1f} s, {spent_s - self.limit_s:.1f} s longer than its limit: "
-            f"{before_s:.1f} s before the planning, {self.planned_s:.1f} s for it (left: {self._share_s:.1f} s), "
-            f"{spent_s - planned_s:.1f} s for program, check and files"
+            f"{before_s:.1f} s before the planning, "
         )
+        if not self._ended:
+            return told + f"{spent_s - before_s:.1f} s to find that there is no plan, and why"
+        planned = f"{self.planned_s:.1f} s for it (left: {self._share_s:.1f} s), "
+        return told + planned + f"{spent_s - planned_s:.1f} s for program, check and files"

@@ -161,6 +161,12 @@ def made_s() -> float:
         return _process.made_s + (time.monotonic() - _process.since_s if _process.making else 0.0)
 
 
+def compiled_s() -> float:
+    """Seconds by the clock in which kernels were compiled so far, loading left out."""
+    with _lock:
+        return _process.compiled_s
+
+
 def running_s() -> float:
     """A clock, s, for limits: it stands still while a kernel is compiled or loaded."""
     with _lock:

@@ -198,6 +198,47 @@ def test_the_clock_of_the_command_runs_from_its_beginning_and_it_says_when_it_wa
     assert re.match(took, late)
 
 
+def test_a_command_without_a_plan_says_when_it_was_late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(solve, "counted_s", lambda: counted_s() - 70_000.0)
+    monkeypatch.chdir(tmp_path)
+    clash = ("--lock", "part#1.outer position first", "--lock", "part#3.outer before part#1.outer")
+    done = kerfwise("solve", NEST, "--time-limit", "50000", *clash)
+    assert done.code == 1
+    (late,) = (line for line in done.err.splitlines() if "longer than its limit" in line)
+    assert re.fullmatch(
+        r"note: the command took 70\d\d\d\.\d s, 20\d\d\d\.\d s longer than its limit: 70\d\d\d\.\d s before the "
+        r"planning, \d+\.\d s to find that there is no plan, and why",
+        late,
+    )
+
+
+def test_a_command_whose_plan_is_refused_says_when_it_was_late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def refused(*given: Any, **options: Any) -> Any:
+        done = plan_nest(*given, **options)
+        first, *others = done.made.verdict.rules
+        verdict = replace(done.made.verdict, rules=(replace(first, unjudged="why", must_be_judged=True), *others))
+        return replace(done, made=replace(done.made, verdict=verdict))
+
+    monkeypatch.setattr(solve, "counted_s", lambda: counted_s() - 70_000.0)
+    monkeypatch.setattr(main_job, "plan_nest", refused)
+    monkeypatch.chdir(tmp_path)
+    done = kerfwise("solve", NEST, "--time-limit", "50000")
+    assert done.code == 1
+    assert "s for program, check and files" in done.err.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
+
+
+def test_kernels_that_are_only_loaded_are_not_said_to_be_left_out_of_a_limit_that_counts_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loaded_s = iter(range(0, 1000, 100))
+    monkeypatch.setattr(main_job, "made_s", lambda: next(loaded_s))
+    for whole, notes in ((WholeLimit(50_000.0), 0), (None, 1)):
+        told: list[str] = []
+        plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0), whole=whole, tell=told.append)
+        assert len([note for note in told if note.startswith("kernels were compiled")]) == notes
+
+
 def test_without_a_limit_of_the_command_the_planning_has_its_own(asked: list[Any], clock: Wound) -> None:
     with pytest.raises(_Planned):
         plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0))
