@@ -142,10 +142,10 @@ class _Run:
 
     def _bound_of(self, plan: Incumbent, share: float, going: Progress) -> ideals.Proof | bounds.FlowBound:
         """What is proven by flows, and by the ideals with their multipliers where these hold all that is asked."""
-        if ideals.priceable(self.problem):
+        if ideals.priceable(self.problem) and ideals.sets_out(self.problem, share):
             limit_s = None if self.options.time_s is None else share
             proof = ideals.prove_priced(self.problem, plan, share, going, limit_s, self.most_bytes)
-            return ideals.Proof(None, share, 0) if proof is None else proof
+            return bounds.FlowBound(0, share) if proof is None else proof
         return bounds.flow_bound(self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
 
     def _takes(self, member: Member, why: str) -> bool:
@@ -294,8 +294,9 @@ class _Run:
 
     def _priced_first(self) -> bool:
         """Whether a nest is so small that the ideals with multipliers of the flow come near its best plan at once."""
-        few = self.options.member is None and self.problem.n <= shares.FLOW_FEW
-        return few and self._bounded_well() and ideals.priceable(self.problem)
+        if self.options.member is not None or self.problem.n > shares.FLOW_FEW or not self._bounded_well():
+            return False
+        return ideals.priceable(self.problem) and ideals.sets_out(self.problem, self._left() * shares.PRICED)
 
     def _density(self) -> float:
         """Share of the pairs of contours that hard orders decide."""

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .completion import Completion, complete
-    from .flow import MOST_SITES, FlowBound, flow_bound
+    from .flow import MOST_SITES, SETTING_OUT, FlowBound, flow_bound
+    from .flow_work import sets_out_s
 
-__all__ = ["MOST_SITES", "Completion", "FlowBound", "complete", "flow_bound"]
-_HOME = {"Completion": "completion", "complete": "completion"}
+__all__ = ["MOST_SITES", "SETTING_OUT", "Completion", "FlowBound", "complete", "flow_bound", "sets_out_s"]
+_HOME = {"Completion": "completion", "complete": "completion", "sets_out_s": "flow_work"}
 
 
 def __getattr__(name: str) -> object:

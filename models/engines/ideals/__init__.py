@@ -1,6 +1,17 @@
 """An exact dynamic program over ideals: the set already cut and the last site (Held and Karp 1962; Salii 2019)."""
 
 from .count import Count, count_sets
-from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, unfit
+from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, sets_out, unfit
 
-__all__ = ["STAGES", "Count", "Proof", "applies", "count_sets", "priceable", "prove", "prove_priced", "unfit"]
+__all__ = [
+    "STAGES",
+    "Count",
+    "Proof",
+    "applies",
+    "count_sets",
+    "priceable",
+    "prove",
+    "prove_priced",
+    "sets_out",
+    "unfit",
+]

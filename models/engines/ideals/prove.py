@@ -96,6 +96,13 @@ def priceable(problem: Problem) -> bool:
     return few and max(int(size[list(group)].sum()) for group in series(problem)) <= MOST_SITES_PRICED
 
 
+def sets_out(problem: Problem, work: float) -> bool:
+    """Whether linear programs of all stretches have their first bounds well within the work of `prove_priced`."""
+    size = np.diff(problem.first)
+    took_s = sum(bounds.sets_out_s(len(group), int(size[list(group)].sum())) for group in series(problem))
+    return took_s <= bounds.SETTING_OUT * PRICED_ALONE * work
+
+
 def prove_priced(
     problem: Problem,
     incumbent: Incumbent,

@@ -161,6 +161,20 @@ def test_with_little_memory_other_members_take_over() -> None:
     assert found.proved_by != "ideals"
 
 
+@pytest.mark.parametrize(("little", "note"), [(True, "flow: a bound by linear programming"), (False, "")])
+def test_nothing_is_said_to_be_proven_where_programs_of_stretches_come_to_no_bound(
+    monkeypatch: pytest.MonkeyPatch, little: bool, note: str
+) -> None:
+    """With little work a bound by flows, which needs less, is looked for instead."""
+    monkeypatch.setattr(portfolio.shares, "FLOW_FEW", 10)
+    monkeypatch.setattr(portfolio.ideals, "prove_priced", lambda *_: None)
+    monkeypatch.setattr(portfolio.bounds, "SETTING_OUT", 0.0 if little else inf, raising=False)
+    held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
+    known = found(replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held)), work=0.1)
+    assert "ideals: too many sets for the limit, a bound is proven" not in known.notes
+    assert not note or note in known.notes
+
+
 @pytest.mark.parametrize(
     ("sites", "note"),
     [
