@@ -25,6 +25,8 @@ PROVES, FINDS, NOT_ALONE, REFUSES = "proves", "finds", "–", "refuses"
 FACTS = row(PARTS)
 OF_SITES = {"first", "site_contour", "candidate_site", "pierce_um", "end_um", "pace"}
 """Fields of a problem that only follow from its sites."""
+OF_STATEMENTS = {"told"}
+"""What any statement comes to, kept for the next round: no form of its own."""
 
 
 def table() -> str:
@@ -91,7 +93,7 @@ def _fields(example: Example | None) -> str:
     with_it = make_problem(FACTS, example.statements, HOME, FEEDS)
     without = make_problem(FACTS, example.others, HOME, FEEDS)
     changed = [f.name for f in fields(with_it) if _differ(getattr(with_it, f.name), getattr(without, f.name))]
-    return ", ".join(f"`{name}`" for name in changed if name not in OF_SITES)
+    return ", ".join(f"`{name}`" for name in changed if name not in OF_SITES | OF_STATEMENTS)
 
 
 def _differ(one: object, other: object) -> bool:
