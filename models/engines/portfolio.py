@@ -142,7 +142,7 @@ class _Run:
 
     def _bound_of(self, plan: Incumbent, share: float, going: Progress) -> ideals.Proof | bounds.FlowBound:
         """What is proven by flows, and by the ideals with their multipliers where these hold all that is asked."""
-        if ideals.priceable(self.problem) and ideals.sets_out(self.problem, share):
+        if ideals.priceable(self.problem) and ideals.sets_out(self.problem, shares.FIRST_BOUNDS * share):
             limit_s = None if self.options.time_s is None else share
             proof = ideals.prove_priced(self.problem, plan, share, going, limit_s, self.most_bytes)
             return bounds.FlowBound(0, share) if proof is None else proof

@@ -31,6 +31,9 @@ better the plan, the more it closes."""
 PRICED = 0.6
 """Share of what is left, where nothing is proven, for the ideals with multipliers of the flow, where these hold all
 that is asked: in a small nest, before anything else."""
+FIRST_BOUNDS = 1 / 30
+"""Share of the work beside a search in which such programs must come to their first bounds: with less work sweeps are
+far from the plan, and flows alone bound higher."""
 SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
 """For larger ones share of what is left for search alone, and then for search and windows at the same time as the
 bound, which keeps one core busy: the search has what that leaves of two."""
