@@ -69,7 +69,7 @@ def offsets_beside(curves: Sequence[Curve], distances_mm: Sequence[float]) -> li
         shown = rows[_keeps_away(further.curves(every), curves, right_mm, rows, FURTHER_MM)]
     found: list[Curve | None] = [None] * len(curves)
     for k in tried[convex[tried]].tolist():
-        if abs(made[k].signed_area_mm2) >= SLIVER_MM * made[k].length_mm:
+        if abs(made[k].signed_area_mm2) > SLIVER_MM * made[k].length_mm:  # of a point nothing is kept
             found[k] = made[k]
     for k in shown.tolist():
         found[k] = made[k]

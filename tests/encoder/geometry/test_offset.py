@@ -115,6 +115,8 @@ def test_distance_nothing_changes_nothing() -> None:
     [
         (circle(0, 0, 0.7), -0.75, "nothing is left: nowhere is it 1.5 mm wide"),
         (rect(0, 0, 100, 1.5), -0.75, "nothing is left"),
+        (rect(0, 0, 1.5, 1.5), -0.75, "nothing is left"),
+        ([(0, 0), (3, 0), (1.5, 1.5 * math.sqrt(3))], -math.sqrt(3) / 2, "nothing is left"),
         ([(0, 0), (9, 0), (9, 9), (5, 9), (5, 10), (9, 10), (9, 19), (0, 19), (0, 10), (4, 10), (4, 9), (0, 9)], -0.75,
          r"falls into 2 pieces .* narrower than 1.5 mm"),
         ([(0, 0), (20, 0), (20, 20), (10.5, 20), (10.5, 15), (15, 15), (15, 5), (5, 5), (5, 15), (9.5, 15), (9.5, 20),
