@@ -82,8 +82,7 @@ def unfit(problem: Problem) -> str:
         return f"rule {problem.further_back.rule} looks further back than the last cut"
     if not applies(problem):
         return "moves over parts that are out have several prices"
-    size = np.diff(problem.first)
-    longest = max((int(size[list(g)].sum()) for g in series(problem)), default=0)
+    longest = max((sites for _, sites in _sizes(problem)), default=0)
     return "" if 0 < longest <= MOST_SITES else f"it takes up to {MOST_SITES} ways to cut, a stretch has {longest}"
 
 
@@ -91,16 +90,19 @@ def priceable(problem: Problem) -> bool:
     """Whether linear programs of all stretches hold all that is asked: nothing is crossed, and no groups cost."""
     if unfit(problem) or len(problem.crossings) or problem.soft_groups or problem.general:
         return False
-    size = np.diff(problem.first)
-    few = problem.n <= MOST_CONTOURS_PRICED
-    return few and max(int(size[list(group)].sum()) for group in series(problem)) <= MOST_SITES_PRICED
+    return problem.n <= MOST_CONTOURS_PRICED and max(sites for _, sites in _sizes(problem)) <= MOST_SITES_PRICED
 
 
 def sets_out(problem: Problem, work: float) -> bool:
     """Whether linear programs of all stretches have their first bounds well within the work of `prove_priced`."""
-    size = np.diff(problem.first)
-    took_s = sum(bounds.sets_out_s(len(group), int(size[list(group)].sum())) for group in series(problem))
+    took_s = sum(bounds.sets_out_s(contours, sites) for contours, sites in _sizes(problem))
     return took_s <= bounds.SETTING_OUT * PRICED_ALONE * work
+
+
+def _sizes(problem: Problem) -> list[tuple[int, int]]:
+    """How many contours and sites every stretch has."""
+    size = np.diff(problem.first)
+    return [(len(group), int(size[list(group)].sum())) for group in series(problem)]
 
 
 def prove_priced(
