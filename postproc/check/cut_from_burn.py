@@ -108,6 +108,8 @@ def _wrong(contour: Contour, match: Match, taken: Taken, kerf_mm: float, marks: 
         off_mm = max(off_mm, _off_mm(match.ring, taken.loop, allowed))
     if off_mm > allowed:
         found.append(("contour-geometry", f"the torch is up to {off_mm:.2f} mm off where {name} asks for it"))
+    if contour.kind == "mark" and not found and (left_mm := _left_mm(match.ring, taken.loop, allowed)) > allowed:
+        found.append(("contour-geometry", f"{left_mm:.2f} mm of {name} are not marked"))
     again = split(pieces.lead_out, match.ring.length) if contour.encloses else None
     if again is not None and again.gap_mm <= allowed:
         found.append(("contour-geometry", f"the torch goes round {name} more than once"))
@@ -125,6 +127,14 @@ def _off_mm(ring: shapely.LineString, loop: shapely.LineString, allowed: float) 
         return off_mm
     away = shapely.segmentize(shapely.difference(loop, near), _STEP_MM)
     return beyond_mm(ring, shapely.get_coordinates(away), allowed)
+
+
+def _left_mm(ring: shapely.LineString, path: shapely.LineString, allowed: float) -> float:
+    """How much of a ring a path leaves out, mm. A path through all corners of a ring may go there and back.
+
+    Contours that are cut are held against the metal that is left instead.
+    """
+    return float(shapely.difference(ring, shapely.buffer(path, allowed + SLACK_MM)).length)
 
 
 def _direction(contour: Contour, loop: Curve) -> Direction:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_program
@@ -119,6 +120,21 @@ def test_a_mark_cut_through_and_a_contour_only_marked() -> None:
     result = check(only_marked)
     assert result.broken() == ("every-contour-once", "feeds", "pierce-delay")
     assert "C.hole1 is only marked, not cut" in report(result)
+
+
+def test_a_mark_drawn_there_and_back_without_one_side() -> None:
+    """The path goes through all corners of the mark, and ends where it began."""
+    square = [(60.0, 60.0), (100.0, 60.0), (100.0, 90.0), (60.0, 90.0), (60.0, 60.0)]
+    marked = nest(300, 200, part("P", rect(20, 20, 200, 130), (), [square]))
+    cuts = [cut_of(contour, 0.3, "cw") for contour in sorted(marked.contours, key=lambda c: c.kind)]
+    program = write_program(plan_of(marked, cuts, PROFILE), marked, PROFILE)
+    assert check_program(marked, program, PROFILE).ok
+    last_side = "N110 G1 X60 Y60\n"
+    assert program.count(last_side) == 1
+    there_and_back = program.replace(last_side, "G1 X100 Y90\nG1 X60 Y90\nG1 X60 Y60\n")
+    result = check_program(marked, there_and_back, PROFILE)
+    assert "39.88 mm of P.mark1 are not marked" in report(result)
+    assert result.broken() == ("contour-geometry",)
 
 
 def test_zones_and_start_side_come_from_comments() -> None:
