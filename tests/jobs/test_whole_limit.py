@@ -13,7 +13,7 @@ import kerfwise as package
 from kerfwise.commands import solve
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.jobs import main_job
+from kerfwise.jobs import job_limit, main_job
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.main_job import plan_nest
@@ -232,7 +232,7 @@ def test_kernels_that_are_only_loaded_are_not_said_to_be_left_out_of_a_limit_tha
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     loaded_s = iter(range(0, 1000, 100))
-    monkeypatch.setattr(main_job, "made_s", lambda: next(loaded_s))
+    monkeypatch.setattr(job_limit, "made_s", lambda: next(loaded_s))
     for whole, notes in ((WholeLimit(50_000.0), 0), (None, 1)):
         told: list[str] = []
         plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0), whole=whole, tell=told.append)
