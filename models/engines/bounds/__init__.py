@@ -9,12 +9,17 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .completion import Completion, complete
+    from .completion import Completion, TooMuch, complete
     from .flow import MOST_SITES, SETTING_OUT, FlowBound, flow_bound
     from .flow_work import sets_out_s
 
-__all__ = ["MOST_SITES", "SETTING_OUT", "Completion", "FlowBound", "complete", "flow_bound", "sets_out_s"]
-_HOME = {"Completion": "completion", "complete": "completion", "sets_out_s": "flow_work"}
+__all__ = ["MOST_SITES", "SETTING_OUT", "Completion", "FlowBound", "TooMuch", "complete", "flow_bound", "sets_out_s"]
+_HOME = {
+    "Completion": "completion",
+    "TooMuch": "completion",
+    "complete": "completion",
+    "sets_out_s": "flow_work",
+}
 
 
 def __getattr__(name: str) -> object:

@@ -47,6 +47,10 @@ INERTIA = 0.4
 """How much of the last direction is in the next (Camerini, Fratta and Maffioli 1975)."""
 
 
+class TooMuch(Exception):
+    """A single round takes more than there is."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Completion:
     """What every plan still costs after a state; `root` is what whole plans cost.
@@ -76,6 +80,7 @@ def complete(
     progress: Progress | None = None,
     most_neighbours: int = MOST_NEIGHBOURS,
     most_bytes: float = math.inf,
+    most: float = math.inf,
 ) -> Completion:
     """Look for prices that make the bound as high as can be.
 
@@ -91,6 +96,13 @@ def complete(
         What a walk remembers at the most; fewer where the tables would be too large.
     most_bytes
         Of which the tables take no more than a share.
+    most
+        Deterministic seconds of which a bound is of no use if it takes as many.
+
+    Raises
+    ------
+    TooMuch
+        If one round takes `most` or more.
     """
     n = problem.n
     move = least_moves(problem)
@@ -100,6 +112,8 @@ def complete(
     lawful, first = problem.successors(), problem.first
     earliest, latest = problem.before.sum(axis=0) + 1, n - problem.before.sum(axis=1)
     cost = _additions(problem, near, earliest, latest)
+    if cost >= most * ADDITIONS_PER_S:
+        raise TooMuch
     price = best_price = heading = np.zeros(n)
     shape = (n + 1, near.size, problem.m)
     to_go, least, best = np.empty(shape), np.full(shape, np.inf), np.full(shape, np.inf)

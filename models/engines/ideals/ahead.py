@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,11 +61,21 @@ class Ahead:
 
 
 def look_ahead(
-    problem: Problem, route: Sequence[int], work: float, progress: Progress | None, most_bytes: float
+    problem: Problem,
+    route: Sequence[int],
+    work: float,
+    progress: Progress | None,
+    most_bytes: float,
+    most: float = inf,
 ) -> list[Ahead]:
     """What is ahead in every stretch of a problem, in their order.
 
     Each has its share of the work. `route` is a lawful one: what it costs is what a bound may rise to.
+
+    Raises
+    ------
+    TooMuch
+        If all stretches take `most` deterministic seconds or more, one round of each being the least.
     """
     groups = series(problem)
     sites = [problem.sites_of(group) for group in groups]
@@ -85,7 +96,8 @@ def look_ahead(
         known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
         known += int(onward[ends[k][1] == own[-1]][0])
         share = work * float(weight[k] / weight.sum())
-        bound = bounds.complete(apart, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes)
+        bound = bounds.complete(apart, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes, most)
+        most -= bound.work
         kept = replace(bound, to_go=shelf.put(bound.to_go))
         found.append(Ahead(groups[k], sites[k], *ends[k], onward, kept))
     return found[::-1]

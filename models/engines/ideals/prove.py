@@ -184,10 +184,15 @@ def prove(
             return go() and running_s() < until_s
 
         bound: Completion | _Apart
-        if apart:
-            bound = _Apart(look_ahead(problem, incumbent.route, share * work, pricing, most_bytes), incumbent)
-        else:
-            bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes)
+        most = rounds.left if not programs and rounds.least <= 0 else inf  # with as much no sweep is left, and no bound
+        try:
+            if apart:
+                ahead = look_ahead(problem, incumbent.route, share * work, pricing, most_bytes, most)
+                bound = _Apart(ahead, incumbent)
+            else:
+                bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes, most=most)
+        except bounds.TooMuch:
+            return None
         rounds.left -= bound.work
         more = programs and share == stages[0]  # linear programs come next
         last = share == stages[-1] or (bound.work <= AS_GOOD_AS_IT_GETS * share * work and not more)

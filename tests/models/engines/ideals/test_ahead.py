@@ -153,3 +153,30 @@ def test_what_is_missed_is_not_looked_for_a_second_time() -> None:
     assert missed[0] == 0
     assert sum(missed) > 0
     assert ahead[0].bound.root + sum(missed) <= best.incumbent.cost
+
+
+def test_bounds_that_take_more_than_there_is_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are not begun, and what is proven is the same as if they were."""
+    three = rows(3, 5, 2)
+    best = prove(three, None, work=10)
+    assert best is not None
+    assert best.incumbent is not None
+    completion = import_module("kerfwise.models.engines.bounds.completion")
+    walk_on, rounds = completion.walk_on, []
+    monkeypatch.setattr(PROVING, "priceable", lambda problem: False)  # linear programs have work of their own
+    monkeypatch.setattr(completion, "walk_on", lambda *given: rounds.append(1) or walk_on(*given))
+
+    def told(work: float, at_all: bool = False) -> tuple[Any, int]:
+        rounds.clear()
+        with monkeypatch.context() as patched:
+            if at_all:
+                patched.setattr(PROVING, "look_ahead", lambda *given: look_ahead(*given[:5]))
+            return prove(three, best.incumbent, work), len(rounds)
+
+    limits = [10 ** (-k / 2) for k in range(2, 17)]
+    found, whatever = ([told(work, at_all) for work in limits] for at_all in (False, True))
+    assert [proof for proof, _ in found] == [proof for proof, _ in whatever]
+    assert [made for _, made in found] <= [made for _, made in whatever]
+    assert found[0] == whatever[0]
+    assert found[-1] == (None, 0)
+    assert whatever[-1] == (None, 9)  # three stages of three zones
