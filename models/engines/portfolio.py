@@ -17,7 +17,7 @@ from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from . import beam, bounds, cpsat, ideals, shares
+from . import beam, bounds, cpsat, ideals, setting_out, shares
 from .known import Known
 from .names import Member
 from .solution import Incumbent, Progress, SolveOptions, table_bytes
@@ -25,6 +25,8 @@ from .watch import Watch
 
 if TYPE_CHECKING:
     from .search import Searcher
+
+NOT_BEGUN = "{}: not begun, its tables alone take longer than what is left for it"
 
 
 def run_portfolio(
@@ -83,11 +85,11 @@ class _Run:
             self._priced(self._left() * shares.PRICED)
         if not self._over() and self._beam_applies():
             dense = self._density() >= shares.DENSE and not self._bounded_beside()
-            share = shares.BEAM_DENSE if dense else shares.BEAM_SPARSE
-            self._beam(self._left() * (1.0 if self.options.member else share))
+            share = self._left() * (shares.BEAM_DENSE if dense else shares.BEAM_SPARSE)
+            self._beam(self._left() if self.options.member else share)
         if not self._over() and self.options.member is None:
             self._improve_and_bound()
-        if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
+        if not self._over():
             self._cpsat(self._left())
         self.known.offer(self.preview, "search")  # what was shown is not lost, where the work was ended early
         return self.known
@@ -104,8 +106,11 @@ class _Run:
         self._flow(self._left() * (few if well else shares.FLOW_CARRIED if self._bounded_well() else shares.FLOW_PLAIN))
         if not self._over():
             share = shares.SEARCH_NEST if well else shares.SEARCH if self._carried() else shares.SEARCH_PLAIN
+            windows = shares.WINDOWS_NEST if well else shares.WINDOWS
+            if not (well or self._cpsat_sets_out(self._left() * (1.0 - share) * (1.0 - windows))):
+                share, windows = shares.SEARCH_LAST, 1.0
             self._search(self._left() * share)
-            self._windows(self._left() * (shares.WINDOWS_NEST if well else shares.WINDOWS))
+            self._windows(self._left() * windows)
         if well and not self._over():
             self._flow(self._left() * shares.FLOW)
 
@@ -147,6 +152,13 @@ class _Run:
             proof = ideals.prove_priced(self.problem, plan, share, going, limit_s, self.most_bytes)
             return bounds.FlowBound(0, share) if proof is None else proof
         return bounds.flow_bound(self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
+
+    def _sets_out(self, took_s: float, share: float) -> bool:
+        """Whether an engine has time for more than its tables; where there is no plan yet, or it was asked for, so."""
+        return self.options.member is not None or self.known.incumbent is None or took_s <= share
+
+    def _cpsat_sets_out(self, share: float) -> bool:
+        return self._sets_out(setting_out.cpsat_s(self.problem), share)
 
     def _takes(self, member: Member, why: str) -> bool:
         forced = self.options.member
@@ -233,8 +245,11 @@ class _Run:
         self.preview = searcher.best
 
     def _at_once(self) -> bool:
-        count, most_s = self.count, min(shares.AT_ONCE_S, shares.AT_ONCE * self._left())
-        if count is None or not count.fits(self.most_bytes) or not (self.options.member or count.seconds <= most_s):
+        count = self.count
+        if count is None or not count.fits(self.most_bytes):
+            return False
+        longest_s = shares.AT_ONCE_S if self._few(count) else shares.AT_ONCE_MANY_S
+        if not (self.options.member or count.seconds <= min(longest_s, shares.AT_ONCE * self._left())):
             return False
         self.known.notes.append(f"ideals: {'swept at once' if self.options.member is None else 'asked for'}, {count}")
         self.tried = True
@@ -243,13 +258,16 @@ class _Run:
     def _ideals_fit(self) -> bool:
         if self.count is None or self.tried:
             return False
-        longest = self.count.longest
-        few = longest <= shares.LONGEST or (longest <= shares.LONGEST_ZONE and longest <= self.problem.n / 2)
-        if not (self.options.member or self._sure() or few):
+        if not (self.options.member or self._sure() or self._few(self.count)):
             self.known.notes.append(f"ideals: left to the others, {self.count}")
             return False
         self.known.notes.append(f"ideals: {self.count}")
         return True
+
+    def _few(self, count: ideals.Count) -> bool:
+        """Whether stretches are so short that a bound may make the sets few."""
+        longest = count.longest
+        return longest <= shares.LONGEST or (longest <= shares.LONGEST_ZONE and longest <= self.problem.n / 2)
 
     def _sure(self) -> bool:
         """Whether a sweep over all sets fits well into what is left."""
@@ -325,6 +343,9 @@ class _Run:
         return self._takes("beam", f"hard orders decide {self._density():.0%} of the pairs")
 
     def _beam(self, share: float) -> None:
+        if not self._sets_out(setting_out.beam_s(self.problem), share):
+            self.known.notes.append(NOT_BEGUN.format("beam"))
+            return
         limit_s = None if self.options.time_s is None else share
         outcome = beam.beam(self.problem, self.known.incumbent, share, limit_s, self.watch, most_bytes=self.most_bytes)
         self.known.offer(outcome.incumbent, "beam")
@@ -363,7 +384,7 @@ class _Run:
         return inf if self.options.time_s is None else running_s() + share
 
     def _windows(self, share: float) -> None:
-        if self.known.incumbent is None or self._over():
+        if self.known.incumbent is None or self._over() or setting_out.windows_s(self.problem) > share:
             return
         polished = polish(self.problem, self.known.incumbent, share, self._within(share))
         self.known.offer(polished.incumbent, "windows")
@@ -380,6 +401,11 @@ class _Run:
         return going
 
     def _cpsat(self, share: float) -> None:
+        if not self._cpsat_sets_out(share):
+            self.known.notes.append(NOT_BEGUN.format("cp-sat"))
+            return
+        if not self._takes("cp-sat", "nothing is proven yet"):
+            return
         limits = replace(self.options, work=share, time_s=self.options.time_s and share)
         outcome = cpsat.solve_cpsat(self.problem, limits, self.known.incumbent, self.known.bound_um, self.watch)
         self.known.offer(outcome.incumbent, "cp-sat")

@@ -39,21 +39,23 @@ SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
 bound, which keeps one core busy: the search has what that leaves of two."""
 NEWS_S = 0.1
 """How often it is told what the bound has reached, while it is waited for."""
-SEARCH, SEARCH_PLAIN = 0.6, 0.9
+SEARCH, SEARCH_PLAIN, SEARCH_LAST = 0.6, 0.9, 0.97
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
-CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
+CP-SAT has more where it alone can prove anything: where statements look further back than a state does. Where the rest
+would not do for its model, the search has nearly all.
 """
 WINDOWS = 0.3
 """Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
-AT_ONCE_S, AT_ONCE = 1.5, 0.6
-"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
+AT_ONCE_S, AT_ONCE_MANY_S, AT_ONCE = 1.5, 2.5, 0.6
+"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share. Where
+contours are so many that no bound makes the sets few, a plan known before helps less, and it may take longer."""
 SURE = 0.4
 """Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
 COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
-COUNTED_S = 30.0
+COUNTED_S = 15.0
 PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 3_000_000
 """Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
 counted before, in less than a second: a plan is shown while many are counted, and where they are few the search need

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from kerfwise.models.engines.setting_out import MAX_ARCS
 from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
 from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
@@ -14,8 +15,6 @@ from .prices import NEVER, price_sites
 from .relaxation import solve_relaxed
 from .run import ENGINE
 
-MAX_ARCS = 80_000
-"""Above this, the smaller model gives the better bound for the same work (measured on plates of 115, 308 contours)."""
 MOST_ARCS = 20_000_000
 """More arcs between sites than this are not even listed."""
 MAX_CONTOURS = 3_000
