@@ -84,7 +84,8 @@ def solve(
     no_improvement_s
         Stop when so many seconds have brought no better plan.
     memory_gb
-        What the tables of the engines may fill, libraries counted; CP-SAT has its own.
+        What the process may hold: tables of engines that run at the same time fill what libraries, and moves over parts
+        that are out, leave of it. CP-SAT and linear programs have their own.
     engine, solver
         Which engine plans (`kerfwise engines` lists them), and which solver the engine minizinc uses.
     strategy

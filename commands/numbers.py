@@ -29,5 +29,6 @@ MEMORY = click.option(
     default=2.0,
     show_default=True,
     metavar="GB",
-    help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.",
+    help="What the process may hold: tables of engines that run at the same time fill what libraries, and moves over "
+    "parts that are out, leave of it. CP-SAT and linear programs have their own.",
 )

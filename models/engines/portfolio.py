@@ -59,7 +59,7 @@ class _Run:
     def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
         self.problem, self.options, self.watch = problem, options, watch
         self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
-        self.most_bytes = table_bytes(options.memory_gb)
+        self.most_bytes = table_bytes(options.memory_gb, setting_out.crossed_bytes(problem))
         self.known = Known()
         self.searcher: Searcher | None = None
         self.preview: Incumbent | None = None
@@ -147,11 +147,12 @@ class _Run:
 
     def _bound_of(self, plan: Incumbent, share: float, going: Progress) -> ideals.Proof | bounds.FlowBound:
         """What is proven by flows, and by the ideals with their multipliers where these hold all that is asked."""
+        most_bytes = (1.0 - shares.WINDOWS_BYTES) * self.most_bytes
         if ideals.priceable(self.problem) and ideals.sets_out(self.problem, shares.FIRST_BOUNDS * share):
             limit_s = None if self.options.time_s is None else share
-            proof = ideals.prove_priced(self.problem, plan, share, going, limit_s, self.most_bytes)
+            proof = ideals.prove_priced(self.problem, plan, share, going, limit_s, most_bytes)
             return bounds.FlowBound(0, share) if proof is None else proof
-        return bounds.flow_bound(self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
+        return bounds.flow_bound(self.problem, plan, share, going, most_bytes, self._ends_s(share))
 
     def _sets_out(self, took_s: float, share: float) -> bool:
         """Whether an engine has time for more than its tables; where there is no plan yet, or it was asked for, so."""
@@ -386,7 +387,8 @@ class _Run:
     def _windows(self, share: float) -> None:
         if self.known.incumbent is None or self._over() or setting_out.windows_s(self.problem) > share:
             return
-        polished = polish(self.problem, self.known.incumbent, share, self._within(share))
+        own = shares.WINDOWS_BYTES * self.most_bytes
+        polished = polish(self.problem, self.known.incumbent, share, self._within(share), own)
         self.known.offer(polished.incumbent, "windows")
         self.known.work += polished.work
 

@@ -47,6 +47,8 @@ would not do for its model, the search has nearly all.
 """
 WINDOWS = 0.3
 """Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
+WINDOWS_BYTES = 0.05
+"""Share of the bytes of all tables for those of windows: a bound that is looked for beside them has the rest."""
 AT_ONCE_S, AT_ONCE_MANY_S, AT_ONCE = 1.5, 2.5, 0.6
 """A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share. Where
 contours are so many that no bound makes the sets few, a plan known before helps less, and it may take longer."""

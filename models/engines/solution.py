@@ -18,15 +18,18 @@ BESIDE_GB, LEAST_SHARE = 0.4, 0.2
 """What libraries, nest and problem take beside the tables of engines; and the share that is left for those anyway."""
 
 
-def table_bytes(memory_gb: float) -> float:
-    """How many bytes the tables of one engine may take, of so much memory in all.
+def table_bytes(memory_gb: float, held_bytes: float = 0.0) -> float:
+    """How many bytes the tables of engines that run at the same time may take, of so much memory in all.
+
+    `held_bytes` are taken by what is held beside them, above what every problem takes.
 
     Examples
     --------
-    >>> table_bytes(2.0), table_bytes(0.4)
-    (1600000000.0, 80000000.0)
+    >>> table_bytes(2.0), table_bytes(0.4), table_bytes(2.0, 6e8)
+    (1600000000.0, 80000000.0, 1000000000.0)
     """
-    return round(max(memory_gb - BESIDE_GB, LEAST_SHARE * memory_gb) * BYTES_PER_GB, 0)
+    held_gb = BESIDE_GB + held_bytes / BYTES_PER_GB
+    return round(max(memory_gb - held_gb, LEAST_SHARE * memory_gb) * BYTES_PER_GB, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,8 @@ class SolveOptions:
     and cuts the work short. `gap` is a share of the objective: a plan proven to be that close to the best is good
     enough. `no_improvement_s` is how long, s, a plan may stay the best known before it is taken. `member` names the
     one member of the portfolio that is to run, None lets it choose. `feeds` are needed where rules count seconds.
-    `memory_gb` is what the process may hold: it limits the tables of the members that keep sets, not CP-SAT.
+    `memory_gb` is what the process may hold: it limits the tables of the members that keep sets, less what is held
+    beside them; not CP-SAT, and not linear programs.
     """
 
     seed: int = 1

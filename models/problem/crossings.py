@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.microns import GRAZE_UM, UM_PER_MM
 from kerfwise.rules.registry import RULES
@@ -32,17 +32,30 @@ class Crossings:
 
     A site number of m, the number of sites, is the machine's home; a cost of `FORBIDDEN` makes the move unlawful.
     `statement[k]` is the place of the statement among those given. What is out from the start is said of the contour
-    that the move leaves, which is cut before the move: `over[k]` is that one.
+    that the move leaves, which is cut before the move: `over[k]` is that one. All but the costs are narrow numbers, as
+    there are many millions of rows on large nests without zones.
     """
 
-    leave: Ints = field(default_factory=_none)
-    reach: Ints = field(default_factory=_none)
-    over: Ints = field(default_factory=_none)
+    leave: Ints | Int32s = field(default_factory=_none)
+    reach: Ints | Int32s = field(default_factory=_none)
+    over: Ints | Int32s = field(default_factory=_none)
     cost: Ints = field(default_factory=_none)
-    statement: Ints = field(default_factory=_none)
+    statement: Ints | Int32s = field(default_factory=_none)
 
     def __len__(self) -> int:
         return len(self.leave)
+
+    @property
+    def nbytes(self) -> int:
+        """What the rows take."""
+        return sum(column.nbytes for column in (self.leave, self.reach, self.over, self.cost, self.statement))
+
+    def moves(self, m: int) -> Ints:
+        """A number for the move of every row between `m` sites and home: leave (m + 1) + reach."""
+        numbers = self.leave.astype(np.int64)
+        numbers *= m + 1
+        numbers += self.reach
+        return numbers
 
     def only(self, kept: Bools | Ints) -> Crossings:
         """Some of the rows: those that are told, or those of these numbers, in their order."""
@@ -51,7 +64,8 @@ class Crossings:
     def renumbered(self, number: Ints) -> Crossings:
         """The rows between sites that are left, and home: `number[s]` (m + 1,) is the new number of site s, or -1."""
         left = self.only((number[self.leave] >= 0) & (number[self.reach] >= 0))
-        return replace(left, leave=number[left.leave], reach=number[left.reach])
+        leave, reach = number[left.leave].astype(np.int32), number[left.reach].astype(np.int32)
+        return replace(left, leave=leave, reach=reach)
 
 
 class TooManyMoves(InputError):
@@ -112,11 +126,23 @@ def find_crossings(
         raise TooManyMoves(
             f"idle travel over parts that are out asks about {moves:,} moves, for which the time limit is too short"
         ) from None
-    rows = [(first[c] + leave, ahead[c][reach], area) for c, (leave, reach, area) in zip(left, found, strict=True)]
-    leave, reach, area = (np.concatenate(column) for column in zip((_none(),) * 3, *rows, strict=True))
+    rows = list[list[Int32s]]()
+    for c in reversed(left):  # what is found is given back as it is taken over
+        leave, reach, area = found.pop()
+        rows.append(_narrow([first[c] + leave, ahead[c][reach], area]))
+    leave, reach, area = (np.concatenate(column) for column in zip(_narrow([_none()] * 3), *rows[::-1], strict=True))
     price = [FORBIDDEN if s.weight is None else round(s.weight * UM_PER_MM) for s in statements]
-    out = np.where(from_start[area], owner[leave], over[area])
+    out = np.where(from_start[area], owner[leave], over[area]).astype(np.int32)
     return Crossings(leave, reach, out, np.array(price, dtype=np.int64)[area], area)
+
+
+def in_order(moves: Ints) -> Ints | None:
+    """The order of rows by the numbers of their moves; None where they stand so, as those that were found do."""
+    return None if (moves[1:] >= moves[:-1]).all() else np.argsort(moves, kind="stable")
+
+
+def _narrow(columns: list[Ints]) -> list[Int32s]:
+    return [column.astype(np.int32) for column in columns]
 
 
 def from_home(

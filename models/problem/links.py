@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.encoder.geometry.segment import Point
@@ -100,11 +100,11 @@ class Links:
         left = self.only(there)
         return Links(number[left.leave], number[left.reach], left.cost, left.ms, left.path, sites)
 
-    def rows_of(self, leave: Ints, reach: Ints) -> Ints:
+    def rows_of(self, leave: Ints | Int32s, reach: Ints | Int32s) -> Ints:
         """The row of the move from `leave[k]` to `reach[k]`, (k,), -1 where it is no link."""
         if not len(self):
             return np.full(len(leave), -1, dtype=np.int64)
-        known, asked = self.leave * (self.sites + 1) + self.reach, leave * (self.sites + 1) + reach
+        known, asked = self.leave * (self.sites + 1) + self.reach, leave.astype(np.int64) * (self.sites + 1) + reach
         at = np.minimum(np.searchsorted(known, asked), len(known) - 1)
         return np.where(known[at] == asked, at, -1)
 

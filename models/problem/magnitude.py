@@ -8,11 +8,16 @@ import numpy as np
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.microns import cost_um
+from kerfwise.rules.statements import AtLeast, Enough
 
+from .conditions import Condition
 from .problem import Problem
 
 MOST_UM = 10**14
 """100,000 km of idle travel: below it every engine's sums are exact, those in doubles included."""
+
+MOST_COUNTED = 10**15
+"""What the weights of one condition, and what it asks for, may come to: its engines add them up in 64 bits."""
 
 TRAVEL = "objective.idle, objective.time and machine.home"
 
@@ -48,13 +53,23 @@ def dearest_um(problem: Problem) -> dict[str, int]:
 
 
 def check_magnitude(problem: Problem) -> None:
-    """Refuse a problem whose costs could overflow.
+    """Refuse a problem whose costs, or the weights of whose conditions, could overflow.
 
     Raises
     ------
     InputError
-        If the dearest plan could cost more than `MOST_UM`; names what most of it comes from.
+        If the dearest plan could cost more than `MOST_UM`; names what most of it comes from. If the weights of a
+        condition come to more than `MOST_COUNTED`; names the rule and the contour.
     """
+    given: tuple[Condition | AtLeast, ...] = (*problem.conditions, *problem.general)
+    for asked in given:
+        if _counted(asked) > MOST_COUNTED:
+            about = asked.about
+            contours = f" of {', '.join(about.contours)}" if about.contours else ""
+            raise InputError(
+                f"rule {about.rule} counts what is asked{contours} by weights that come to {_counted(asked):.3g}, more "
+                f"than can be counted exactly ({MOST_COUNTED:.0e}): make them, and what they must come to, smaller"
+            )
     found = dearest_um(problem)
     if sum(found.values()) > MOST_UM:
         most = max(found, key=lambda name: found[name])
@@ -63,6 +78,13 @@ def check_magnitude(problem: Problem) -> None:
             f"a plan could cost {sum(found.values()) / 1e9:.3g} km of idle travel, more than can be counted exactly "
             f"({MOST_UM // 10**9:,} km), most of it by {key}: state less there"
         )
+
+
+def _counted(asked: Condition | AtLeast | Enough) -> int:
+    """What the weights of a condition, those in it and what it asks for come to at most."""
+    within = () if isinstance(asked, Condition) else asked.literals
+    inner = max((_counted(literal) for literal in within if isinstance(literal, Enough)), default=0)
+    return max(inner, sum(map(abs, asked.weights)) + abs(asked.bound))
 
 
 def _longest_um(problem: Problem) -> int:

@@ -14,7 +14,7 @@ from itertools import chain
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.encoder.few_collections import few_collections
 from kerfwise.rules.statements import Pick, plain
 
@@ -159,7 +159,7 @@ def _conditions_by_site(
 
 
 def _moves_by_site(
-    moves: Crossings | Links, one: Ints, other: Ints, compared: Bools
+    moves: Crossings | Links, one: Ints | Int32s, other: Ints, compared: Bools
 ) -> dict[int, Counter[tuple[str, int, int, int]]]:
     """The moves of each site, with two of their columns."""
     found: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)

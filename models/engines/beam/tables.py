@@ -9,7 +9,7 @@ import numpy as np
 from kerfwise.arrays import Floats, Int32s, Ints
 from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.models.engines.ideals.local import OrderSets, StepTerms, localise
-from kerfwise.models.problem.crossings import FORBIDDEN
+from kerfwise.models.problem.crossings import FORBIDDEN, in_order
 from kerfwise.models.problem.problem import Problem
 
 NEVER = int(np.iinfo(np.int32).max)
@@ -49,8 +49,8 @@ def make_beam_tables(problem: Problem, travel: Ints) -> BeamTables:
         terms=whole.terms,
         cross_at=cross_at,
         cross_from=cross_from,
-        cross_over=problem.crossings.over[order],
-        cross_cost=problem.crossings.cost[order],
+        cross_over=(problem.crossings.over if order is None else problem.crossings.over[order]).astype(np.int64),
+        cross_cost=problem.crossings.cost if order is None else problem.crossings.cost[order],
     )
 
 
@@ -78,14 +78,16 @@ def way_home(problem: Problem, travel: Ints) -> Floats:
     return cost
 
 
-def _crossings(problem: Problem) -> tuple[Int32s, Ints, Ints]:
-    """Where the crossings of every move are, and the rows of `problem.crossings` in that order."""
+def _crossings(problem: Problem) -> tuple[Int32s, Ints, Ints | None]:
+    """Where the crossings of every move are, and the rows of `problem.crossings` in that order; None as they stand."""
     rows, m = problem.crossings, problem.m
     if not len(rows):
         return np.zeros((0, 0), dtype=np.int32), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    move = rows.leave * (m + 1) + rows.reach
-    order = np.argsort(move, kind="stable")
-    moves, start = np.unique(move[order], return_index=True)
+    move = rows.moves(m)
+    order = in_order(move)
+    if order is not None:
+        move = move[order]
+    start = np.flatnonzero(np.diff(move, prepend=-1))
     at = np.full((m + 1) * (m + 1), -1, dtype=np.int32)
-    at[moves] = np.arange(len(moves))
+    at[move[start]] = np.arange(len(start))
     return at.reshape(m + 1, m + 1), np.append(start, len(move)).astype(np.int64), order

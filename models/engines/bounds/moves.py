@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
@@ -51,7 +51,7 @@ def sure_crossings(problem: Problem) -> csr_matrix:
     return csr_matrix((charged, (rows.leave[sure], rows.reach[sure])), shape=(problem.m + 1, problem.m + 1))
 
 
-def _surely_out(problem: Problem, over: Ints, leave: Ints, reach: Ints) -> Bools:
+def _surely_out(problem: Problem, over: Ints | Int32s, leave: Ints, reach: Ints) -> Bools:
     """Whether contour `over[k]` is out whenever the torch goes from contour `leave[k]` to `reach[k]`; home is n."""
     n = problem.n
     at_leave = (leave < n) & ((over == leave) | problem.before[over, np.minimum(leave, n - 1)])

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Int32s, Ints
 from kerfwise.models.problem.problem import Problem
 
 
@@ -30,10 +30,10 @@ def out_by_then(problem: Problem) -> Ints:
     return np.where(no, Out.NO, np.where(yes, Out.YES, Out.OPEN)).astype(np.int64)
 
 
-def arc_of_move(m: int, tail: Ints, head: Ints, leave: Ints, reach: Ints) -> Ints:
+def arc_of_move(m: int, tail: Ints, head: Ints, leave: Ints | Int32s, reach: Ints | Int32s) -> Ints:
     """The arc of every move from a site to a site, -1 where there is none."""
     past_all = (m + 1) ** 2
-    keys, wanted = np.append(tail * (m + 1) + head, past_all), leave * (m + 1) + reach
+    keys, wanted = np.append(tail * (m + 1) + head, past_all), leave.astype(np.int64) * (m + 1) + reach
     order = np.argsort(keys, kind="stable")
     found = order[np.searchsorted(keys, wanted, sorter=order)]
     return np.where(keys[found] == wanted, found, -1)

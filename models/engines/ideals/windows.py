@@ -16,7 +16,7 @@ from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .budget import SweepBudget, TooLarge
+from .budget import TABLE_BYTES, SweepBudget, TooLarge
 from .by_contour import ByContour
 from .crossed import HOME, add_settled
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
@@ -39,11 +39,17 @@ class Polished:
     work: float
 
 
-def polish(problem: Problem, incumbent: Incumbent, work: float, progress: Progress | None = None) -> Polished:
+def polish(
+    problem: Problem,
+    incumbent: Incumbent,
+    work: float,
+    progress: Progress | None = None,
+    most_bytes: float = TABLE_BYTES,
+) -> Polished:
     """Improve a route window by window, until no window has a better order or `work` is spent.
 
-    What comes back is never dearer, and lawful if the route was. Where a state cannot hold what is asked, nothing is
-    tried.
+    The tables of a window take no more than `most_bytes`. What comes back is never dearer, and lawful if the route was.
+    Where a state cannot hold what is asked, nothing is tried.
     """
     if not applies(problem) or problem.n == 0:
         return Polished(incumbent, 0.0)
@@ -51,7 +57,7 @@ def polish(problem: Problem, incumbent: Incumbent, work: float, progress: Progre
     def go() -> bool:
         return progress is None or progress("windows", incumbent.cost, None)
 
-    budget = SweepBudget.of(work, go)
+    budget = SweepBudget.of(work, go, most_bytes)
     with ThreadPoolExecutor(1) as thread:
         windows = _Windows(problem, budget, thread)
         last = max(0, problem.n - WIDTH)

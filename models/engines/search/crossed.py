@@ -8,7 +8,7 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.distinct import distinct
-from kerfwise.models.problem.crossings import FORBIDDEN
+from kerfwise.models.problem.crossings import FORBIDDEN, in_order
 from kerfwise.models.problem.problem import Problem
 
 from .compiled import compiled
@@ -38,7 +38,7 @@ class Crossed(NamedTuple):
 def always_crossed(problem: Problem) -> tuple[Ints, Ints, Ints]:
     """Moves (from site, to site, cost) that cost in every order: the contour crossed is cut before."""
     rows, sure = problem.crossings, _surely_out(problem)
-    return rows.leave[sure], rows.reach[sure], rows.cost[sure]
+    return rows.leave[sure].astype(np.int64), rows.reach[sure].astype(np.int64), rows.cost[sure]
 
 
 def make_crossed(problem: Problem, priced: bool) -> Crossed:
@@ -49,16 +49,20 @@ def make_crossed(problem: Problem, priced: bool) -> Crossed:
     maybe = ~sure & ~_surely_in(problem)
     is_over = np.zeros(n, dtype=np.bool_)
     is_over[rows.over[maybe]] = True
-    move = rows.leave * (problem.m + 1) + rows.reach
-    columns = [(move[maybe], rows.over[maybe], rows.cost[maybe])]
+    move = rows.moves(problem.m)
+    columns = [(move[maybe], rows.over[maybe].astype(np.int64), rows.cost[maybe])]
     if not priced:  # one row for all that a move crosses for sure: what it leaves is cut before it
         moves, which = np.unique(move[sure], return_inverse=True)
         total = np.zeros(len(moves), dtype=np.int64)
         np.add.at(total, which, rows.cost[sure])
         columns.append((moves, contour[moves // (problem.m + 1)], total))
-    move, over, cost = (np.concatenate(parts) for parts in zip(*columns, strict=True))
-    by_move = np.argsort(move, kind="stable")
-    return Crossed(*_table(problem, contour, move[by_move]), over[by_move], cost[by_move], is_over)
+    if len(columns) == 1:
+        move, over, cost = columns.pop()
+    else:
+        move, over, cost = (np.concatenate(parts) for parts in zip(*columns, strict=True))
+    if (by_move := in_order(move)) is not None:
+        move, over, cost = move[by_move], over[by_move], cost[by_move]
+    return Crossed(*_table(problem, contour, move), over, cost, is_over)
 
 
 def _table(problem: Problem, contour: Ints, move: Ints) -> tuple[Ints, Ints, int, Ints]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import count
 
+import numpy as np
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -19,6 +20,7 @@ from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.problem import crossed_areas, crossings
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.crossings import Crossings, in_order
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.statements import About, Precede
 
@@ -42,6 +44,27 @@ def test_moves_over_the_part_between_are_found() -> None:
     assert middle.any()
     assert ((ends < 270) & (starts > 170) | (ends > 170) & (starts < 270))[middle].all()
     assert problem.left_out == ()
+
+
+def test_rows_stand_in_the_order_of_their_moves_and_take_few_bytes() -> None:
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
+    rows, m = problem.crossings, problem.m
+    pairs = list(zip(rows.leave.tolist(), rows.reach.tolist(), strict=True))
+    assert rows.moves(m).tolist() == [leave * (m + 1) + reach for leave, reach in pairs]
+    assert pairs == sorted(pairs)
+    assert in_order(rows.moves(m)) is None
+    mixed = rows.only(np.random.default_rng(1).permutation(len(rows)))
+    order = in_order(mixed.moves(m))
+    assert order is not None
+    assert mixed.only(order).moves(m).tolist() == rows.moves(m).tolist()
+    assert rows.nbytes == 24 * len(rows)
+
+
+def test_the_numbers_of_moves_between_many_sites_do_not_overflow() -> None:
+    one = np.array([99_999], dtype=np.int32)
+    assert Crossings(one, one, one, one.astype(np.int64), one).moves(100_000).tolist() == [99_999 * 100_001 + 99_999]
 
 
 def test_too_many_moves_leave_a_soft_rule_unpriced_and_the_plan_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

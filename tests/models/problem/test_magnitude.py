@@ -17,9 +17,11 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.magnitude import MOST_UM, check_magnitude, dearest_um
+from kerfwise.models.problem.magnitude import MOST_COUNTED, MOST_UM, check_magnitude, dearest_um
 from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.statements import About, AtLeast, Before, Enough, IdleTravel, Pick
 from kerfwise.rules.stating.state_rules import state_rules
 
 ROW = nest(400, 100, *(part(f"P{k}", rect(10 + 90 * k, 10, 70, 70)) for k in range(4)))
@@ -60,6 +62,35 @@ def test_the_largest_costs_are_added_up_alike_by_every_engine(tmp_path: Path, te
     assert answer.incumbent is not None
     assert answer.incumbent.cost == proof.incumbent.cost == route_cost(problem, proof.incumbent.route)
     assert proof.incumbent.cost <= sum(dearest_um(problem).values()) <= MOST_UM
+
+
+OWN = About("own", ("P0.outer",), "drawn too large")
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        AtLeast((Before(1, 0),), (2**63,), 1, OWN),
+        AtLeast((Before(1, 0), Before(2, 0)), (2**62, -(2**62)), 0, OWN),
+        AtLeast((Before(1, 0),), (1,), -(2**70), OWN),
+        AtLeast((Pick(0), Before(1, 2)), (1, 2**63), 1, OWN),
+        AtLeast((Enough((Before(1, 2),), (2**63,), 1), Pick(0)), (1, 1), 1, OWN),
+    ],
+)
+def test_weights_that_no_integer_holds_are_refused_with_rule_and_contour(asked: AtLeast) -> None:
+    facts = facts_of(ROW, load_profile())
+    with pytest.raises(InputError, match=r"rule own counts what is asked of P0\.outer .* smaller"):
+        make_problem(facts, (asked,), (0.0, 0.0))
+
+
+def test_large_weights_that_can_be_counted_are_planned_by() -> None:
+    facts = facts_of(ROW, load_profile())
+    first = AtLeast((Before(3, 0),), (MOST_COUNTED // 2,), MOST_COUNTED // 2, OWN)
+    problem = simplify(make_problem(facts, (first, IdleTravel(OWN)), (0.0, 0.0)))
+    found = prove(problem, None, 5.0)
+    assert found is not None
+    order = problem.site_contour[list(found.incumbent.route)].tolist()
+    assert order.index(3) < order.index(0)
 
 
 def test_no_route_costs_more_than_the_dearest(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from kerfwise.arrays import Bools
 from kerfwise.encoder.ranges import laid_out
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
+from kerfwise.models.problem.crossings import FORBIDDEN, Crossings, in_order
 from kerfwise.models.problem.problem import Problem
 
 from .asked import ABOUT
@@ -20,9 +20,9 @@ class CrossedBy:
     def __init__(self, problem: Problem) -> None:
         rows = problem.crossings
         self._m = problem.m
-        by_move = np.argsort(rows.leave * (problem.m + 1) + rows.reach, kind="stable")
-        self._rows = rows.only(by_move)
-        self._move = self._rows.leave * (problem.m + 1) + self._rows.reach
+        by_move = in_order(rows.moves(problem.m))
+        self._rows = rows if by_move is None else rows.only(by_move)
+        self._move = self._rows.moves(problem.m)
         self._from = np.searchsorted(self._rows.leave, np.arange(problem.m + 2))
 
     def between(self, pieces: Pieces) -> Crossings:

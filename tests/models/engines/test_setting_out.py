@@ -1,0 +1,67 @@
+"""Engines are not begun where their tables alone take longer than what is left, but where nothing else finds a plan."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kerfwise.models.engines import portfolio, setting_out
+from kerfwise.models.engines.ideals import Count
+from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.models.problem.crossings import Crossings
+from kerfwise.tests.models.problems import scattered
+
+
+class _Begun(Exception):
+    """CP-SAT was begun."""
+
+
+@pytest.fixture(autouse=True)
+def _never_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    def begun(*_: object) -> None:
+        raise _Begun
+
+    monkeypatch.setattr(portfolio.cpsat, "solve_cpsat", begun, raising=False)
+
+
+def test_cp_sat_is_not_begun_with_less_than_its_model_takes() -> None:
+    many = scattered(1, contours=45, sites=1)
+    options = SolveOptions(work=0.2)
+    known = run_portfolio(many, options, Watch(options))
+    assert known.incumbent is not None
+    assert "cp-sat: not begun, its tables alone take longer than what is left for it" in known.notes
+
+
+def test_cp_sat_is_begun_with_more_than_its_model_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(setting_out, "cpsat_s", lambda _: 0.0)
+    options = SolveOptions(work=0.2)
+    with pytest.raises(_Begun):
+        run_portfolio(scattered(1, contours=45, sites=1), options, Watch(options))
+
+
+def test_cp_sat_that_was_asked_for_is_begun_with_any_work() -> None:
+    options = SolveOptions(work=0.001, member="cp-sat")
+    with pytest.raises(_Begun):
+        run_portfolio(scattered(1, contours=45, sites=1), options, Watch(options))
+
+
+def test_what_it_takes_grows_with_what_is_made() -> None:
+    few, many = scattered(1, contours=8, sites=2), scattered(1, contours=8, sites=4)
+    assert setting_out.cpsat_s(few) < setting_out.cpsat_s(many)
+    assert setting_out.beam_s(few) < setting_out.beam_s(many)
+    crossed = replace(few, crossings=Crossings(*(np.zeros(1000, dtype=np.int64) for _ in range(5))))
+    for seconds in (setting_out.cpsat_s, setting_out.beam_s, setting_out.windows_s):
+        assert seconds(crossed) > seconds(replace(few, crossings=Crossings()))
+
+
+@pytest.mark.parametrize(("longest", "entries", "at_once"), [(30, 18e6, False), (69, 18e6, True), (69, 28e6, False)])
+def test_a_sweep_of_many_contours_may_take_longer_before_any_search(
+    longest: int, entries: float, at_once: bool
+) -> None:
+    run = portfolio._Run(scattered(1, contours=8, sites=1), SolveOptions(work=30.0), Watch(SolveOptions()))
+    run.count = Count(1, longest, 10**6, int(entries), 10**6, 0.0, True)
+    assert run._at_once() == at_once
