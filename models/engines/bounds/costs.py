@@ -51,7 +51,8 @@ def costs_of(
 class Inside:
     """Ways through the blocks that their last contours stand for, to the sites of these.
 
-    `inner` (k,) are the sites of all the contours before the last ones.
+    `inner` (k,) are the sites of all the contours before the last ones. `ways` are of every such block: where its own
+    are in `inner`, which sites its last contour has, and what it costs from the cut at the ones to that at the others.
     """
 
     def __init__(self, problem: Problem, sites: Ints, charged: Ints, passages: Sequence[Passage]) -> None:
@@ -59,17 +60,17 @@ class Inside:
         self.inner: Ints = np.zeros(0, dtype=np.int64)
         if passages:
             self.inner = problem.sites_of(np.concatenate([passage.inner for passage in passages]))
-        self._ways: list[tuple[slice, Ints, Floats]] = []
+        self.ways: list[tuple[slice, Ints, Floats]] = []
         began = 0
         for passage in passages:
             here = np.flatnonzero(owner == passage.last)
             way = through(problem, passage, moves, sites[here], charged[here].astype(np.float64))
-            self._ways.append((slice(began, began + len(way)), here, way))
+            self.ways.append((slice(began, began + len(way)), here, way))
             began += len(way)
 
     def come_through(self, entered: Floats, part: Floats) -> None:
         """Put into `part` (rows, sites) what it costs to come to last contours; `entered` (rows, k) to those inside."""
-        for some, here, way in self._ways:
+        for some, here, way in self.ways:
             part[:, here] = cheapest(entered[:, some], way)
 
 

@@ -51,6 +51,15 @@ def sure_crossings(problem: Problem) -> csr_matrix:
     return csr_matrix((charged, (rows.leave[sure], rows.reach[sure])), shape=(problem.m + 1, problem.m + 1))
 
 
+def open_crossings(problem: Problem) -> Bools:
+    """Which rows of its crossings depend on the order: what is crossed may be out by then, and may not be."""
+    rows, owner = problem.crossings, np.append(problem.site_contour, problem.n)
+    leave, reach = owner[rows.leave], owner[rows.reach]
+    inside = np.minimum(reach, problem.n - 1)
+    still = (leave == problem.n) | ((reach < problem.n) & ((rows.over == reach) | problem.before[inside, rows.over]))
+    return np.asarray(~still & ~_surely_out(problem, rows.over, leave, reach))
+
+
 def _surely_out(problem: Problem, over: Ints | Int32s, leave: Ints, reach: Ints) -> Bools:
     """Whether contour `over[k]` is out whenever the torch goes from contour `leave[k]` to `reach[k]`; home is n."""
     n = problem.n

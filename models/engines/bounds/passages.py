@@ -14,11 +14,11 @@ from itertools import combinations
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 
-from .moves import Moves
+from .moves import Moves, open_crossings
 
 MOST_INNER = 6
 """Contours before the last one of a block, at the most: all their sets are gone through."""
@@ -36,6 +36,7 @@ def passages_of(problem: Problem) -> tuple[Passage, ...]:
     """The blocks of a problem that their last contour can stand for."""
     asked = np.zeros(problem.n, dtype=np.bool_)
     asked[[condition.contour for condition in problem.conditions]] = True
+    asked |= _crossing_inside(problem)
     names, size = np.unique(problem.block, return_counts=True)
     found = []
     for block in names[(size > 1) & (size <= MOST_INNER + 1)].tolist():
@@ -50,6 +51,19 @@ def passages_of(problem: Problem) -> tuple[Passage, ...]:
         if alike and not asked[inner].any():
             found.append(Passage(last, inner))
     return tuple(found)
+
+
+def _crossing_inside(problem: Problem) -> Bools:
+    """Contours that are left for another of their block, (n,), where what that move costs depends on what is out."""
+    found = np.zeros(problem.n, dtype=np.bool_)
+    rows = problem.crossings
+    if len(rows):
+        rows = rows.only((rows.leave < problem.m) & (rows.reach < problem.m))
+        leave = problem.site_contour[rows.leave]
+        inside = problem.block[leave] == problem.block[problem.site_contour[rows.reach]]
+        within = replace(problem, crossings=rows.only(inside))
+        found[leave[inside][open_crossings(within)]] = True
+    return found
 
 
 def stand_for(problem: Problem, passages: Sequence[Passage]) -> tuple[Ints, Ints, Ints]:

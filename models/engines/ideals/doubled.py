@@ -11,18 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Int16s, Ints
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import inner, kept
 from kerfwise.models.problem.bits import Masks
 
 from .kernels import TOGETHER, Costs, MoveTable, asked, least_of, most_columns, most_states
 from .local import StepTerms
+from .over import Over, over_in_set
 from .rest_bound import RestBound, near_left, still_to_come
 
 
 class Lows(NamedTuple):
-    """What multipliers leave of the cost of `moves`, and its sums to every state, `values` and `new_values`."""
+    """What multipliers leave of the cost of `moves`, and its sums to every state, `values` and `new_values`.
+
+    What moves cost for what is out is in neither of the two: both pay it.
+    """
 
     moves: MoveTable
+    over: Over
     values: Costs
     new_values: Costs
 
@@ -51,7 +56,7 @@ def sweep_both(  # pragma: no cover - compiled
     start: int,
     stop: int,
 ) -> None:
-    """As `kernels.sweep`, with `low` beside the costs, and what is still to come of these; nothing is crossed."""
+    """As `kernels.sweep`, with `low` beside the costs, and what is still to come of these."""
     rows, columns = most_states(ideal_entry, begin, alive, start, stop), most_columns(moves)
     have, lows = np.empty(rows, values.dtype), np.empty(rows, values.dtype)
     row = np.empty(rows, np.int64)
@@ -84,7 +89,10 @@ def sweep_both(  # pragma: no cover - compiled
                 for d in range(first[i + 1] - first[i]):
                     new_values[at + d] = low.new_values[at + d] = never
                 continue
-            least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
+            if len(low.over.extra):
+                least_of_both(moves, low, masks[k], i, first, have, lows, row, count, never, best, lowest)
+            else:
+                least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
             for d in range(first[i + 1] - first[i]):
                 column = first[i] + d
                 total = best[d] + terms.site_cost[column] + asked(terms, masks[k], i, np.int64(column))
@@ -93,3 +101,35 @@ def sweep_both(  # pragma: no cover - compiled
                     living[place[e]] = True
                 else:
                     new_values[at + d] = low.new_values[at + d] = never
+
+
+@inner(nogil=True)
+def least_of_both(  # pragma: no cover - compiled
+    moves: MoveTable,
+    low: Lows,
+    mask: Masks,
+    i: int,
+    first: Ints,
+    have: Costs,
+    lows: Costs,
+    row: Ints,
+    count: int,
+    never: int,
+    best: Costs,
+    lowest: Costs,
+) -> None:
+    """The least costs to every site of contour i, and the least of `low`, where moves cost more for what is out."""
+    begin = moves.row_of[0]
+    for d in range(first[i + 1] - first[i]):
+        best[d] = lowest[d] = never
+    for x in range(count):
+        if have[x] >= never:
+            continue
+        at, low_at = moves.base[i] + row[x] * moves.pad[i], low.moves.base[i] + row[x] * low.moves.pad[i]
+        for d in range(first[i + 1] - first[i]):
+            cost = np.int64(have[x]) + moves.table[at + d]
+            least = np.int64(lows[x]) + low.moves.table[low_at + d]
+            if least < never and cost < never and (cost < best[d] or least < lowest[d]):
+                more = over_in_set(low.over, mask, row[x] - begin, first[i] + d)
+                best[d] = min(np.int64(best[d]), cost + more)
+                lowest[d] = min(np.int64(lowest[d]), least + more)

@@ -19,6 +19,7 @@ from .doubled import Lows, sweep_both
 from .grown_by_arrays import arrange_by_arrays
 from .kernels import Costs, MoveTable, arrange, crossing_in_set, leaving, sweep
 from .local import Local
+from .over import Over, over_in_set
 from .rest_bound import RestBound
 from .sets import Sets, grow, growth
 from .swept_by_arrays import sweep_by_arrays
@@ -55,7 +56,8 @@ class SweptLayer:
 class SweptStretch:
     """All that a sweep works on: `limit` is the most that a plan worth finding costs, `never` is more.
 
-    Where `dear` is given, it is what multipliers leave of the cost of moves, and `rests` is of that.
+    Where `dear` is given, it is what multipliers leave of the cost of moves, and `rests` is of that; `over` is what
+    they cost more for what is out.
     """
 
     local: Local
@@ -64,6 +66,7 @@ class SweptStretch:
     limit: int
     never: int
     dear: MoveTable | None = None
+    over: Over | None = None
 
 
 def sweep_layers(
@@ -95,11 +98,11 @@ def sweep_layers(
         goes = alive, entry_from, contour, place, new_begin, values
         asked = local.terms, stretch.rests(depth), local.first, stretch.limit, stretch.never
         given: tuple[Any, ...] = (*asked, *came, *goes, living)
-        if stretch.dear is None or lows is None or new_lows is None:
+        if stretch.dear is None or stretch.over is None or lows is None or new_lows is None:
             one_cost = suited(sweep, steps, sweep_by_arrays)
             sweep_span: Callable[[int, int], None] = partial(one_cost, stretch.moves, *given)
         else:
-            given = (Lows(stretch.dear, lows, new_lows), *given)
+            given = (Lows(stretch.dear, stretch.over, lows, new_lows), *given)
             sweep_span = partial(suited(sweep_both, 2 * steps), stretch.moves, *given)
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
@@ -152,6 +155,9 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             if len(moves.mask):
                 over = suited(crossing_in_set, 4 * len(rows))
                 costs += [over(moves, out, row, columns[-1]) for row in rows]
+            if stretch.over is not None and len(stretch.over.extra):
+                more = suited(over_in_set, 20 * len(rows))
+                costs += [more(stretch.over, out, row - moves.row_of[0], columns[-1]) for row in rows]
             if j >= 0:
                 costs += suited(leaving, 2 * len(local.terms.soft_cost))(local.terms, out, j, i)
             k = int(np.argmin(costs))

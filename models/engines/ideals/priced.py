@@ -5,6 +5,9 @@ their conditions ask. What the multipliers of its linear program leave of the co
 plan, on top of the bound: so it says of every state, by how it was come to, what the whole plan costs at least. What is
 still to come of it is bounded by walks. From the last stretch to the first each program ends at what the next one
 still costs by the site that it is begun with.
+
+What moves cost for what they cross, the programs have where it is out in every order with the move. For what depends on
+the order a plan pays more than they say: sweeps, which know what is out, charge it.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
-from kerfwise.models.engines.bounds.moves import Moves
+from kerfwise.models.engines.bounds.moves import Moves, open_crossings
 from kerfwise.models.engines.bounds.passages import best_way, passages_of
 from kerfwise.models.engines.bounds.reduced import Proving, Reduced, entering, reduced
 from kerfwise.models.engines.solution import Incumbent, Progress
@@ -30,12 +33,14 @@ from kerfwise.rules.statements import About
 from .alone import FAR, alone, conditions_within, ends_of
 from .budget import SweepBudget
 from .by_contour import ByContour
-from .crossed import HOME
+from .crossed import HOME, add_settled, crossing_price
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
 from .local import Local, localise
+from .over import Over
 from .rest_bound import RestBound
 from .series import series
 from .stretches import entrance_of, home_from, never, table_of, travel_between
+from .ways_over import crossing_within, ways_over
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
@@ -53,7 +58,7 @@ class Priced:
 
     `apart` is the stretch as a problem, with sites `own` of the whole problem. It may be come to from the sites `ways`,
     at `entry` (ways, sites), `lows` (ways, sites) of it beyond what the bound says. `onward` (ways,) is what plans cost
-    from there to their end at least. `rest` is what is still to come of `lows`.
+    from there to their end at least. `rest` is what is still to come of `lows`, `over` what moves cost for what is out.
     """
 
     apart: Problem
@@ -67,13 +72,14 @@ class Priced:
     lows: Ints
     onward: Ints
     rest: Completion
+    over: Over
 
     @property
     def nbytes(self) -> int:
         """What its tables take."""
         assert self.posed.matrix is not None
         tables = self.relaxed.dear, self.relaxed.network.cost, self.posed.matrix, self.rest.to_go, self.entry, self.lows
-        return sum(table.nbytes for table in tables)
+        return sum(table.nbytes for table in (*tables, *self.over[:3]))
 
     def rests(self, depth: int) -> RestBound:
         """What is still to come after so many contours of the network."""
@@ -126,7 +132,8 @@ class PricedStretches:
             if not (costs < stretch.never).any():
                 return None
             ways = here.sites[local.sites_of(layers[-1].contour)]
-        total = costs + home_from(self.problem, ways)
+        leave, of_site = np.unique(ways, return_inverse=True)  # a site is there once for each of its splits
+        total = costs + home_from(self.problem, leave)[of_site]
         best = int(np.argmin(total))
         if total[best] > limit:
             return None
@@ -156,7 +163,8 @@ def price(
         out = frozenset(c for group in groups[:k] for c in group)
         route = incumbent.route[until[k] - len(groups[k]) : until[k]]
         known = earlier[k] if len(earlier) == len(groups) else None
-        asked = _Asked(parts.of(groups[k]), groups[k], before, out, found[-1] if found else None, known)
+        onward = found[-1].onward if found else home_from(problem, ends_of(problem, groups[k])[1])
+        asked = _Asked(parts.of(groups[k]), groups[k], before, out, onward, known)
         here, took = asked.priced(route, incumbent.cost, share, progress, left_bytes)
         spent += took
         if here is None:
@@ -170,13 +178,16 @@ def price(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Asked:
-    """A stretch that is to be priced, come to from the sites `before` once all of `earlier` is out."""
+    """A stretch that is to be priced, come to from the sites `before` once all of `earlier` is out.
+
+    Plans cost `onward` from each site that it may end with, at least.
+    """
 
     problem: Problem
     group: tuple[int, ...]
     before: Ints
     earlier: frozenset[int]
-    following: Priced | None
+    onward: Ints
     known: Proving | None
 
     def priced(
@@ -185,13 +196,12 @@ class _Asked:
         """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there."""
         problem, own = self.problem, self.problem.sites_of(self.group)
         leave = ends_of(problem, self.group)[1]
-        if self.following is None:
-            onward = travel_between(problem, leave, np.array([HOME]))[:, 0]
-        else:
-            onward = self.following.onward
-        travel = np.minimum(travel_between(problem, self.before, own), FAR)
-        apart = alone(problem, self.group, own, travel.min(axis=0), leave, np.minimum(onward, FAR))
+        travel = travel_between(problem, self.before, own)
+        add_settled(problem, self.earlier, self.before, own, travel)
+        travel = np.minimum(travel, FAR)
+        apart = alone(problem, self.group, own, travel.min(axis=0), leave, np.minimum(self.onward, FAR))
         apart = replace(apart, conditions=tuple(conditions_within(problem, self.group, own, self.earlier)))
+        apart = crossing_within(problem, self.group, own, self.earlier, apart)
         plan = tuple(np.searchsorted(own, route).tolist())
         of_plan = Incumbent(plan, route_cost(apart, plan))
         relaxed = reduced(apart, of_plan, known, (1.0 - WALKS) * work, progress, self.known)
@@ -207,7 +217,8 @@ class _Asked:
         to_come = np.floor(np.minimum(rest.after_first(posed.site_contour), FAR)).astype(np.int64)
         least = relaxed.bound + (lows + to_come).min(axis=1)
         sites = own[relaxed.network.sites]
-        here = Priced(apart, own, relaxed, posed, sites, self.before, travel, entry, lows, least, rest)
+        over = ways_over(apart, relaxed.network, relaxed.dear[:-1, :-1] <= known - relaxed.bound)
+        here = Priced(apart, own, relaxed, posed, sites, self.before, travel, entry, lows, least, rest, over)
         return here, relaxed.work + rest.work
 
 
@@ -233,7 +244,7 @@ def _stretch(here: Priced, local: Local, row: Ints, limit: int) -> SweptStretch:
     assert inside is not None
     moves = table_of(local, np.concatenate([here.entry[row], inside[:-1, :-1]]), limit)
     dear = table_of(local, np.concatenate([here.lows[row], here.relaxed.dear[:-1, :-1]]), limit)
-    return SweptStretch(local, moves, here.rests, limit, never(limit), dear)
+    return SweptStretch(local, moves, here.rests, limit, never(limit), dear, here.over)
 
 
 def _route(swept: Sequence[tuple[Priced, SweptStretch, list[SweptLayer], Ints]], state: int) -> tuple[int, ...]:
@@ -249,14 +260,26 @@ def _with_inner(here: Priced, columns: Sequence[int], way: int) -> list[int]:
     apart, moves = here.apart, Moves(here.apart)
     of_last = {passage.last: passage for passage in passages_of(apart)}
     route: list[int] = []
+    price = crossing_price(apart)
     for site in here.relaxed.network.sites[list(columns)].tolist():
         passage = of_last.get(int(apart.site_contour[site]))
         if passage is not None:
             inner = apart.sites_of(passage.inner)
             if route:
                 entered = moves.between(np.array(route[-1:]), inner)[0]
+                entered += price * _crossed(apart, route, inner)
             else:
                 entered = here.travel[int(np.searchsorted(here.ways, way)), inner].astype(np.float64)
             route += best_way(apart, passage, moves, entered, site)
         route.append(site)
     return [int(here.own[site]) for site in route]
+
+
+def _crossed(apart: Problem, route: Sequence[int], inner: Ints) -> Ints:
+    """How many contours of a route the moves from its last site to each of some others cross, if the order decides."""
+    rows = apart.crossings
+    is_out = np.zeros(apart.n, dtype=np.bool_)
+    is_out[apart.site_contour[list(route)]] = True
+    rows = rows.only((rows.leave == route[-1]) & is_out[rows.over])
+    rows = rows.only(open_crossings(replace(apart, crossings=rows)))
+    return np.bincount(rows.reach, minlength=apart.m)[inner]

@@ -88,8 +88,8 @@ def unfit(problem: Problem) -> str:
 
 
 def priceable(problem: Problem) -> bool:
-    """Whether linear programs of all stretches hold all that is asked: nothing is crossed, and no groups cost."""
-    if unfit(problem) or len(problem.crossings) or problem.soft_groups or problem.general:
+    """Whether linear programs of all stretches hold all that is asked, but for what moves cross: no groups cost."""
+    if unfit(problem) or problem.soft_groups or problem.general:
         return False
     return problem.n <= MOST_CONTOURS_PRICED and max(sites for _, sites in _sizes(problem)) <= MOST_SITES_PRICED
 

@@ -17,7 +17,7 @@ from kerfwise.models.engines.ideals.budget import SweepBudget
 from kerfwise.models.engines.ideals.prove import applies, priceable, prove, prove_priced
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
@@ -57,7 +57,7 @@ def agrees(tiny: Problem) -> None:
 @settings(max_examples=25, deadline=None)
 @given(in_zones())
 def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
-    tiny = replace(drawn, crossings=Crossings(), soft_groups=())
+    tiny = replace(drawn, soft_groups=())
     assume(applies(tiny))
     agrees(tiny)
 
@@ -66,7 +66,7 @@ def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
 @settings(max_examples=25, deadline=None)
 @given(problems(contours=6))
 def test_the_best_plan_is_found_where_all_contours_are_one_stretch(drawn: Problem) -> None:
-    tiny = replace(drawn, crossings=Crossings(), soft_groups=(), general=())
+    tiny = replace(drawn, soft_groups=(), general=())
     assume(applies(tiny))
     agrees(tiny)
 
@@ -74,7 +74,7 @@ def test_the_best_plan_is_found_where_all_contours_are_one_stretch(drawn: Proble
 @settings(max_examples=15, deadline=None)
 @given(problems(contours=6))
 def test_from_the_dearest_plan_on_programs_alone_prove_the_best(drawn: Problem) -> None:
-    tiny = replace(drawn, crossings=Crossings(), soft_groups=(), general=())
+    tiny = replace(drawn, soft_groups=(), general=())
     assume(priceable(tiny))
     plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
     assume(plans)
@@ -112,6 +112,37 @@ def with_holes(draw: st.DrawFn) -> Problem:
         lags.append(Lag(first, second, ABOUT, cuts=draw(st.sampled_from([1, 1, 0])), weight=weight))
     points = [[(float(x), float(y)) for x, y in row] for row in where]
     return problem(points, pairs=before, blocks=blocks, conditions=conditions, lags=lags)
+
+
+@st.composite
+def crossing(draw: st.DrawFn) -> Problem:
+    """The same with few or many moves, home's among them, that lead over what may be out, all at one price.
+
+    Mostly none from contour to contour of a block, so that the last ones can stand for the others.
+    """
+    tiny, share = draw(with_holes()), draw(st.sampled_from([0.02, 0.1, 0.3, 0.6]))
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    there = rng.random((tiny.m + 1, tiny.m + 1, tiny.n)) < share
+    block = np.append(tiny.block[tiny.site_contour], -1)
+    if draw(st.sampled_from([True, True, True, False])):
+        there[block[:, None] == block] = False
+    leave, reach, over = np.nonzero(there)
+    price = draw(st.sampled_from([1, 5000, 20_000, 60_000, FORBIDDEN] if share < 0.2 else [1, 5000, 20_000, 60_000]))
+    return replace(tiny, crossings=Crossings(leave, reach, over, np.full(len(leave), price), np.zeros_like(leave)))
+
+
+@pytest.mark.slow
+@settings(max_examples=25, deadline=None)
+@given(crossing())
+def test_what_moves_cross_is_paid_for_where_it_is_out(tiny: Problem) -> None:
+    agrees(tiny)
+
+
+def test_the_way_home_is_paid_for_from_each_split_of_a_site() -> None:
+    """C1 wants C0 out before it, and then the way home leads over C0: it is cheaper to pay for what C1 wants."""
+    wants = Condition(1, (0,), (1,), 1, ABOUT, 1, cost=4000)
+    home = Crossings(*(np.array([k]) for k in (1, 2, 0, 50_000, 0)))
+    agrees(problem([[(10.0, 0.0)], [(20.0, 0.0)]], conditions=[wants], crossings=home))
 
 
 @pytest.mark.slow
@@ -197,11 +228,12 @@ def test_without_memory_for_tables_there_are_none() -> None:
     assert priced.price(given, known, 1.0, None, 1e3) is None
 
 
-def test_where_groups_cost_or_moves_cross_there_are_no_linear_programs() -> None:
+def test_where_groups_cost_or_crossings_have_several_prices_there_are_no_linear_programs() -> None:
     given, _ = two_zones()
-    over = Crossings(*(np.array([k]) for k in (0, 4, 1, 5000, 0)))
+    one, two = (Crossings(*np.array([[0, 4, 1, 5000, 0], [1, 4, 1, cost, 0]]).T) for cost in (5000, 6000))
     assert priceable(given)
-    assert not priceable(replace(given, crossings=over))
+    assert priceable(replace(given, crossings=one))
+    assert not priceable(replace(given, crossings=two))
     assert not priceable(replace(given, soft_groups=(SoftGroup((0, 1), 100, ABOUT),)))
     assert priceable(scattered(5, 10, 2))
 
