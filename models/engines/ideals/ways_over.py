@@ -67,7 +67,7 @@ class _Masks:
 
     def __init__(self, m: int, rows: Crossings, over: Ints, width: int) -> None:
         self._m = m
-        self._moves, at = np.unique(rows.leave * m + rows.reach, return_inverse=True)
+        self._moves, at = np.unique(rows.leave.astype(np.int64) * m + rows.reach, return_inverse=True)
         self._masks = np.zeros((len(self._moves) + 1, width), dtype=np.uint64)  # the last is that of nothing
         bit = np.uint64(1) << (over % 64).astype(np.uint64)
         np.bitwise_or.at(self._masks, (at, over // 64), bit)
