@@ -1,15 +1,17 @@
-"""Plans, writes, checks and draws one plate in this process, and tells the processor seconds of every phase.
+"""Plans, writes, checks and draws one plate, and tells the processor seconds of every phase.
 
 Usage: python benchmarks/phase_clock.py CONTOURS [--work W] [--minutes M]
 
 The plate is made by examples/gen_sheet.py, seed 1. Prints one line of JSON. `phases.py` runs this file for each
-checkout with the package of that one, so nothing of the benchmarks is imported here.
+checkout with the package of that one, so nothing of the benchmarks is imported here. A picture that is drawn in a
+process of its own, beside the check, counts for the picture by the seconds of that process's processor.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import importlib.util
 import json
 import math
 import os
@@ -17,7 +19,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from kerfwise.examples.gen_sheet import contour_count, make_sheet
@@ -39,6 +41,8 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
 LOOK_S = 0.5
 """How often a process looks at whether it has taken too long."""
 REST, ALL, BUT_PLANNING, MEMORY = "all else", "all", "all but planning", "memory, MB"
+BY_CLOCK = "all but planning, by the clock"
+"""Seconds that go by meanwhile: what is done side by side counts once, and what other programs take counts too."""
 
 
 class Clock:
@@ -49,6 +53,9 @@ class Clock:
         self._running: list[str] = []
         self._begun: list[str] = []
         self._since_s = time.process_time()
+        self.clock_s = dict.fromkeys(PHASES, 0.0)
+        """The same by the clock."""
+        self._since_clock_s = time.perf_counter()
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
@@ -63,10 +70,11 @@ class Clock:
             self._running.pop()
 
     def _turn(self) -> None:
-        now_s = time.process_time()
+        now_s, now_clock_s = time.process_time(), time.perf_counter()
         if self._running:
             self.seconds[self._running[-1]] += now_s - self._since_s
-        self._since_s = now_s
+            self.clock_s[self._running[-1]] += now_clock_s - self._since_clock_s
+        self._since_s, self._since_clock_s = now_s, now_clock_s
 
     def so_far(self) -> tuple[dict[str, float], list[str], list[str]]:
         """Seconds of every phase up to now, those that are running, and those that were never begun."""
@@ -105,22 +113,50 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
             if hasattr(place, step):
                 setattr(place, step, clock.around(name, getattr(place, step)))
     _around_looks(clock)
-    began_s = time.process_time()
+    began_s, began_clock_s = time.process_time(), time.perf_counter()
 
     def tell(ended: bool) -> None:
         seconds, running, missing = clock.so_far()
-        whole_s = time.process_time() - began_s
+        beside_s, beside_mb = _of_ended_processes()
+        seconds["picture"] += beside_s
+        whole_s = time.process_time() - began_s + beside_s
         sums = {REST: whole_s - sum(seconds.values()), ALL: whole_s, BUT_PLANNING: whole_s - seconds["planning"]}
-        told({**seconds, **sums, MEMORY: peak_mb(), "ended": ended, "running": running, "missing": missing})
+        by_clock = {BY_CLOCK: time.perf_counter() - began_clock_s - clock.clock_s["planning"]}
+        most = {MEMORY: peak_mb() + beside_mb}
+        told({**seconds, **sums, **by_clock, **most, "ended": ended, "running": running, "missing": missing})
 
     threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
     nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
     limits = options_for(nest, profile, work=work)
-    made = plan_nest(Given(nest, profile), limits).made
-    if not made.verdict.ok:
-        raise SystemExit("the check refuses the plan")
-    importlib.import_module("kerfwise.postproc.report").draw(nest, made.plan, ".svg", profile.home_on(nest))
+    home = profile.home_on(nest)
+    with _beside(nest, home) as beside:
+        told_to = {} if beside is None else {"planned_as": beside.begin}
+        made = plan_nest(Given(nest, profile), limits, **told_to).made
+        if not made.verdict.ok:
+            raise SystemExit("the check refuses the plan")
+        with clock.phase("picture"):
+            picture = None if beside is None else beside.end(made.plan)
+        if picture is None:
+            importlib.import_module("kerfwise.postproc.report").draw(nest, made.plan, ".svg", home)
     tell(False)
+
+
+def _beside(nest: Any, home: tuple[float, float]) -> Any:
+    """A picture drawn beside the check, as `kerfwise solve` does it, by checkouts that do."""
+    if importlib.util.find_spec("kerfwise.jobs.page.drawn_beside") is None:
+        return nullcontext()
+    return importlib.import_module("kerfwise.jobs.page.drawn_beside").DrawnBeside(nest, ".svg", home)
+
+
+def _of_ended_processes() -> tuple[float, float]:
+    """Seconds of the processor that processes of this one took, and the most memory that one held, MB: 0 elsewhere."""
+    took = os.times()
+    try:
+        import resource
+    except ImportError:
+        return took.children_user + took.children_system, 0.0
+    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return took.children_user + took.children_system, peak / (1024 * 1024 if sys.platform == "darwin" else 1024)
 
 
 def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, MEMORY, PHASES, REST
+from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, BY_CLOCK, MEMORY, PHASES, REST
 
 Spent = dict[str, Any]
 """Seconds by phase and what goes with them, see `phase_clock.spent`; `contours` is how many there are."""
@@ -42,7 +42,7 @@ def phase_table(runs: Sequence[Sequence[Spent]]) -> str:
         heads += [f"{told}, before", "after", "^"] if len(of_size) > 1 else [told, "^"]
         aligned += ["---:"] * (len(of_size) + 1)
     rows = []
-    for name in (*PHASES, REST, ALL, BUT_PLANNING, MEMORY):
+    for name in (*PHASES, REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY):
         cells = [name]
         for k, of_size in enumerate(runs):
             cells += [_cell(run, name) for run in of_size]
@@ -54,7 +54,7 @@ def phase_table(runs: Sequence[Sequence[Spent]]) -> str:
 
 def _cell(run: Spent, name: str) -> str:
     """Seconds, or MB, of a phase; more than that where it was ended meanwhile, a stroke where it was before."""
-    if name in run.get("missing", ()):
+    if name in run.get("missing", ()) or name not in run:
         return "–"
     told = f"{run[name]:.0f}" if name == MEMORY else f"{run[name]:.2f}"
     return f"> {told}" if _cut_short(run, name) else told
@@ -62,13 +62,13 @@ def _cell(run: Spent, name: str) -> str:
 
 def _cut_short(run: Spent, name: str) -> bool:
     """Whether a process was ended before, or in, a phase, or while what counts for all phases was counted."""
-    of_all = name in (REST, ALL, BUT_PLANNING, MEMORY)
+    of_all = name in (REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY)
     return bool(run.get("ended")) and (of_all or name in run["running"] or name in run["missing"])
 
 
 def _growth(pair: tuple[Spent, Spent], name: str) -> str:
     one, two = pair
-    if _cut_short(one, name) or _cut_short(two, name):
+    if name not in one or name not in two or _cut_short(one, name) or _cut_short(two, name):
         return ""
     return exponent((one["contours"], two["contours"]), (one[name], two[name]))
 

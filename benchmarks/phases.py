@@ -5,7 +5,8 @@ Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] 
 
 OTHER is an earlier checkout; with one, each figure stands twice, before and after, from the same run. Plates are made
 by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its own. Seconds are those of the
-processor, all threads together: other programs on the machine hardly change them. What takes more than M minutes of
+processor, all threads and processes together: other programs on the machine hardly change them. One row is by the
+clock, for a machine that does nothing else. What takes more than M minutes of
 those is ended: the phases that were over by then have their seconds, the others a stroke. With --kept the seconds of
 each plate are kept in FOLDER, in a file for each checkout, with the kernels, and plates that stand there are not run
 again: the largest take long. `--contours` without numbers measures the starts alone, `--starts` without names none.
@@ -34,14 +35,16 @@ PAGE = """\
 # Phases
 
 Made by `python benchmarks/phases.py{given} > docs/phases.md` with {system}.{compared}
-Seconds are processor seconds of all threads together.
+Seconds are processor seconds of all threads and processes together, but for the row by the clock.
 
 ## From file to picture
 
 Plates of `examples/gen_sheet.py`, seed 1, under the default profile, {work:g} of work for the planning, kernels
 compiled beforehand. `^` is the exponent from the size before: 1 is linear, 2 quadratic. Memory is the most that the
-process held, libraries included. Where a process was ended after {minutes:g} minutes of the processor, `>` stands
-before the phase that it was in and before the sums, and a stroke where a phase had not begun.
+process held, libraries included, with that of a process that drew beside it. `by the clock` is what went by: what is
+done side by side counts once, and other programs on the machine make it longer. Where a process was ended after
+{minutes:g} minutes of the processor, `>` stands before the phase that it was in and before the sums, and a stroke where
+a phase had not begun or a figure was not kept.
 
 {phases}
 

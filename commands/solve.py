@@ -87,6 +87,7 @@ def command(
     from kerfwise.jobs.default_names import expect_own, named_after
     from kerfwise.jobs.main_job import plan_nest
     from kerfwise.jobs.no_plan import NoPlan
+    from kerfwise.jobs.page.drawn_beside import DrawnBeside
     from kerfwise.jobs.page.picture import planned_picture
     from kerfwise.jobs.solve_options import options_for
     from kerfwise.jobs.stopped import already_cut
@@ -123,12 +124,15 @@ def command(
     )  # fmt: skip
     drawn = () if picture is None else (Path(picture).suffix,)
     whole = None if time_limit is None else WholeLimit(time_limit, began_s, drawn)
+    home = given.profile.home_on(given.nest)
+    suffix = None if picture is None else Path(picture).suffix
+    beside = click.get_current_context().with_resource(DrawnBeside(given.nest, suffix, home))
     listener = ProgressLine()
     try:
         done = plan_nest(
             given, limits,
             already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
-            listener=listener, tell=tell_note, whole=whole,
+            listener=listener, tell=tell_note, whole=whole, planned_as=beside.begin,
         )  # fmt: skip
     except NoPlan as no_plan:
         code = tell_conflict(no_plan, conflict_picture)
@@ -146,7 +150,7 @@ def command(
             files[Path(dxf)] = write_dxf(made.plan, given.nest, given.profile)
         files |= drawings(made.plan, given, svg, reordered_dxf, options)
         if picture:
-            files[Path(picture)] = planned_picture(given, made, Path(picture).suffix)
+            files[Path(picture)] = planned_picture(given, made, Path(picture).suffix, beside)
         write_files(files)
     if verbose:
         click.echo("\n".join(made.notes))

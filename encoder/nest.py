@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
 
@@ -192,6 +192,10 @@ class Nest:
     apart: tuple[Part, ...] = ()
     refit_arcs_mm: float | None = None
     losses: tuple[Loss, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process or a copy is given: nothing of what was found out."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @cached_property
     def kept(self) -> dict[Any, Any]:

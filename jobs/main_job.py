@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
@@ -10,6 +11,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import expect_words
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
@@ -48,6 +50,7 @@ def plan_nest(
     listener: Listener | None = None,
     tell: Tell = silent,
     whole: WholeLimit | None = None,
+    planned_as: Callable[[Plan], None] | None = None,
 ) -> Finished:
     """Plan a nest, or what is left of it, write the program, and judge both.
 
@@ -69,6 +72,8 @@ def plan_nest(
         Told what took long beside a limit in seconds.
     whole
         A limit of the command that this is part of, in place of one in seconds for the planning alone.
+    planned_as
+        Told the plan before it is judged.
 
     Raises
     ------
@@ -95,7 +100,17 @@ def plan_nest(
         asked = ask(facts, profile, relax, limit.facts_made(took))
         left = limit.stated(took)
         with listener:
-            made = produce(asked, profile, left, limit.watched(listener), engine, solver, strategy, and_zones=True)
+            made = produce(
+                asked,
+                profile,
+                left,
+                limit.watched(listener),
+                engine,
+                solver,
+                strategy,
+                and_zones=True,
+                planned_as=planned_as,
+            )
     except RulesConflict as error:
         from kerfwise.models.engines.budget import Budget
         from kerfwise.models.plan.conflict import NotAnswered, find_conflict

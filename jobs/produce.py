@@ -69,13 +69,15 @@ def produce(
     and_zones: bool = False,
     write: Write | None = None,
     trusted: Trusted | None = None,
+    planned_as: Callable[[Plan], None] | None = None,
 ) -> Produced:
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
     Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
     simulated before of the same nest by the same rules. `and_zones` has zones move where that pays, and the
     plan say what they cost, which takes a share of a limit in seconds, or work beside that of the plan. `write` makes
-    the program of the plan in another way; what of its words is `trusted` is not judged.
+    the program of the plan in another way; what of its words is `trusted` is not judged. `planned_as` is told the
+    plan before it is judged: nothing but its rules and its cost will change.
 
     Raises
     ------
@@ -144,6 +146,8 @@ def produce(
             facts = asked.facts
             plan = planned(solution)
         plan = replace(plan, zones_cost=best.cost(limits))
+    if planned_as is not None:
+        planned_as(plan)
     began_s = running_s()
     program = (write or write_program)(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile, trusted)

@@ -46,8 +46,28 @@ class Spot:
     caption: str = ""
 
 
-def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Scene:
-    """The picture of a nest: of the whole sheet, or zoomed to a spot.
+@dataclass(frozen=True, eq=False, slots=True)
+class Sketch:
+    """All of a picture but its header, which tells what a plan does not keep of its rules."""
+
+    nest: Nest
+    view: View
+    drawn: _Drawn
+    caption: str
+
+    def scene(self, plan: Plan | None) -> Scene:
+        """The whole picture; the plan may know more of its rules by now, and has the same cuts."""
+        drawn = self.drawn
+        around = (
+            header_layer(self.nest, plan, self.view, self.caption),
+            footer_layer(self.view, drawn.clock, drawn.kinds),
+        )
+        enlarge = _enlargement(drawn.numbers, self.view)
+        return Scene(self.view.width, self.view.height, (*drawn.layers, *around), nest_name(self.nest, plan), enlarge)
+
+
+def sketch(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Sketch:
+    """What takes long of a picture, see `make_scene`.
 
     Raises
     ------
@@ -57,11 +77,19 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     expect_known(nest, plan, sorted(spot.contours) if spot else ())
     view, window = _frame(nest, cuts, home, spot)
-    drawn = _drawn(nest, plan, home, spot, view, window)
     caption = spot.caption if spot else f"resumed after cut {plan.resumed_after}" if plan and plan.already else ""
-    around = (header_layer(nest, plan, view, caption), footer_layer(view, drawn.clock, drawn.kinds))
-    enlarge = _enlargement(drawn.numbers, view)
-    return Scene(view.width, view.height, (*drawn.layers, *around), nest_name(nest, plan), enlarge)
+    return Sketch(nest, view, _drawn(nest, plan, home, spot, view, window), caption)
+
+
+def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Scene:
+    """The picture of a nest: of the whole sheet, or zoomed to a spot.
+
+    Raises
+    ------
+    InputError
+        If the plan cuts, or the spot names, a contour that the nest does not have.
+    """
+    return sketch(nest, plan, home, spot).scene(plan)
 
 
 def bare_picture(nest: Nest, plan: Plan, home: Point, width: float, most_high: float) -> Scene:

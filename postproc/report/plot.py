@@ -58,7 +58,12 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
         named, caption = (spot.contours, spot.caption) if spot else ((), "")
         expect_known(nest, plan, named)
         return page_html(plain_page(nest, plan, home, sorted(named), caption)).encode()
-    return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot))
+    return drawn(make_scene(nest, plan, home, spot), suffix)
+
+
+def drawn(scene: Scene, suffix: str) -> bytes:
+    """A picture as the content of a file: ".svg", ".png" or ".pdf"."""
+    return _DRAWN[suffix.lower()](scene)
 
 
 def expect_picture(suffix: str, file: str | Path | None = None) -> None:

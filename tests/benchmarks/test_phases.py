@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from kerfwise.benchmarks import phase_clock, phases
-from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, MEMORY, PHASES, REST, Clock
+from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, BY_CLOCK, MEMORY, PHASES, REST, Clock
 from kerfwise.benchmarks.phase_tables import Start, phase_table, start_table
 
 HEADS = (("cold", ", s"), ("kernels", ""), ("warm", ", s"))
@@ -32,7 +32,7 @@ def test_a_phase_within_a_phase_counts_for_itself_alone(monkeypatch: pytest.Monk
 
 
 def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:
-    names = (*PHASES, REST, ALL, BUT_PLANNING, MEMORY)
+    names = (*PHASES, REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY)
     runs = [[dict.fromkeys(names, s * k) | {"contours": n} for k in (2, 1)] for n, s in ((100, 1.0), (1000, 10.0))]
     lines = phase_table(runs).splitlines()
     assert lines[0] == "| phase | 100, before | after | ^ | 1000, before | after | ^ |"
@@ -43,7 +43,7 @@ def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:
 
 def test_what_was_ended_says_so() -> None:
     """The first size was ended in its check, before the picture."""
-    names = (*PHASES, REST, ALL, BUT_PLANNING, MEMORY)
+    names = (*PHASES, REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY)
     cut = {"ended": True, "running": ["check"], "missing": ["picture"]}
     whole = {"ended": False, "running": [], "missing": []}
     before, after = (dict.fromkeys(names, 10.0) | {"contours": 1000} | how for how in (cut, whole))

@@ -1,0 +1,120 @@
+"""The picture of a large plan, drawn in a process of its own while the program is written and judged.
+
+What takes long of a picture needs the nest and the cuts alone; what the check has to say of the rules stands in its
+header. So all but that is drawn meanwhile. Whatever goes wrong in the process, there is no picture from it, and it is
+drawn where it is asked for.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+import signal
+import threading
+from dataclasses import replace
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from types import TracebackType
+from typing import Self
+
+from kerfwise.encoder.few_collections import few_collections
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.processes import ENDED_S, end_with_parent
+from kerfwise.models.kernels import machine_cores
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.report import PAGE
+
+FROM_CONTOURS = 2000
+"""With fewer, drawing takes less than a process needs to set out."""
+LEAST_CORES = 2
+"""With one, two processes take as long as one after the other."""
+
+
+class DrawnBeside:
+    """A picture of a plan that is going to be judged; as a context, so that its process ends in any case.
+
+    Where it does not pay, nothing is drawn beside: see `pays`.
+
+    Parameters
+    ----------
+    nest
+        What is drawn; of what was found out about it nothing is handed on.
+    suffix
+        Of the picture: ".svg", ".png" or ".pdf"; of anything else, or None, there is no drawing.
+    home
+        Where the torch starts and ends, mm.
+    """
+
+    def __init__(self, nest: Nest, suffix: str | None, home: Point) -> None:
+        self._given = pickle.dumps((nest, suffix, home)) if self.pays(nest, suffix) else b""
+        self._process: SpawnProcess | None = None
+        self._way: Connection | None = None
+        self._plan: Plan | None = None
+        self._sending: threading.Thread | None = None
+
+    @staticmethod
+    def pays(nest: Nest, suffix: str | None) -> bool:
+        """Whether it is quicker than to draw afterwards."""
+        drawing = suffix is not None and suffix.lower() != PAGE
+        return drawing and len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
+
+    def begin(self, plan: Plan) -> None:
+        """Draw a plan whose rules have not been judged yet."""
+        if not self._given:
+            return
+        with contextlib.suppress(OSError):  # no process can be started: it is drawn afterwards
+            self._way, there = (context := get_context("spawn")).Pipe()
+            self._process = context.Process(target=_draw, args=(there,), daemon=True)
+            self._process.start()
+            there.close()
+            sending = threading.Thread(target=_send, args=(self._way, self._given, pickle.dumps(plan)), daemon=True)
+            sending.start()
+            self._plan, self._sending = plan, sending
+
+    def end(self, plan: Plan) -> bytes | None:
+        """The content of its file, as soon as it is there; None where there is none: of another plan, say."""
+        if self._plan is None or self._way is None or self._sending is None or plan.cuts is not self._plan.cuts:
+            return None
+        self._sending.join()
+        try:
+            self._way.send(plan.rules)
+            return self._way.recv_bytes()
+        except (EOFError, OSError):
+            return None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End the process, whatever it is at."""
+        if self._process is not None and self._process.pid is not None:
+            self._process.terminate()
+            self._process.join(ENDED_S)
+        if self._way is not None:
+            self._way.close()
+
+
+def _send(way: Connection, given: bytes, plan: bytes) -> None:
+    """Send both as soon as the process takes them; while it sets out, the check has begun."""
+    with contextlib.suppress(OSError):
+        way.send_bytes(given)
+        way.send_bytes(plan)
+
+
+@few_collections()
+def _draw(way: Connection) -> None:
+    """What the process does; where it cannot, it says nothing."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
+    threading.Thread(target=end_with_parent, daemon=True).start()
+    with contextlib.suppress(Exception):
+        from kerfwise.postproc.report.picture import sketch
+        from kerfwise.postproc.report.plot import drawn
+
+        nest, suffix, home = pickle.loads(way.recv_bytes())
+        plan: Plan = pickle.loads(way.recv_bytes())
+        almost = sketch(nest, plan, home)
+        way.send_bytes(drawn(almost.scene(replace(plan, rules=way.recv())), suffix))
