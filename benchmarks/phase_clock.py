@@ -150,13 +150,9 @@ def _beside(nest: Any, home: tuple[float, float]) -> Any:
 
 def _of_ended_processes() -> tuple[float, float]:
     """Seconds of the processor that processes of this one took, and the most memory that one held, MB: 0 elsewhere."""
-    took = os.times()
-    try:
-        import resource
-    except ImportError:
-        return took.children_user + took.children_system, 0.0
-    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    return took.children_user + took.children_system, peak / (1024 * 1024 if sys.platform == "darwin" else 1024)
+    took, memory = os.times(), importlib.import_module("kerfwise.jobs.bench.memory")
+    beside_mb = memory.peak_beside_mb() if hasattr(memory, "peak_beside_mb") else 0.0  # earlier checkouts have none
+    return took.children_user + took.children_system, beside_mb
 
 
 def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
