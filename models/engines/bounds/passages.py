@@ -54,15 +54,17 @@ def passages_of(problem: Problem) -> tuple[Passage, ...]:
 
 
 def _crossing_inside(problem: Problem) -> Bools:
-    """Contours that are left for another of their block, (n,), where what that move costs depends on what is out."""
+    """Contours, (n,), that some move crosses, or that are left for another of their block by a move that crosses some.
+
+    Of moves whose cost depends on what is out: of several contours of a block that are crossed each is paid for.
+    """
     found = np.zeros(problem.n, dtype=np.bool_)
-    rows = problem.crossings
-    if len(rows):
-        rows = rows.only((rows.leave < problem.m) & (rows.reach < problem.m))
-        leave = problem.site_contour[rows.leave]
-        inside = problem.block[leave] == problem.block[problem.site_contour[rows.reach]]
-        within = replace(problem, crossings=rows.only(inside))
-        found[leave[inside][open_crossings(within)]] = True
+    if len(problem.crossings):
+        rows = problem.crossings.only(open_crossings(problem))
+        found[rows.over] = True
+        owner, block = np.append(problem.site_contour, problem.n), np.append(problem.block, -1)
+        leave = owner[rows.leave]
+        found[leave[block[leave] == block[owner[rows.reach]]]] = True
     return found
 
 

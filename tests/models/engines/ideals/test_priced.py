@@ -138,6 +138,15 @@ def test_what_moves_cross_is_paid_for_where_it_is_out(tiny: Problem) -> None:
     agrees(tiny)
 
 
+def test_each_contour_of_a_block_that_a_move_crosses_is_paid_for() -> None:
+    """C1 ends the block of C0, C2 and C3 want it out before them, and moves between these lead over both."""
+    rows = [(leave, reach, over, 15_000, 0) for leave, reach in ((2, 3), (3, 2)) for over in (0, 1)]
+    over = Crossings(*np.array(rows).T.copy())
+    points = [[(10.0, 0.0)], [(20.0, 0.0)], [(20.0, 10.0)], [(10.0, 10.0)]]
+    wants = [Condition(contour, (1,), (1,), 1, ABOUT) for contour in (2, 3)]
+    agrees(problem(points, pairs=[(0, 1)], blocks=[(0, 1)], conditions=wants, crossings=over))
+
+
 def test_the_way_home_is_paid_for_from_each_split_of_a_site() -> None:
     """C1 wants C0 out before it, and then the way home leads over C0: it is cheaper to pay for what C1 wants."""
     wants = Condition(1, (0,), (1,), 1, ABOUT, 1, cost=4000)
