@@ -118,7 +118,7 @@ def with_holes(draw: st.DrawFn) -> Problem:
 def crossing(draw: st.DrawFn) -> Problem:
     """The same with few or many moves, home's among them, that lead over what may be out, all at one price.
 
-    Mostly none from contour to contour of a block, so that the last ones can stand for the others.
+    Mostly none from contour to contour of a block or over any but its last, so that this one can stand for the others.
     """
     tiny, share = draw(with_holes()), draw(st.sampled_from([0.02, 0.1, 0.3, 0.6]))
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
@@ -126,6 +126,7 @@ def crossing(draw: st.DrawFn) -> Problem:
     block = np.append(tiny.block[tiny.site_contour], -1)
     if draw(st.sampled_from([True, True, True, False])):
         there[block[:, None] == block] = False
+        there[:, :, [c for c in range(tiny.n) if (tiny.before[c] & (tiny.block == tiny.block[c])).any()]] = False
     leave, reach, over = np.nonzero(there)
     price = draw(st.sampled_from([1, 5000, 20_000, 60_000, FORBIDDEN] if share < 0.2 else [1, 5000, 20_000, 60_000]))
     return replace(tiny, crossings=Crossings(leave, reach, over, np.full(len(leave), price), np.zeros_like(leave)))
