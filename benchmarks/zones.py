@@ -80,6 +80,12 @@ multipliers leave of the cost of moves, summed along a way, says of every set an
 way costs at least. Where memory (2 GB) or work end before the proof, the limit that no plan kept to is a bound of all
 plans within these zones.
 
+From the last zone to the first each of these programs ends at what the next zone still costs from there on. A sweep of
+a zone alone, from its end to its beginning, finds that out for every way into it: its program says little of where it
+is come to from. By that alone the best way in would be believed at each border, and no good plan through the zone
+before ends there. Zone after zone, each from where the last one ended, then gives a plan that may be near the bound; a
+sweep of all zones up to the best plan known is the proof.
+
 ## Where the extra comes from
 
 Geometry draws borders across the ways that the torch would take: that costs travel, and now and then an excuse. It is

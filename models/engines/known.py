@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from .solution import Incumbent
 
 if TYPE_CHECKING:
-    from .bounds.reduced import Proving
+    from .ideals.priced import Found
 
 
 @dataclass(slots=True)
 class Known:
     """What is known of a problem so far, who found it, and what was chosen why.
 
-    `priced` are the multipliers of every stretch of the order, where a proof has asked for them.
+    `priced` is what a proof has found out of every stretch of the order, where it was begun.
     `unable` says why the one member that was asked for cannot find a plan; empty where it can, or all may run.
     """
 
@@ -27,7 +27,7 @@ class Known:
     work: float = 0.0
     notes: list[str] = field(default_factory=list)
     unable: str = ""
-    priced: tuple[Proving, ...] = ()
+    priced: tuple[Found, ...] = ()
 
     @property
     def proven(self) -> bool:

@@ -12,6 +12,7 @@ from math import inf
 from threading import Event
 from typing import TYPE_CHECKING
 
+from kerfwise.models.engines.ideals.series import series
 from kerfwise.models.engines.ideals.windows import polish
 from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -79,8 +80,7 @@ class _Run:
             else:
                 self._look(first, shares.LOOKS if self.problem.n <= shares.LONGEST else 1)
         if not self._over() and self._ideals_fit():
-            share = shares.PROOF_SMALL if self.problem.n <= shares.LONGEST else shares.PROOF
-            self._ideals(self._left() * (1.0 if self.options.member else share))
+            self._prove()
         if not self._over() and self._priced_first():
             self._priced(self._left() * shares.PRICED)
         if not self._over() and self._beam_applies():
@@ -96,6 +96,10 @@ class _Run:
 
     def _improve_and_bound(self) -> None:
         """A better plan and a higher bound, where nothing is proven yet."""
+        if self.known.priced:
+            self._search(self._left() * shares.SEARCH_PRICED)
+            self._windows(self._left())
+            return
         well = self._bounded_well() and not self._carried()
         if self._bounded_beside():
             self._search(self._left() * shares.SEARCH_ALONE)
@@ -275,6 +279,16 @@ class _Run:
         count, most_s = self.count, shares.SURE * self._left()
         return count is not None and count.fits(self.most_bytes) and count.seconds <= most_s
 
+    def _prove(self) -> None:
+        """The ideals, with their share; walks take no more of a larger one."""
+        small, zones = self.problem.n <= shares.LONGEST, len(series(self.of_sets)) > 1
+        if self.options.member or small or not (zones and ideals.priceable(self.of_sets)):
+            share = 1.0 if self.options.member else shares.PROOF_SMALL if small else shares.PROOF
+            self._ideals(self._left() * share)
+            return
+        part = shares.PROOF / shares.PROOF_ZONES
+        self._ideals(self._left() * shares.PROOF_ZONES, tuple(part * stage for stage in ideals.STAGES))
+
     def _ideals(self, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
         before = self.known.work
         limit_s = None if self.options.time_s is None else share
@@ -288,6 +302,9 @@ class _Run:
         self._proved(proof)
 
     def _proved(self, proof: ideals.Proof | None) -> None:
+        if proof is not None and proof.better is not None and not broken(self.problem, proof.better.route):
+            route = proof.better.route
+            self.known.offer(Incumbent(route, route_cost(self.problem, route)), "ideals")
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
         elif proof.least is not None:

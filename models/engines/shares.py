@@ -4,10 +4,11 @@ from __future__ import annotations
 
 FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
 """Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
-PROOF, PROOF_SMALL = 0.45, 0.9
+PROOF, PROOF_SMALL, PROOF_ZONES = 0.45, 0.9, 0.75
 """Share that the proof by ideals may take, where it fits; most take next to nothing.
 
-On small problems the search has found the best plan long since, and only the proof is left to do.
+On small problems the search has found the best plan long since, and only the proof is left to do. Zones that linear
+programs hold have more: their sweeps find better plans than a search does.
 """
 SET_OUT_S = 0.2
 """Seconds below which no further member begins: each has tables of its own to make first."""
@@ -39,6 +40,8 @@ SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
 bound, which keeps one core busy: the search has what that leaves of two."""
 NEWS_S = 0.1
 """How often it is told what the bound has reached, while it is waited for."""
+SEARCH_PRICED = 0.9
+"""Share of what is left for more search where zones were swept with linear programs: flows bound no higher then."""
 SEARCH, SEARCH_PLAIN, SEARCH_LAST = 0.6, 0.9, 0.97
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 

@@ -8,7 +8,7 @@ soon, every limit that no plan kept to is a bound.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -30,22 +30,23 @@ from .local import Local
 from .missed import missed_in
 from .prune import least_in, least_rest, walked_rest
 from .rest_bound import RestBound
-from .rising import WIDER, rising
+from .rising import WIDER, ending, rising
 from .series import series
 from .sweep import Rests, sweep_through
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
-    from kerfwise.models.engines.bounds.reduced import Proving
+
+    from .priced import Found
 
 _Sweep = Callable[[int | None], Incumbent | None]
 STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
 PRICED_WIDER = 2.5
-"""How many times as much over the bound the next limit is by these: what sweeps take rises slowly."""
-PRICED, PRICED_ALONE = 0.7, 0.5
+"""How many times as much over the bound the next limit is by these, of one stretch: what sweeps take rises slowly."""
+PRICED, PRICED_ALONE, BACKWARD = 0.4, 0.5, 0.45
 """Share of the work that is left for linear programs of the stretches, where walks do not suffice; and where nothing
-but these is tried."""
+but these is tried; and share for sweeps of single stretches backwards, where there are several."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
 MOST_SITES_PRICED = 1000
@@ -61,14 +62,15 @@ class Proof:
     """The best route there is; `incumbent` is None where no lawful route exists at all.
 
     `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each). Where it did not
-    suffice, `least` is what every route costs at least, µm, and there is no incumbent. `priced` are the multipliers of
-    linear programs of its stretches, where these were asked for.
+    suffice, `least` is what every route costs at least, µm, and there is no incumbent; `better` is the best route that
+    is known all the same. `priced` is what was found out of its stretches by linear programs, where it was asked for.
     """
 
     incumbent: Incumbent | None
     work: float = field(default=0.0, compare=False)
     least: int | None = None
-    priced: tuple[Proving, ...] = field(default=(), compare=False, repr=False)
+    priced: tuple[Found, ...] = field(default=(), compare=False, repr=False)
+    better: Incumbent | None = None
 
 
 def applies(problem: Problem) -> bool:
@@ -140,7 +142,7 @@ def prove(
     stages: tuple[float, ...] = STAGES,
     time_s: float | None = None,
     most_bytes: float = TABLE_BYTES,
-    earlier: tuple[Proving, ...] = (),
+    earlier: tuple[Found, ...] = (),
 ) -> Proof | None:
     """Solve exactly, or say what is proven if the budget does not suffice; None if nothing is.
 
@@ -243,6 +245,7 @@ class _Rounds:
     most_bytes: float
     left: float = field(init=False)
     least: int = 0
+    better: Incumbent | None = None
 
     def __post_init__(self) -> None:
         self.left = self.work
@@ -250,7 +253,7 @@ class _Rounds:
     @property
     def proven(self) -> Proof | None:
         """What is proven where no sweep came to its end."""
-        return Proof(None, self.work - self.left, self.least) if self.least > 0 else None
+        return Proof(None, self.work - self.left, self.least, better=self.better) if self.least > 0 else None
 
     def sweep(self, bound: Completion | _Apart | None, most: float) -> Proof | None:
         """What sweeps of no more than so many seconds prove."""
@@ -262,7 +265,7 @@ class _Rounds:
         return self._rise(sweeps, _held(bound), most)
 
     def priced(
-        self, incumbent: Incumbent, earlier: tuple[Proving, ...], part: float = PRICED, time_s: float | None = None
+        self, incumbent: Incumbent, earlier: tuple[Found, ...], part: float = PRICED, time_s: float | None = None
     ) -> Proof | None:
         """What sweeps prove by linear programs of all stretches, which take so much at the most; None for nothing."""
         from . import priced  # its programs take long to load
@@ -273,7 +276,9 @@ class _Rounds:
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
             return self.go() and running_s() < until_s
 
-        stretches = priced.price(self.problem, incumbent, share, going, self.most_bytes, earlier)
+        apart = len(series(self.problem)) > 1
+        swept = BACKWARD * self.left if apart else 0.0
+        stretches = priced.price(self.problem, incumbent, share, going, self.most_bytes, earlier, swept)
         if stretches is None:
             self.left -= share
             return self.proven
@@ -281,24 +286,29 @@ class _Rounds:
         self.least = max(self.least, int(stretches.root))
 
         def sweeps(budget: SweepBudget, threads: Executor) -> tuple[_Sweep, float]:
+            found = stretches.descend(incumbent.cost, budget, threads) if apart else None
+            self.better = incumbent if found is None or found.cost >= incumbent.cost else found
+            self.known = self.better.cost
             return (lambda limit: stretches.sweep(limit, replace(budget), threads)), stretches.root
 
-        proof = self._rise(sweeps, stretches.nbytes, self.left, PRICED_WIDER) or self.proven
-        return None if proof is None else replace(proof, priced=stretches.proving)
+        proof = self._rise(sweeps, stretches.nbytes, self.left, None if apart else PRICED_WIDER) or self.proven
+        return None if proof is None else replace(proof, priced=stretches.found)
 
     def _rise(
         self,
         sweeps: Callable[[SweepBudget, Executor], tuple[_Sweep, float]],
         held: int,
         most: float,
-        wider: float = WIDER,
+        wider: float | None = WIDER,
     ) -> Proof | None:
         budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - held)
         best: Incumbent | None = None
         swept = False
         with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
             sweep_to, least = sweeps(budget, threads)
-            for limit in rising(least, self.known, lambda: budget.work.left, wider):
+            if self.better is not None and self.better.cost <= least:
+                best = self.better
+            for limit in () if best is not None else self._limits(least, wider, budget):
                 if limit is not None and limit < self.least:
                     continue
                 best = sweep_to(limit)  # layers are kept for once
@@ -308,6 +318,16 @@ class _Rounds:
             swept = True
         self.left -= most - max(0.0, budget.work.left)
         return Proof(best, self.work - self.left) if swept else None
+
+    def _limits(self, least: float, wider: float | None, budget: SweepBudget) -> Iterator[int | None]:
+        """Limits that rise, each so many times `wider`; None for such that each sweep will end."""
+
+        def left() -> float:
+            return budget.work.left
+
+        if wider is None and self.known is not None:
+            return ending(least, self.known, left)
+        return rising(least, self.known, left, WIDER if wider is None else wider)
 
     def _rests(self, bound: Completion | _Apart | None, budget: SweepBudget, threads: Executor) -> tuple[Rests, float]:
         if isinstance(bound, _Apart):

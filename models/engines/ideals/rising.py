@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from math import log
 
+from .budget import TooLarge
+
 NEAR, WIDER, FAR_OVER = 0.005, 1.6, 0.1
 """By what share of the bound a plan may be dearer that is looked for first, how many times as much next (`wider`, where
 that is given), and from what share on limits rise by what sweeps take."""
@@ -39,5 +41,43 @@ def rising(least: float, known: int | None, left: Callable[[], float], wider: fl
                 break
             step = log(DEARER) / times
         step = max(step, 1.0)  # limits are whole numbers: none comes twice
+        over, before = over + step, taken
+    yield known
+
+
+SOON, FIRST, TWICE, ENDS = 0.0005, 0.002, 2.0, 0.8
+"""By what shares of the bound a plan may be dearer that is looked for first where every sweep is to come to its end,
+how many times as much next, and what share of the work that is left a sweep may take."""
+ONE_GO, LEAST_STEP = 1.5, 0.1
+"""How many steps it may be to the known plan for the next sweep to go that far, and the least step, as a share of what
+was gone so far."""
+
+
+def ending(least: float, known: int, left: Callable[[], float]) -> Iterator[int]:
+    """Limits as `rising` gives them, but such that the sweep to each will end with the work that is left.
+
+    The first is next to the `least` itself, as plans may cost no more. What a sweep takes rises about as a power of its
+    limit.
+
+    Raises
+    ------
+    TooLarge
+        Where no sweep that says more would end.
+    """
+    over, step, before = FIRST * least, FIRST * least, 0.0
+    if least + over < known:
+        yield int(least + SOON * least)
+    while least + over < known:
+        had = left()
+        yield int(least + over)
+        taken = max(had - left(), LITTLE * had)
+        times = log(max(1.01, taken / before)) / step if before > 0.0 else log(DEARER) / over
+        room = log(max(1e-9, ENDS * left() / taken)) / times
+        step = min(log(DEARER) / times, TWICE * over, room)
+        to_known = known - least - over
+        if to_known <= min(room, ONE_GO * step):
+            break
+        if step < LEAST_STEP * over:
+            raise TooLarge
         over, before = over + step, taken
     yield known

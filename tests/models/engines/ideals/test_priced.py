@@ -28,12 +28,20 @@ from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
 PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
 
 
-def swept(tiny: Problem, known: Incumbent, limit: int, work: float = 1.0) -> tuple[float, Incumbent | None]:
-    """What all plans cost at least, and the best of those up to the limit."""
-    stretches = priced.price(tiny, known, work, None, 1e9)
+def swept(tiny: Problem, known: Incumbent, limit: int, work: float = 1.0, backwards: float = 0.0) -> Incumbent | None:
+    """The best of all plans up to the limit; no bound is above it, and no plan from stretch to stretch below."""
+    stretches = priced.price(tiny, known, work, None, 1e9, (), backwards)
     assert stretches is not None
     with ThreadPoolExecutor(1) as thread:
-        return stretches.root, stretches.sweep(limit, SweepBudget.of(10.0, lambda: True), thread)
+        found = stretches.sweep(limit, SweepBudget.of(10.0, lambda: True), thread)
+        one = stretches.descend(known.cost, SweepBudget.of(10.0, lambda: True), thread)
+    if found is not None:
+        assert stretches.root <= found.cost
+        assert one is None or one.cost >= found.cost
+    if one is not None:
+        assert one.cost == route_cost(tiny, one.route)
+        assert broken(tiny, one.route) == ()
+    return found
 
 
 def agrees(tiny: Problem) -> None:
@@ -42,15 +50,13 @@ def agrees(tiny: Problem) -> None:
     if not plans:
         return
     (best, _), (most, worst) = plans[0], plans[-1]
-    for known in (Incumbent(worst, most), Incumbent(plans[0][1], best)):
-        for work in (1.0, 1e-3):
-            root, found = swept(tiny, known, best, work)
-            assert root <= best
-            assert found is not None
-            assert found.cost == best == route_cost(tiny, found.route)
-            assert broken(tiny, found.route) == ()
-            assert swept(tiny, known, best - 1, work)[1] is None
-        assert swept(tiny, known, known.cost)[1] == found
+    far, near = Incumbent(worst, most), Incumbent(plans[0][1], best)
+    for known, work, backwards in ((far, 1.0, 0.0), (far, 1e-3, 1.0), (near, 1e-3, 1e-6), (near, 1.0, 0.0)):
+        found = swept(tiny, known, best, work, backwards)
+        assert found is not None
+        assert found.cost == best == route_cost(tiny, found.route)
+        assert broken(tiny, found.route) == ()
+        assert swept(tiny, known, best - 1, work, backwards) is None
 
 
 @pytest.mark.slow
@@ -60,6 +66,24 @@ def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
     tiny = replace(drawn, soft_groups=())
     assume(applies(tiny))
     agrees(tiny)
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@given(in_zones())
+def test_swept_backwards_to_the_end_stretches_promise_what_the_best_plan_costs(drawn: Problem) -> None:
+    tiny = replace(drawn, crossings=Crossings(), soft_groups=())
+    assume(applies(tiny))
+    plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
+    assume(plans)
+    (best, _), (most, worst) = plans[0], plans[-1]
+    settled = priced.price(tiny, Incumbent(worst, most), 1e-3, None, 1e9, (), 1.0)
+    assert settled is not None
+    assert settled.root == best
+    with ThreadPoolExecutor(1) as thread:
+        one = settled.descend(most, SweepBudget.of(10.0, lambda: True), thread)
+    assert one is not None
+    assert one.cost == best
 
 
 @pytest.mark.slow
@@ -171,8 +195,8 @@ def test_multipliers_found_with_fewer_statements_hold_with_more(tiny: Problem) -
     assume(best is not None)
     assert best is not None
     known = Incumbent(best.route, route_cost(fewer, best.route))
-    earlier = priced.price(fewer, known, 1.0, None, 1e9)
-    stretches = priced.price(tiny, best, 1.0, None, 1e9, () if earlier is None else earlier.proving)
+    earlier = priced.price(fewer, known, 1.0, None, 1e9, (), 1.0)
+    stretches = priced.price(tiny, best, 1.0, None, 1e9, () if earlier is None else earlier.found, 1.0)
     assert stretches is not None
     assert stretches.root <= best.cost
     with ThreadPoolExecutor(1) as thread:

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import complete
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.rising import DEARER, rising
+from kerfwise.models.engines.ideals.budget import TooLarge
+from kerfwise.models.engines.ideals.rising import DEARER, ending, rising
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.routing import Instance, solve_instance
@@ -123,3 +124,21 @@ def test_limits_that_rose_by_one_rise_faster_once_sweeps_hardly_grow() -> None:
     steep = [limit for limit in found if 326 <= limit <= 347]
     assert steep == list(range(326, 348))
     assert found[found.index(347) + 1 :][:2] == [348, 362]
+
+
+@pytest.mark.parametrize("work", [3.0, 30.0, 300.0])
+def test_every_sweep_ends_where_what_they_take_rises_as_a_power(work: float) -> None:
+    """And they go to the known plan where there is work enough for that."""
+    least, known, left = 1_000_000.0, 1_020_000, [work]
+    limits: list[int] = []
+    whole = True
+    try:
+        for limit in ending(least, known, lambda: left[0]):
+            left[0] -= exp((limit - least) / 4000) / 2
+            assert left[0] > 0.0
+            limits.append(limit)
+    except TooLarge:
+        whole = False
+    assert all(one < other for one, other in pairwise(limits))
+    assert whole == (work > exp(5) / 2)
+    assert (limits[-1] == known) == whole

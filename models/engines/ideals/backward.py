@@ -1,0 +1,142 @@
+"""What plans cost from every way into a stretch on, found by a sweep of it from its end to its beginning.
+
+A bound by linear programs says one thing of the stretch and little of where it is come to from: so of each border the
+best way in is believed, which the best plan through the stretch before does not end at. Swept backwards, a stretch
+tells what is still to come from each way in, and the program of the stretch before ends at that.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.models.engines import bounds
+from kerfwise.models.engines.bounds.reduced import Reduced
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.problem import Problem
+
+from .alone import FAR
+from .budget import SweepBudget, TooLarge
+from .lattice import THREADS, SweptStretch, sweep_layers
+from .local import localise
+from .over import nothing_over
+from .rest_bound import RestBound
+from .stretches import entrance_of, never, table_of
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
+
+FIRST, WIDER, SPREAD = 0.002, 2, 0.006
+"""Shares of what a known plan costs: how much more than the least a way in may cost that is settled first, how many
+times as much next, and how much more than the best at last, as others take its place where the stretch before pays."""
+DEARER, LITTLE = 3.0, 0.15
+"""How many times as much work a sweep takes, about, that goes twice as far as the last, and what share of what is left
+one may take that settles ways in which cost still more."""
+MOST_NEIGHBOURS = 3
+"""What a walk remembers at the most."""
+
+
+def turned(problem: Problem) -> Problem:
+    """A problem whose plans are those of another from their end to their beginning, at the same cost.
+
+    Its moves are in a table, and its conditions ask of sets and last sites.
+    """
+    assert problem.matrix is not None
+    return replace(
+        problem,
+        before=np.ascontiguousarray(problem.before.T),
+        matrix=np.ascontiguousarray(problem.matrix.T),
+        conditions=tuple(map(_turned, problem.conditions)),
+        orders=b"",
+    )
+
+
+def _turned(asked: Condition) -> Condition:
+    """What is out then was not out before, but for the contour that is asked about."""
+    pairs = [(c, w) for c, w in zip(asked.members, asked.weights, strict=True) if c != asked.contour]
+    weights = tuple(-w for _, w in pairs)
+    return replace(asked, members=tuple(c for c, _ in pairs), weights=weights, bound=asked.bound + sum(weights))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Settled:
+    """What plans cost from every way into a stretch on at least, `onward` (ways,): exact where that is up to `limit`.
+
+    What moves cost for what is out in some orders alone is not in it.
+
+    `work` is what it took to find that out, in deterministic seconds.
+    """
+
+    onward: Ints
+    limit: int
+    work: float = 0.0
+
+
+def settle(posed: Problem, relaxed: Reduced, entry: Ints, begun: Settled, known: int, budget: SweepBudget) -> Settled:
+    """Find out what plans cost from every way into a stretch on, as far as the budget goes, from what is known on.
+
+    `posed` is its network, with no cost of sites, `entry` (ways, sites) what it costs to come to each of its sites; a
+    plan with all stretches before it is `known`.
+    """
+    onward, limit, whole = begun.onward, begun.limit, budget.work.left
+    least, enough, room = relaxed.bound, int(SPREAD * known), max(1, int(FIRST * known))
+    with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
+        backward = Backward(posed, relaxed, entry, _rest(posed, relaxed))
+        while limit < min(int(onward.max()), known):
+            had = budget.work.left
+            if least + room > limit:
+                wanted = min(least + room, known)
+                onward = np.maximum(onward, backward.onward(wanted, budget, threads))
+                limit = wanted
+            spread, last = limit - int(onward.min()), room
+            room = WIDER * room if spread >= enough or spread < 0 else min(WIDER * room, room + enough - spread)
+            ahead = DEARER ** (room / last - 1.0) * (had - budget.work.left)
+            if ahead > (1.0 if spread < enough else LITTLE) * budget.work.left:
+                break
+    return Settled(onward, limit, whole - max(0.0, budget.work.left))
+
+
+def _rest(posed: Problem, relaxed: Reduced) -> Completion:
+    """What is still to come of what multipliers leave, from the end to the beginning."""
+    walked = turned(replace(posed, matrix=relaxed.dear, conditions=()))
+    return bounds.complete(walked, None, 0.0, None, MOST_NEIGHBOURS)
+
+
+class Backward:
+    """A stretch under its multipliers from its end to its beginning."""
+
+    def __init__(self, posed: Problem, relaxed: Reduced, entry: Ints, rest: Completion) -> None:
+        problem = turned(posed)
+        assert problem.matrix is not None
+        self._entry, self._rest, self._bound = entry, rest, relaxed.bound
+        self._local = localise(problem, tuple(range(problem.n)), frozenset())
+        self._moves, self._lows = (np.roll(table, 1, axis=0)[:, :-1] for table in (problem.matrix, relaxed.dear.T))
+
+    def onward(self, limit: int, budget: SweepBudget, threads: Executor) -> Ints:
+        """What plans cost at least from every way in on, (ways,): exact, but for what is crossed, or more than `limit`.
+
+        Raises
+        ------
+        TooLarge
+            Over the budget.
+        """
+        local, nothing = self._local, entrance_of([0], limit)
+        tables = (table_of(local, table, limit) for table in (self._moves, self._lows))
+        moves, lows = tables
+        over = nothing_over(local.orders.needs.shape[1])
+        stretch = SweptStretch(local, moves, self._rests, limit, never(limit), lows, over)
+        kept = replace(budget)  # nothing is kept of the layers
+        end = sweep_layers(stretch, nothing, kept, threads, nothing + self._bound)[-1]
+        of_site = np.full(len(local.sites), FAR)
+        np.minimum.at(of_site, np.searchsorted(local.sites, local.sites_of(end.contour)), end.values)
+        found: Ints = np.minimum((self._entry + of_site).min(axis=1), limit + 1)
+        return found
+
+    def _rests(self, depth: int) -> RestBound:
+        rest = self._rest
+        return RestBound(np.ascontiguousarray(rest.to_go[depth]), rest.near, rest.price, 0.0)
