@@ -52,7 +52,7 @@ def sure_crossings(problem: Problem) -> csr_matrix:
 
 
 def open_crossings(problem: Problem) -> Bools:
-    """Which rows of its crossings depend on the order: what is crossed may be out by then, and may not be."""
+    """Which rows of its crossings depend on the order: what is crossed may be out already, or still in."""
     rows, owner = problem.crossings, np.append(problem.site_contour, problem.n)
     leave, reach = owner[rows.leave], owner[rows.reach]
     inside = np.minimum(reach, problem.n - 1)
