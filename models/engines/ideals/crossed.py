@@ -50,6 +50,22 @@ def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints
     np.add.at(travel, (row[settled], column[settled]), crossing_price(problem))
 
 
+def one_price(problem: Problem) -> bool:
+    """Whether a move pays the same for every contour that it crosses: not twice where two statements are of one."""
+    rows = problem.crossings
+    if not len(rows):
+        return True
+    if not (rows.cost == rows.cost[0]).all():
+        return False
+    if rows.cost[0] == FORBIDDEN:
+        return True
+    chosen = np.flatnonzero(~_left_from(problem, np.arange(len(rows))))
+    over, statement = rows.over[chosen], rows.statement[chosen]
+    of_contour = np.full(problem.n, -1, dtype=np.int64)
+    of_contour[over] = statement
+    return bool((of_contour[over] == statement).all())
+
+
 def _left_from(problem: Problem, chosen: Ints) -> NDArray[np.bool_]:
     """Which crossings are over a contour that the move itself leaves, as what was out from the start is said."""
     rows = problem.crossings

@@ -25,6 +25,7 @@ from kerfwise.models.problem.problem import Problem
 from .ahead import Ahead, look_ahead
 from .alone import FAR
 from .budget import TABLE_BYTES, SweepBudget, TooLarge
+from .crossed import one_price
 from .lattice import THREADS
 from .local import Local
 from .missed import missed_in
@@ -75,8 +76,7 @@ class Proof:
 
 def applies(problem: Problem) -> bool:
     """Whether a state of the sweep holds all that a step costs: all crossings have one price."""
-    cost = problem.crossings.cost
-    return problem.looks_one_back and bool((cost == cost[:1]).all())
+    return problem.looks_one_back and one_price(problem)
 
 
 def unfit(problem: Problem) -> str:

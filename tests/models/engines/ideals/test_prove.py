@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from kerfwise.models.engines.ideals.series import series
 from kerfwise.models.engines.ideals.stretches import NARROW
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.kernels import Kernel
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
@@ -204,3 +207,23 @@ def test_what_does_not_fit_into_the_memory_is_not_begun() -> None:
     assert prove(given, None, work=10, most_bytes=2000) is None
     assert prove(given, found.incumbent, work=10, most_bytes=2000) is None
     assert prove(given, None, work=10, most_bytes=1e6) == found
+
+
+def test_what_two_statements_of_one_contour_cost_no_set_can_tell() -> None:
+    """A move over C0 pays twice where two areas come with it: no plan is proven for half of that."""
+    points = [[(10.0, 0.0)], [(20.0, 0.0)], [(30.0, 0.0)], [(10.0, 30.0)]]
+    wants = [Condition(contour, (0,), (1,), 1, ABOUT, cost=25_000) for contour in (2, 3)]
+    moves = list(permutations((1, 2, 3), 2))
+    rows = np.array([(*move, 0, 15_000, statement) for move in moves for statement in (0, 1)])
+    twice = problem(points, conditions=wants, crossings=Crossings(*rows.T.copy()))
+    assert not applies(twice)
+    assert prove(twice, None, work=1.0) is None
+    best = cheapest(twice)
+    assert best is not None
+    once = replace(twice, crossings=Crossings(*rows[::2].T.copy()))
+    proof = prove(replace(once, crossings=replace(once.crossings, cost=once.crossings.cost * 2)), None, work=1.0)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert proof.incumbent.cost == best.cost
+    no_price = replace(twice, crossings=replace(twice.crossings, cost=np.full(len(rows), FORBIDDEN)))
+    assert applies(no_price)
