@@ -32,7 +32,7 @@ from kerfwise.rules.statements import About
 
 from .alone import FAR, alone, conditions_within, ends_of
 from .backward import Settled, settle
-from .budget import SweepBudget
+from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
 from .crossed import HOME, add_settled, crossing_price
 from .held import held
@@ -165,7 +165,10 @@ class PricedStretches:
         for part in reversed(swept):
             piece, state = part.back(state)
             route = [*piece, *route]
-        return Incumbent(tuple(route), route_cost(self.problem, tuple(route)))
+        cost = route_cost(self.problem, tuple(route))
+        if cost != total[best]:
+            raise TooLarge  # the tables do not say what plans cost: nothing is proven by them
+        return Incumbent(tuple(route), cost)
 
     def descend(self, known: int, budget: SweepBudget, threads: Executor) -> Incumbent | None:
         """A route through one stretch after the other, each the best from where the last one ended by what is to come.
@@ -190,7 +193,8 @@ class PricedStretches:
                 total = part.costs + self._onward(number, part.ends)
                 found = bool(total.min(initial=never(limit)) <= limit)
                 room = max(2 * room, int(ROOM * known), 1)
-            best = int(np.argmin(total + int(UNSURE * known) * self._unsure(number, part.ends)))
+            unsure = int(UNSURE * known) * self._unsure(number, part.ends)
+            best = int(np.argmin(np.where(part.costs >= never(limit), FAR, total + unsure)))
             cost, way = int(part.costs[best]), int(part.ends[best])
             route += part.back(best)[0]
         return Incumbent(tuple(route), route_cost(self.problem, tuple(route)))
