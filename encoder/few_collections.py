@@ -15,16 +15,21 @@ SELDOM = 2_000_000
 """So many more objects come before the young ones are looked through."""
 NEVER = 1_000_000_000
 """So many collections of the middle generation come before one of all."""
+MANY = 100_000
+"""With fewer young objects at its end a block leaves them to the usual looks, which do not take long."""
 _lock = threading.Lock()
 _usual: list[tuple[int, int, int]] = []
 """What the thresholds were before each of the blocks that are open."""
+_unseen = _all = 0
+"""How many objects blocks have made old since the last look of their own through all, and how many there were then."""
 
 
 @contextmanager
 def few_collections(seldom: int = SELDOM) -> Iterator[None]:
     """A block in which few objects are looked through; also a decorator. Blocks may lie in each other.
 
-    What was made in it counts as old afterwards: circles among that are found by the next look through all objects.
+    What was made in it counts as old afterwards, if it is much: circles among that are found by the next look through
+    all objects, at the latest when there are twice as many as at the last one.
 
     Parameters
     ----------
@@ -56,7 +61,16 @@ def few_collections(seldom: int = SELDOM) -> Iterator[None]:
 
 
 def _grown_old() -> None:
-    """All objects count as old, none of them looked through."""
-    if not gc.get_freeze_count():  # what others have put aside stays there
-        gc.freeze()
-        gc.unfreeze()
+    """All objects count as old, none of them looked through; seldom all are, as circles among them are lost memory."""
+    global _unseen, _all
+    young = gc.get_count()[0]
+    if young < MANY or gc.get_freeze_count():  # what others have put aside stays there
+        return
+    _unseen += young
+    due = gc.isenabled() and _unseen > max(SELDOM, _all)
+    if due:
+        gc.collect()
+    gc.freeze()
+    if due:
+        _unseen, _all = 0, gc.get_freeze_count()
+    gc.unfreeze()

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from kerfwise.encoder.few_collections import NEVER, SELDOM, few_collections
+from kerfwise.encoder import few_collections as block
+from kerfwise.encoder.few_collections import MANY, NEVER, SELDOM, few_collections
 
 
 @pytest.fixture(autouse=True)
@@ -29,11 +30,11 @@ def test_many_objects_are_made_without_a_look() -> None:
     assert without >= 5
     with few_collections():
         before = looks()
-        more = [[k] for k in range(20_000)]
+        more = [[k] for k in range(2 * MANY)]
         assert looks() == before
     assert looks() == before
     assert gc.get_count()[0] < 2_000  # they count as old, so that none is due
-    assert len(many) == len(more)
+    assert len(many) < len(more)
 
 
 def test_blocks_in_blocks_end_with_the_outermost(usual: tuple[int, int, int]) -> None:
@@ -76,3 +77,45 @@ def test_what_others_have_put_aside_stays_there() -> None:
         assert gc.get_freeze_count() == pytest.approx(aside, rel=0.01)
     finally:
         gc.unfreeze()
+
+
+class Circle:
+    """An object that nobody but itself holds."""
+
+    def __init__(self) -> None:
+        self.own = self
+
+
+def circles() -> int:
+    return sum(isinstance(found, Circle) for found in gc.get_objects())
+
+
+def test_blocks_that_make_little_leave_it_to_the_usual_looks() -> None:
+    gc.collect()
+    before = circles()
+    for _ in range(30):
+        for _ in range(20):
+            with few_collections():
+                kept = [Circle() for _ in range(50)]
+                del kept
+    assert circles() < before + 15_000
+    gc.collect()
+
+
+def test_blocks_that_make_much_are_looked_through_at_the_latest_when_there_is_twice_as_much(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(block, "MANY", 1_000)
+    monkeypatch.setattr(block, "SELDOM", 5_000)
+    monkeypatch.setattr(block, "_all", 0)
+    monkeypatch.setattr(block, "_unseen", 0)
+    most = 0
+    for _ in range(10):
+        with few_collections(SELDOM):
+            for _ in range(2_000):
+                Circle()
+        most = max(most, circles())
+        if block._all:
+            monkeypatch.setattr(block, "_all", 0)  # the objects of the whole test run are many more
+    assert 2_000 <= most <= 6_000
+    gc.collect()
