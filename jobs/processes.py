@@ -115,7 +115,7 @@ class Workers(Generic[Piece, Made]):
         threads = max(1, len(self._cores) // self.jobs)
         cores = self._cores[number * threads : (number + 1) * threads]
         process = context.Process(target=_serve, args=(there, self._work, cores), daemon=True)
-        process.start()
+        start_quietly(process)
         there.close()
         return _Worker(process, here)
 
@@ -187,6 +187,24 @@ def keep_to(cores: list[int]) -> None:
     if hasattr(os, "sched_setaffinity"):
         with contextlib.suppress(OSError):
             os.sched_setaffinity(0, cores)
+
+
+def start_quietly(process: SpawnProcess) -> None:
+    """Start a process that Ctrl-C does not reach: while it sets out it has no other way to leave that to this one.
+
+    Windows cannot hold it back; there the process has to leave it alone itself.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        process.start()
+        return
+    from multiprocessing.resource_tracker import ensure_running
+
+    ensure_running()  # it would let signals through again where it is started with the process
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end_with_parent() -> None:

@@ -11,6 +11,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from typing import Any, Literal
 
+from kerfwise.jobs.processes import start_quietly
+
 from .child import answer_questions
 
 Role = Literal["desk", "planner"]
@@ -108,7 +110,7 @@ class Helper:
             self._way, there = context.Pipe()
             self._stop, stop = context.Pipe()
             self._process = context.Process(target=answer_questions, args=(self.role, there, stop), daemon=True)
-            self._process.start()
+            start_quietly(self._process)
             there.close()
             stop.close()
         return self._way

@@ -21,7 +21,7 @@ from typing import Self
 from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.processes import ENDED_S, end_with_parent
+from kerfwise.jobs.processes import ENDED_S, end_with_parent, start_quietly
 from kerfwise.models.kernels import machine_cores
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report import PAGE
@@ -67,7 +67,7 @@ class DrawnBeside:
         with contextlib.suppress(OSError):  # no process can be started: it is drawn afterwards
             self._way, there = (context := get_context("spawn")).Pipe()
             self._process = context.Process(target=_draw, args=(there,), daemon=True)
-            self._process.start()
+            start_quietly(self._process)
             there.close()
             sending = threading.Thread(target=_send, args=(self._way, self._given, pickle.dumps(plan)), daemon=True)
             sending.start()

@@ -72,6 +72,18 @@ def test_a_process_that_died_leaves_it_to_this_one(planned: tuple[Finished, Plan
         )
 
 
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Windows cannot hold Ctrl-C back")
+def test_ctrl_c_does_not_reach_a_process_that_still_sets_out(planned: tuple[Finished, Plan]) -> None:
+    done, before = planned
+    with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
+        beside.begin(before)
+        assert beside._process is not None
+        assert beside._process.pid is not None
+        os.kill(beside._process.pid, signal.SIGINT)
+        assert beside.end(done.made.plan) == draw(done.given.nest, done.made.plan, ".svg", HOME)
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
 def test_what_cannot_be_drawn_is_left_to_this_one_too(planned: tuple[Finished, Plan]) -> None:
     """A plan of another nest: here it is refused in words, there nothing is said."""
     done, before = planned
