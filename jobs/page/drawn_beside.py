@@ -48,7 +48,7 @@ class DrawnBeside:
     """
 
     def __init__(self, nest: Nest, suffix: str | None, home: Point) -> None:
-        self._given = pickle.dumps((nest, suffix, home)) if self.pays(nest, suffix) else b""
+        self._given = _pickled((nest, suffix, home)) if self.pays(nest, suffix) else b""
         self._process: SpawnProcess | None = None
         self._way: Connection | None = None
         self._plan: Plan | None = None
@@ -62,14 +62,14 @@ class DrawnBeside:
 
     def begin(self, plan: Plan) -> None:
         """Draw a plan whose rules have not been judged yet."""
-        if not self._given:
+        if not self._given or not (handed_on := _pickled(plan)):
             return
         with contextlib.suppress(OSError):  # no process can be started: it is drawn afterwards
             self._way, there = (context := get_context("spawn")).Pipe()
             self._process = context.Process(target=_draw, args=(there,), daemon=True)
             start_quietly(self._process)
             there.close()
-            sending = threading.Thread(target=_send, args=(self._way, self._given, pickle.dumps(plan)), daemon=True)
+            sending = threading.Thread(target=_send, args=(self._way, self._given, handed_on), daemon=True)
             sending.start()
             self._plan, self._sending = plan, sending
 
@@ -78,8 +78,10 @@ class DrawnBeside:
         if self._plan is None or self._way is None or self._sending is None or plan.cuts is not self._plan.cuts:
             return None
         self._sending.join()
+        if not (rules := _pickled(plan.rules)):
+            return None
         try:
-            self._way.send(plan.rules)
+            self._way.send_bytes(rules)
             return self._way.recv_bytes()
         except (EOFError, OSError):
             return None
@@ -96,6 +98,14 @@ class DrawnBeside:
             self._process.join(ENDED_S)
         if self._way is not None:
             self._way.close()
+
+
+def _pickled(given: object) -> bytes:
+    """What a process is handed on; empty where something in it cannot be."""
+    try:
+        return pickle.dumps(given)
+    except (pickle.PicklingError, AttributeError, TypeError, RecursionError):
+        return b""
 
 
 def _send(way: Connection, given: bytes, plan: bytes) -> None:
@@ -117,4 +127,4 @@ def _draw(way: Connection) -> None:
         nest, suffix, home = pickle.loads(way.recv_bytes())
         plan: Plan = pickle.loads(way.recv_bytes())
         almost = sketch(nest, plan, home)
-        way.send_bytes(drawn(almost.scene(replace(plan, rules=way.recv())), suffix))
+        way.send_bytes(drawn(almost.scene(replace(plan, rules=pickle.loads(way.recv_bytes()))), suffix))

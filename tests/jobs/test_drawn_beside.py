@@ -152,3 +152,12 @@ def test_solve_writes_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert len(begun) == 2
     assert made[1] == made[9999]
     assert set(made[1]) == {"a.nc", "a.json", "a.svg"}
+
+
+def test_what_cannot_be_handed_on_is_drawn_by_this_one(planned: tuple[Finished, Plan]) -> None:
+    done, before = planned
+    held_back = replace(before, rules=before.rules)
+    object.__setattr__(held_back, "rules", lambda: None)
+    with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
+        beside.begin(held_back)
+        assert beside.end(done.made.plan) is None
