@@ -150,7 +150,7 @@ class Row:
         more = (rest_mm(self.moved_mm) - rest_mm(self.without_mm)) / rest_mm(self.without_mm)
         cells = [self.plate, str(self.zones[0]), cost(self.by_geometry_mm), str(self.zones[1]), str(self.largest)]
         cells += [cost(self.moved_mm), _yes(self.proven), f"{self.processor_s:.0f}", f"{self.memory_mb:.0f}"]
-        return f"| {' | '.join([*cells, cost(self.without_mm), f'{more:.1%}', self.told])} |"
+        return f"| {' | '.join([*cells, cost(self.without_mm), f'{more:z.1%}', self.told])} |"
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ _NAME = re.compile(r"\w[\w-]*")
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
 @click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
-              help="What the tables of the engines may fill, for each nest that is planned.")  # fmt: skip
+              help="As for solve: what tables of the engines may fill, libraries counted, for each nest.")  # fmt: skip
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings.")
 @click.option("--refused-again", is_flag=True, help="Try again what was refused before.")

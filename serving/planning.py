@@ -37,7 +37,7 @@ class Planning:
     work
         How much goes into one plan, where nothing else is said.
     memory_gb
-        What the tables of the engines may fill.
+        What the process that plans may hold, but for CP-SAT and linear programs.
     planned
         Called with a session and the number of a plan that is shown now.
     """

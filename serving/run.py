@@ -48,7 +48,7 @@ def serve(
     work
         How much goes into a plan.
     memory_gb
-        What the tables of the engines may fill.
+        What the process that plans may hold, but for CP-SAT and linear programs.
     trust
         Whether Python rules of profiles are run.
     ready

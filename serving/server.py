@@ -43,7 +43,7 @@ class Server:
     trust
         Whether Python rules of profiles are run.
     memory_gb
-        What the tables of the engines may fill.
+        What the process that plans may hold, but for CP-SAT and linear programs.
     """
 
     def __init__(
