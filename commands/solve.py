@@ -122,10 +122,9 @@ def command(
         work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
         memory_gb=memory_gb,
     )  # fmt: skip
-    drawn = () if picture is None else (Path(picture).suffix,)
-    whole = None if time_limit is None else WholeLimit(time_limit, began_s, drawn)
-    home = given.profile.home_on(given.nest)
     suffix = None if picture is None else Path(picture).suffix
+    whole = None if time_limit is None else WholeLimit(time_limit, began_s, () if suffix is None else (suffix,))
+    home = given.profile.home_on(given.nest)
     beside = click.get_current_context().with_resource(DrawnBeside(given.nest, suffix, home))
     listener = ProgressLine()
     try:
@@ -149,8 +148,8 @@ def command(
         if dxf:
             files[Path(dxf)] = write_dxf(made.plan, given.nest, given.profile)
         files |= drawings(made.plan, given, svg, reordered_dxf, options)
-        if picture:
-            files[Path(picture)] = planned_picture(given, made, Path(picture).suffix, beside)
+        if picture and suffix is not None:
+            files[Path(picture)] = planned_picture(given, made, suffix, beside)
         write_files(files)
     if verbose:
         click.echo("\n".join(made.notes))

@@ -37,11 +37,15 @@ def beam_s(problem: Problem) -> float:
     return len(problem.crossings) / ROWS_PER_S + (problem.m + 1) ** 2 / MOVES_PER_S
 
 
+def count_site_arcs(problem: Problem) -> int:
+    """How many arcs between sites there are at most, home's included."""
+    sites = np.append(np.diff(problem.first), 1)
+    return int(sites @ problem.followers().weighed(sites))
+
+
 def cpsat_s(problem: Problem) -> float:
     """Of CP-SAT's model."""
-    lawful = problem.successors()
-    sites = np.append(np.diff(problem.first), 1)
-    arcs, pairs = int(sites @ lawful @ sites), int(lawful.sum())
+    arcs, pairs = count_site_arcs(problem), int(problem.followers().weighed(np.ones(problem.n + 1, np.int64)).sum())
     listed_s = arcs / ARCS_LISTED_PER_S + len(problem.crossings) / ROWS_PER_S
     if arcs > MAX_ARCS:
         return listed_s + (0.0 if pairs > MAX_ARCS else pairs / PAIRS_PER_S)

@@ -45,6 +45,20 @@ class Followers:
         i, j = np.asarray(one, dtype=np.int64), np.asarray(other, dtype=np.int64)
         return np.asarray(self.bits[i, j >> 3] >> (j & 7).astype(np.uint8) & np.uint8(1)).view(np.bool_)
 
+    def weighed(self, weights: Ints) -> Ints:
+        """What the weights (n + 1,) of those that may follow each come to, (n + 1,), without the matrix.
+
+        Examples
+        --------
+        >>> Followers.of(np.array([[False, True], [True, True]])).weighed(np.array([5, 2])).tolist()
+        [2, 7]
+        """
+        found = np.zeros(len(self), dtype=np.int64)
+        for weight in np.unique(weights).tolist():
+            alike = np.packbits(weights == weight, bitorder="little")
+            found += weight * np.bitwise_count(self.bits & alike).sum(axis=1, dtype=np.int64)
+        return found
+
     def whole(self) -> Bools:
         """As a matrix (n + 1, n + 1): large."""
         return np.unpackbits(self.bits, axis=1, count=len(self), bitorder="little").view(np.bool_)

@@ -38,12 +38,6 @@ class ArcLiterals:
             yield i, j, slice(a, b)
 
 
-def count_site_arcs(problem: Problem, lawful: Bools) -> int:
-    """How many arcs between sites there are at most."""
-    sites = np.append(np.diff(problem.first), 1)
-    return int(sites @ lawful @ sites)
-
-
 def site_arcs(problem: Problem, lawful: Bools, go_on: GoOn = always) -> ArcLiterals:
     """Every lawful arc between sites, at the cost of its idle travel and of what it crosses in any lawful order.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from kerfwise.models.engines.setting_out import MAX_ARCS
+from kerfwise.models.engines.setting_out import MAX_ARCS, count_site_arcs
 from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
 from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import count_site_arcs, site_arcs
+from .arcs import site_arcs
 from .in_time import Stopped, asked, until
 from .model import solve_whole
 from .outcome import CpsatOutcome
@@ -47,11 +47,10 @@ def solve_cpsat(
     go_on = asked(ENGINE, progress, None if start is None else start.cost, bound_um)
     try:
         go_on()
-        lawful = problem.successors()
-        count = count_site_arcs(problem, lawful)
+        count = count_site_arcs(problem)
         if count > MOST_ARCS:
             return CpsatOutcome(start)
-        arcs = site_arcs(problem, lawful, go_on)
+        arcs = site_arcs(problem, problem.successors(), go_on)
         priced = price_sites(problem, arcs, None if start is None else start.cost, go_on=go_on)
         if priced.bound >= NEVER:
             return CpsatOutcome(None, infeasible=True)

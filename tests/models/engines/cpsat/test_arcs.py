@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.models.engines.cpsat.arcs import count_site_arcs, site_arcs
+from kerfwise.models.engines.cpsat.arcs import site_arcs
 from kerfwise.models.engines.cpsat.moves import Out, arc_of_move, out_by_then
+from kerfwise.models.engines.setting_out import count_site_arcs
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.problems import problem
@@ -35,7 +36,7 @@ def test_every_leg_of_a_chain_is_there_and_no_other() -> None:
         (2, 3): 11_180,
         (3, HOME): 30_000,
     }
-    assert count_site_arcs(chain, chain.successors()) == 6
+    assert count_site_arcs(chain) == 6
 
 
 def test_arcs_of_two_contours_lie_together() -> None:
@@ -69,7 +70,7 @@ def test_what_is_crossed_in_any_order_is_in_the_cost() -> None:
 def test_what_is_forbidden_in_any_order_is_no_arc() -> None:
     given = problem(LINE, pairs=[(0, 1)], crossings=crossing(1, 3, 0, FORBIDDEN))
     assert (1, 3) not in legs(given)
-    assert len(legs(given)) == count_site_arcs(given, given.successors()) - 1
+    assert len(legs(given)) == count_site_arcs(given) - 1
 
 
 def test_a_step_whose_only_arc_is_forbidden_is_no_group() -> None:
