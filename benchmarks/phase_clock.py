@@ -117,12 +117,13 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
 
     def tell(ended: bool) -> None:
         seconds, running, missing = clock.so_far()
-        beside_s, beside_mb = _of_ended_processes()
+        took = os.times()
+        beside_s = took.children_user + took.children_system  # of processes of this one that have ended
         seconds["picture"] += beside_s
         whole_s = time.process_time() - began_s + beside_s
         sums = {REST: whole_s - sum(seconds.values()), ALL: whole_s, BUT_PLANNING: whole_s - seconds["planning"]}
         by_clock = {BY_CLOCK: time.perf_counter() - began_clock_s - clock.clock_s["planning"]}
-        most = {MEMORY: peak_mb() + beside_mb}
+        most = {MEMORY: peak_mb()}
         told({**seconds, **sums, **by_clock, **most, "ended": ended, "running": running, "missing": missing})
 
     threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
@@ -146,13 +147,6 @@ def _beside(nest: Any, home: tuple[float, float]) -> Any:
     if importlib.util.find_spec("kerfwise.jobs.page.drawn_beside") is None:
         return nullcontext()
     return importlib.import_module("kerfwise.jobs.page.drawn_beside").DrawnBeside(nest, ".svg", home)
-
-
-def _of_ended_processes() -> tuple[float, float]:
-    """Seconds of the processor that processes of this one took, and the most memory that one held, MB: 0 elsewhere."""
-    took, memory = os.times(), importlib.import_module("kerfwise.jobs.bench.memory")
-    beside_mb = memory.peak_beside_mb() if hasattr(memory, "peak_beside_mb") else 0.0  # earlier checkouts have none
-    return took.children_user + took.children_system, beside_mb
 
 
 def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:

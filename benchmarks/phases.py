@@ -41,8 +41,8 @@ Seconds are processor seconds of all threads and processes together, but for the
 
 Plates of `examples/gen_sheet.py`, seed 1, under the default profile, {work:g} of work for the planning, kernels
 compiled beforehand. `^` is the exponent from the size before: 1 is linear, 2 quadratic. Memory is the most that the
-process held, libraries included, with that of a process that drew beside it. `by the clock` is what went by: what is
-done side by side counts once, and other programs on the machine make it longer. Where a process was ended after
+process held, libraries included, without what a process held that drew beside it. `by the clock` is what went by: what
+is done side by side counts once, and other programs on the machine make it longer. Where a process was ended after
 {minutes:g} minutes of the processor, `>` stands before the phase that it was in and before the sums, and a stroke where
 a phase had not begun or a figure was not kept.
 

@@ -34,9 +34,6 @@ if sys.platform == "win32":
         ask(kernel.GetCurrentProcess(), ctypes.byref(counters), counters.cb)
         return int(counters.PeakWorkingSetSize)
 
-    def _peak_beside_bytes() -> int:
-        return 0  # Windows does not tell
-
 else:
     import resource
 
@@ -46,10 +43,6 @@ else:
             with contextlib.suppress(OSError, StopIteration), open("/proc/self/status", encoding="ascii") as status:
                 return int(next(line for line in status if line.startswith("VmHWM:")).split()[1]) * 1024
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        return peak if sys.platform == "darwin" else peak * 1024
-
-    def _peak_beside_bytes() -> int:
-        peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
         return peak if sys.platform == "darwin" else peak * 1024
 
 
@@ -62,8 +55,3 @@ def peak_mb() -> float:
     True
     """
     return _peak_bytes() / (1024 * 1024)
-
-
-def peak_beside_mb() -> float:
-    """The most that one of the processes of this one has held that are over, MB; 0 where the system does not tell."""
-    return _peak_beside_bytes() / (1024 * 1024)
