@@ -6,6 +6,7 @@ import os
 import signal
 from collections.abc import Callable
 from dataclasses import replace
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,14 @@ def finished(told: Callable[[Plan], None]) -> Finished:
     return plan_nest(Given(nest, profile), options_for(nest, profile, work=0.1), planned_as=told)
 
 
+def signalled(beside: DrawnBeside, sent: signal.Signals) -> SpawnProcess:
+    """The process, which was sent a signal."""
+    assert beside._process is not None
+    assert beside._process.pid is not None
+    os.kill(beside._process.pid, sent)
+    return beside._process
+
+
 @pytest.fixture(scope="module")
 def planned() -> tuple[Finished, Plan]:
     """A plan, and what it was before it was judged."""
@@ -61,10 +70,7 @@ def test_a_process_that_died_leaves_it_to_this_one(planned: tuple[Finished, Plan
     done, before = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
         beside.begin(before)
-        assert beside._process is not None
-        assert beside._process.pid is not None
-        os.kill(beside._process.pid, signal.SIGTERM)
-        beside._process.join()
+        signalled(beside, signal.SIGTERM).join()
         assert beside.end(done.made.plan) is None
         home = done.given.profile.home_on(done.given.nest)
         assert planned_picture(done.given, done.made, ".svg", beside) == draw(
@@ -77,9 +83,7 @@ def test_ctrl_c_does_not_reach_a_process_that_still_sets_out(planned: tuple[Fini
     done, before = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
         beside.begin(before)
-        assert beside._process is not None
-        assert beside._process.pid is not None
-        os.kill(beside._process.pid, signal.SIGINT)
+        signalled(beside, signal.SIGINT)
         assert beside.end(done.made.plan) == draw(done.given.nest, done.made.plan, ".svg", HOME)
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
