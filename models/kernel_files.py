@@ -46,7 +46,7 @@ def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], k
     make = dispatcher._compile_for_args
 
     def make_off_the_clock(*given: Any, **named: Any) -> Any:
-        with compiling(), few_collections(seldom=0), code_of_kernels():  # numba makes many circles
+        with compiling(), few_collections(), code_of_kernels():
             not_kept = sum(dispatcher.stats.cache_misses.values())
             try:
                 return make(*given, **named)
