@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .solution import Incumbent
 
 if TYPE_CHECKING:
-    from .ideals.priced import Found
+    from .ideals.priced_stretches import Found
 
 
 @dataclass(slots=True)

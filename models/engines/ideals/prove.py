@@ -38,7 +38,7 @@ from .sweep import Rests, sweep_through
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
 
-    from .priced import Found
+    from .priced_stretches import Found
 
 _Sweep = Callable[[int | None], Incumbent | None]
 STAGES = (0.03, 0.1, 0.4)

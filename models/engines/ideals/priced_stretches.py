@@ -1,0 +1,269 @@
+"""Stretches under the multipliers of linear programs, swept for plans of no more than a limit, or one after the other.
+
+A stretch alone tells what plans cost from each way into it on, see `priced`. A sweep through all of them knows what is
+out, and charges what moves cost for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from kerfwise.arrays import Bools, Ints
+from kerfwise.models.engines.bounds.moves import Moves, open_crossings
+from kerfwise.models.engines.bounds.passages import best_way, passages_of
+from kerfwise.models.engines.bounds.reduced import Proving, Reduced
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import Problem
+
+from .alone import FAR
+from .backward import Settled
+from .budget import SweepBudget, TooLarge
+from .crossed import HOME, crossing_price
+from .held import held
+from .kernels import Costs
+from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
+from .local import Local, localise
+from .over import Over
+from .rest_bound import RestBound
+from .stretches import entrance_of, home_from, never, table_of
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
+
+ROOM = 0.0005
+"""By what share of a plan the next limit is higher where a stretch has no way up to what it promised."""
+UNSURE = 0.01
+"""By what share of a plan an end must be better from which plans may cost more than is known."""
+
+
+class Found(NamedTuple):
+    """What was found out of a stretch: multipliers, and what plans cost from its ways in on, come to at `entry`."""
+
+    by: Proving
+    entry: Ints
+    settled: Settled
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Priced:
+    """A stretch as a network, `posed`, whose sites are `sites` of the whole problem.
+
+    `apart` is the stretch as a problem, with sites `own` of the whole problem. It may be come to from the sites `ways`,
+    at `entry` (ways, sites), `lows` (ways, sites) of it beyond what the bound says. `settled` is what plans cost from
+    there to their end at least, and how far that is exact. `rest` is what is still to come of `lows`, `over` what moves
+    cost for what is out.
+    """
+
+    apart: Problem
+    own: Ints
+    relaxed: Reduced
+    posed: Problem
+    sites: Ints
+    ways: Ints
+    travel: Ints
+    entry: Ints
+    lows: Ints
+    settled: Settled
+    rest: Completion
+    over: Over
+
+    @property
+    def onward(self) -> Ints:
+        """What plans cost from every way in to their end at least, (ways,)."""
+        return self.settled.onward
+
+    @property
+    def nbytes(self) -> int:
+        """What its tables take."""
+        apart, posed, relaxed, network = self.apart, self.posed, self.relaxed, self.relaxed.network
+        problems = [(some.before, some.matrix, some.site_cost) for some in (apart, posed)]
+        programs = relaxed.dear, network.cost, network.sooner, network.later, relaxed.by.multipliers, relaxed.by.beside
+        return held((problems, programs, self.travel, self.entry, self.lows, self.onward, self.rest, self.over))
+
+    def rests(self, depth: int) -> RestBound:
+        """What is still to come after so many contours of the network."""
+        return RestBound(np.ascontiguousarray(self.rest.to_go[depth]), self.rest.near, self.rest.price, 0.0)
+
+    def swept(self, ways: Ints, costs: Costs, limit: int, budget: SweepBudget, threads: Executor) -> SweptPart:
+        """It swept from some of its ways in, which it costs so much to come to, for plans of no more than `limit`.
+
+        Raises
+        ------
+        TooLarge
+            Over the budget.
+        """
+        local = localise(self.posed, tuple(range(self.posed.n)), frozenset())
+        stretch = _stretch(self, local, np.searchsorted(self.ways, ways), limit)
+        lows = np.minimum(costs + np.int64(self.relaxed.bound), stretch.never).astype(costs.dtype)
+        costs = np.where(lows > limit, stretch.never, costs).astype(costs.dtype)
+        layers = sweep_layers(stretch, costs, budget, threads, lows)
+        return SweptPart(self, stretch, layers, ways, self.sites[local.sites_of(layers[-1].contour)])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PricedStretches:
+    """All stretches of a problem, `root` being what every plan costs at least."""
+
+    problem: Problem
+    stretches: list[Priced]
+    work: float
+
+    @property
+    def root(self) -> float:
+        """What every plan costs at least."""
+        return float(self.stretches[0].onward.min())
+
+    @property
+    def found(self) -> tuple[Found, ...]:
+        """All that a later proof takes over of every stretch."""
+        return tuple(Found(stretch.relaxed.by, stretch.entry, stretch.settled) for stretch in self.stretches)
+
+    @property
+    def nbytes(self) -> int:
+        """What the tables take."""
+        return sum(stretch.nbytes for stretch in self.stretches)
+
+    def sweep(self, limit: int | None, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+        """The best route of all that cost no more than `limit`; None where there is none.
+
+        Raises
+        ------
+        TooLarge
+            Over the budget.
+        """
+        assert limit is not None  # a plan is known
+        swept: list[SweptPart] = []
+        ways, costs = np.array([HOME]), entrance_of([0], limit)
+        for here in self.stretches:
+            swept.append(here.swept(ways, costs, limit, budget, threads))
+            ways, costs = swept[-1].ends, swept[-1].costs
+            if not (costs < never(limit)).any():
+                return None
+        total = costs + self._home(ways)
+        best = int(np.argmin(total))
+        if total[best] > limit:
+            return None
+        route: list[int] = []
+        state = best
+        for part in reversed(swept):
+            piece, state = part.back(state)
+            route = [*piece, *route]
+        cost = route_cost(self.problem, tuple(route))
+        if cost != total[best]:
+            raise TooLarge  # the tables do not say what plans cost: nothing is proven by them
+        return Incumbent(tuple(route), cost)
+
+    def descend(self, known: int, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+        """A route through one stretch after the other, each the best from where the last one ended by what is to come.
+
+        None where it would cost more than a plan that is `known`.
+
+        Raises
+        ------
+        TooLarge
+            Over the budget.
+        """
+        route: list[int] = []
+        way, cost = HOME, 0
+        for number, here in enumerate(self.stretches):
+            room, found = 0, False
+            while not found:
+                limit = cost + int(here.onward[np.searchsorted(here.ways, way)]) + room
+                if limit > known:
+                    return None
+                once = replace(budget)  # nothing is kept of the layers
+                part = here.swept(np.array([way]), entrance_of([cost], limit), limit, once, threads)
+                total = part.costs + self._onward(number, part.ends)
+                found = bool(total.min(initial=never(limit)) <= limit)
+                room = max(2 * room, int(ROOM * known), 1)
+            unsure = int(UNSURE * known) * self._unsure(number, part.ends)
+            best = int(np.argmin(np.where(part.costs >= never(limit), FAR, total + unsure)))
+            cost, way = int(part.costs[best]), int(part.ends[best])
+            route += part.back(best)[0]
+        return Incumbent(tuple(route), route_cost(self.problem, tuple(route)))
+
+    def _home(self, ends: Ints) -> Ints:
+        """What the way home costs from such ends; a site is there once for each of its splits."""
+        leave, of_site = np.unique(ends, return_inverse=True)
+        home: Ints = home_from(self.problem, leave)[of_site]
+        return home
+
+    def _unsure(self, number: int, ends: Ints) -> Bools:
+        """Whether plans may cost more from such ends of a stretch on than is known."""
+        if number + 1 == len(self.stretches):
+            return np.zeros(len(ends), dtype=np.bool_)
+        return self._onward(number, ends) > self.stretches[number + 1].settled.limit
+
+    def _onward(self, number: int, ends: Ints) -> Ints:
+        """What plans cost at least from such ends of a stretch on."""
+        if number + 1 == len(self.stretches):
+            return self._home(ends)
+        following = self.stretches[number + 1]
+        least: Ints = following.onward[np.searchsorted(following.ways, ends)]
+        return least
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SweptPart:
+    """A stretch that was come to from the sites `ways`, and left at `ends`, in the order of its last layer."""
+
+    here: Priced
+    stretch: SweptStretch
+    layers: list[SweptLayer]
+    ways: Ints
+    ends: Ints
+
+    @property
+    def costs(self) -> Costs:
+        """What it costs to come to every end."""
+        return self.layers[-1].values
+
+    def back(self, state: int) -> tuple[list[int], int]:
+        """The sites of a best way to an end, with those inside of blocks, and the number of the way in it took."""
+        columns, row = walk_back(self.stretch, self.layers, state)
+        return _with_inner(self.here, columns, int(self.ways[row])), row
+
+
+def _stretch(here: Priced, local: Local, row: Ints, limit: int) -> SweptStretch:
+    """A stretch to be swept, entered from these rows of its ways."""
+    inside = here.posed.matrix
+    assert inside is not None
+    moves = table_of(local, np.concatenate([here.entry[row], inside[:-1, :-1]]), limit)
+    dear = table_of(local, np.concatenate([here.lows[row], here.relaxed.dear[:-1, :-1]]), limit)
+    return SweptStretch(local, moves, here.rests, limit, never(limit), dear, here.over)
+
+
+def _with_inner(here: Priced, columns: Sequence[int], way: int) -> list[int]:
+    """The sites of the whole problem on a way through a network from site `way`, with those inside of blocks."""
+    apart, moves = here.apart, Moves(here.apart)
+    of_last = {passage.last: passage for passage in passages_of(apart)}
+    route: list[int] = []
+    price = crossing_price(apart)
+    for site in here.relaxed.network.sites[list(columns)].tolist():
+        passage = of_last.get(int(apart.site_contour[site]))
+        if passage is not None:
+            inner = apart.sites_of(passage.inner)
+            if route:
+                entered = moves.between(np.array(route[-1:]), inner)[0]
+                entered += price * _crossed(apart, route, inner)
+            else:
+                entered = here.travel[int(np.searchsorted(here.ways, way)), inner].astype(np.float64)
+            route += best_way(apart, passage, moves, entered, site)
+        route.append(site)
+    return [int(here.own[site]) for site in route]
+
+
+def _crossed(apart: Problem, route: Sequence[int], inner: Ints) -> Ints:
+    """How many contours of a route the moves from its last site to each of some others cross, if the order decides."""
+    rows = apart.crossings
+    is_out = np.zeros(apart.n, dtype=np.bool_)
+    is_out[apart.site_contour[list(route)]] = True
+    rows = rows.only((rows.leave == route[-1]) & is_out[rows.over])
+    rows = rows.only(open_crossings(replace(apart, crossings=rows)))
+    return np.bincount(rows.reach, minlength=apart.m)[inner]
