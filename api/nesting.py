@@ -19,7 +19,7 @@ from kerfwise.jobs.solve_options import WORK
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.load import DEFAULT
 
 Files = Mapping[str | Path, int] | Iterable[str | Path] | str | Path
 """Files with how many of each, or words as on the command line, such as bracket.dxf=12, or the path of a list."""

@@ -18,9 +18,10 @@ from kerfwise.jobs.result import Result
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan as read_plan_file
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.lock_text import read_lock
 from kerfwise.rules.profile.one_nest import Setting, read_setting
-from kerfwise.rules.profile.profile import DEFAULT, Profile
+from kerfwise.rules.profile.profile import Profile
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName

@@ -10,7 +10,7 @@ from kerfwise.jobs.old_program import Asked
 from kerfwise.jobs.resequence import resequence as resequenced
 from kerfwise.jobs.resequenced import Paths, Resequenced
 from kerfwise.jobs.solve_options import WORK
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.load import DEFAULT
 
 
 def resequence(

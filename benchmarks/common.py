@@ -26,7 +26,8 @@ from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.profile.cuts_section import Common, Cuts
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 
 PROFILE = "laser-st10kp-2mm"
 WEB_MM, EDGE_MM = 12.0, 30.0

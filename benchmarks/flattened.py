@@ -28,7 +28,7 @@ from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.flat.model_rule import ModelRule, facts_data
 from kerfwise.rules.flat.nodes import Gate, Lit, Node, any_of, gate, holds_under, literals, order
 from kerfwise.rules.minizinc.twin import rule_file
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import (

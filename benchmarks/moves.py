@@ -25,7 +25,7 @@ from kerfwise.jobs.given import Given
 from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.moving import Mover
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 def seconds(of: Callable[[], object]) -> float:

@@ -30,8 +30,9 @@ from kerfwise.nesting.rounds import METHODS, Effort, best_layout
 from kerfwise.nesting.wanted import Spacing, Stock, Wanted
 from kerfwise.rules.profile.cuts_section import Common as CommonCuts
 from kerfwise.rules.profile.cuts_section import Cuts, Scrap
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.prices_section import Consumables, Prices
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 
 from .nesting_lists import cutting_list, day_list, furniture
 from .nesting_sound import paragraph, sound

@@ -27,7 +27,8 @@ from kerfwise.models.engines.rounds import solve
 from kerfwise.models.plan.make import make_plan
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.lazy import afterthoughts
 from kerfwise.rules.stating.state_rules import state_rules
 

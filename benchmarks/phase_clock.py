@@ -102,7 +102,7 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
     from kerfwise.jobs.given import Given
     from kerfwise.jobs.main_job import plan_nest
     from kerfwise.jobs.solve_options import options_for
-    from kerfwise.rules.profile.profile import load_profile
+    from kerfwise.rules.profile.load import load_profile
 
     text = json.dumps(make_sheet(1, contours)).encode()
     profile = load_profile()

@@ -25,7 +25,8 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.plan.make import make_plan
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.lazy import afterthoughts
 from kerfwise.rules.stating.state_rules import state_rules
 

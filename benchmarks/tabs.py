@@ -18,7 +18,8 @@ import kerfwise
 from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 
 RULE = "hold-small-parts"
 EXAMPLE = Path(kerfwise.__file__).parent / "examples" / "profiles" / "tabs.yaml"

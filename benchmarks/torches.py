@@ -15,8 +15,8 @@ from dataclasses import replace
 from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.machine_section import Torches
-from kerfwise.rules.profile.profile import load_profile
 
 WIDE_MM, HIGH_MM, WEB_MM, EDGE_MM = 100.0, 80.0, 20.0, 40.0
 HEAD = "  parts  torches  idle, m  program, s  share     gap  processor, s"

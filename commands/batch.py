@@ -13,7 +13,7 @@ import click
 from kerfwise import __version__
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.load import DEFAULT
 
 from .given import TRUST, tell_note
 from .numbers import AMOUNT_OVER_ZERO, Amount

@@ -14,9 +14,9 @@ from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.given import Given, common_cuts_not_made, drawn_nest, plant_of, reading, tabs_not_left
 from kerfwise.jobs.nest_job.beside import job_beside
+from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.made_of import files_of
-from kerfwise.rules.profile.profile import DEFAULT
 
 from .lengths import said_of_reading
 from .one_nest import JOB, LOCK, NO_JOB, SET, asked_of

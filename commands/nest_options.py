@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.load import DEFAULT
 
 from .given import TRUST, tell_note
 from .lengths import length_or_zero

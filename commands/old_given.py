@@ -59,7 +59,7 @@ def read_alone(feed: float | None, kerf: float | None, given: Mapping[str, Any])
     """
     from kerfwise.jobs.given import plant_of
     from kerfwise.jobs.old_program import read_old_job
-    from kerfwise.rules.profile.profile import DEFAULT
+    from kerfwise.rules.profile.load import DEFAULT
 
     asked, program = asked_of(feed, kerf, given["sheet"]), given["nest"]
     if named := [name for name in ("units", "frame", "repair", "origin", "refit_arcs") if given[name]]:

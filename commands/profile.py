@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.profile import DEFAULT, load_profile
+from kerfwise.rules.profile.load import DEFAULT, load_profile
 from kerfwise.rules.profile.said_at import Sources
 from kerfwise.rules.profile.text import profile_yaml
 

@@ -11,8 +11,8 @@ from kerfwise import __version__
 from kerfwise.encoder.contents import is_folder
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
+from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.made_of import files_of
-from kerfwise.rules.profile.profile import DEFAULT
 
 from .given import TRUST, tell_note
 from .numbers import AMOUNT_OVER_ZERO

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.profile import DEFAULT, load_profile
+from kerfwise.rules.profile.load import DEFAULT, load_profile
 
 from .given import TRUST
 

@@ -11,7 +11,8 @@ from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
+from kerfwise.rules.profile.load import DEFAULT, load_profile
+from kerfwise.rules.profile.profile import Profile
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName, ReadOptions

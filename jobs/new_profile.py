@@ -21,7 +21,8 @@ from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.yaml_edit import with_value
 from kerfwise.rules.options.yaml_positions import compose
 from kerfwise.rules.profile.files import profile_text, shipped_profiles
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import SECTIONS
 
 _NAME = re.compile(r"[^\W_][\w.-]{0,60}")

@@ -9,7 +9,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.load import DEFAULT
 
 from .best_order import in_best_order
 from .given import Given, ProfileLike, Tell, plant_of, silent

@@ -41,7 +41,7 @@ def options_for(
     Examples
     --------
     >>> from kerfwise.encoder.by_hand import nest, part, rect
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> plate = nest(100, 100, part("A", rect(10, 10, 80, 80)))
     >>> options = options_for(plate, load_profile(), work=2, engine="beam")
     >>> options.work, options.member, options.home_mm, round(options.feeds.cut_mm_s, 1)

@@ -18,7 +18,8 @@ from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.options.plain_values import Choice, Flag, Text
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.profile import DEFAULT, Profile
+from kerfwise.rules.profile.load import DEFAULT
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.rule_text import RuleValue, with_rule_values
 from kerfwise.rules.rule import Rule, RuleSetting
 from kerfwise.rules.run_cases import cases_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.drawn_options import contradicts, drawn_value, with_drawn_options
 

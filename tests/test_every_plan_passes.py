@@ -17,7 +17,8 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import report
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.metal.clean import assert_clean
 from kerfwise.tests.metal.plant import plant

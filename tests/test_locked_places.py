@@ -17,7 +17,7 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.postproc.check import report
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 
 

@@ -13,7 +13,7 @@ from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.flat.model_rule import facts_data
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 def plate(k: int) -> Nest:

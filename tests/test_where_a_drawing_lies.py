@@ -27,7 +27,8 @@ from kerfwise.rules.catalogue.hull_before import HullBefore
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.catalogue.start_side import StartSideOptions, expected_side
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
 
 

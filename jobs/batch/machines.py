@@ -10,7 +10,7 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.given import plant_of
 from kerfwise.jobs.nest_job import Job, job_beside, read_job
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.load import DEFAULT
 
 
 @dataclass(frozen=True, slots=True)

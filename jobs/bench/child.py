@@ -100,7 +100,7 @@ def _nest(job: BenchJob) -> _Outcome:
     from kerfwise.jobs.ask import ask, facts_of
     from kerfwise.jobs.produce import produce
     from kerfwise.jobs.solve_options import options_for
-    from kerfwise.rules.profile.profile import load_profile
+    from kerfwise.rules.profile.load import load_profile
 
     profile = load_profile(job.profile, trust=job.trust) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())

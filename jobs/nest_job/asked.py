@@ -15,8 +15,9 @@ from kerfwise.jobs.given import Given, NestLike, ProfileLike, Tell, drawn_nest, 
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.yaml_positions import wrong_at
+from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.one_nest import Setting
-from kerfwise.rules.profile.profile import DEFAULT, Profile
+from kerfwise.rules.profile.profile import Profile
 
 from .beside import beside_name, job_beside, misnamed
 from .job import Job

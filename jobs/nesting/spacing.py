@@ -25,7 +25,7 @@ def spacing_of(profile: Profile, gap_mm: float | None = None, edge_mm: float | N
 
     Examples
     --------
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> spacing_of(load_profile()), spacing_of(load_profile(), gap_mm=0.0)
     (Spacing(gap_mm=7.5, edge_mm=10.0, common=None), Spacing(gap_mm=0.0, edge_mm=10.0, common=None))
 
@@ -52,7 +52,7 @@ def burnt(profile: Profile, spacing: Spacing) -> str:
 
     Examples
     --------
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> burnt(load_profile(), Spacing(0.2, 10.0))
     'parts lie 0.2 mm apart, and the cut is 1.5 mm wide: it burns into the neighbour, which only wood bears'
     """
@@ -75,7 +75,7 @@ def common_of(profile: Profile) -> Common | None:
     >>> from dataclasses import replace
     >>> from kerfwise.rules.profile.cuts_section import Common as CommonCuts
     >>> from kerfwise.rules.profile.cuts_section import Cuts
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> common_of(replace(load_profile("laser-st10kp-2mm"), cuts=Cuts(common=CommonCuts(20.0, gap_tolerance_mm=0.3))))
     Common(apart_mm=0.2, shortest_mm=20.0, tolerance_mm=0.05)
     """

@@ -21,7 +21,7 @@ from kerfwise.models.kernels import take_plainly
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.state_rules import state_rules
 
 from . import ideals

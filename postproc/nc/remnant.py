@@ -21,7 +21,7 @@ def remnant_names(program: str | Path, profile: Profile) -> tuple[Path, ...]:
     --------
     >>> from dataclasses import replace
     >>> from kerfwise.rules.profile.cuts_section import Cuts, Scrap
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> plant = replace(load_profile(), cuts=Cuts(scrap=Scrap(remnant="right")))
     >>> [str(name) for name in remnant_names("out.nc", plant)], remnant_names("out.nc", load_profile())
     (['out.remnant.json', 'out.remnant.dxf'], ())

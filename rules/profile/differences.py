@@ -37,7 +37,7 @@ def differences(a: Profile, b: Profile) -> tuple[Difference, ...]:
 
     Examples
     --------
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> found = differences(load_profile("laser-wood"), load_profile("water-jet"))
     >>> next((one.a, one.b) for one in found if one.key == "machine.process")
     ('laser', 'water-jet')

@@ -29,7 +29,7 @@ def with_rule(profile: Profile, name: str, strength: Strength | None = None) -> 
 
     Examples
     --------
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> without_rule(load_profile(), "level-ahead").rules["level-ahead"].strength
     'off'
     """

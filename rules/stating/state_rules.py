@@ -84,7 +84,7 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
     Examples
     --------
     >>> from kerfwise.encoder.facts import compute_facts
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> profile = load_profile()
     >>> plate = nest(400, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))

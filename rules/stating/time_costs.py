@@ -47,7 +47,7 @@ def price_of_second(profile: Profile) -> float:
 
     Examples
     --------
-    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.rules.profile.load import load_profile
     >>> price_of_second(load_profile())
     0.0
     """

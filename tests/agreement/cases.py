@@ -23,7 +23,8 @@ from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.profile.cuts_section import Common, Cuts, Links
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.tests.agreement.scrap_lines import with_lines
 from kerfwise.tests.drawn_options import with_drawn_options

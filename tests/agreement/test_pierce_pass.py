@@ -13,7 +13,7 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.catalogue.pierce import meeting_holes
 from kerfwise.rules.minizinc.rules.pierce import met_holes
 from kerfwise.rules.profile.cuts_section import Cuts
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.engines.minizinc.agree import disagreements
 from kerfwise.tests.models.engines.minizinc.cases import Case

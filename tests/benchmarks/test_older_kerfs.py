@@ -7,7 +7,7 @@ import json
 from kerfwise.benchmarks.older_kerfs import grid, planned
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 def test_a_grid_with_narrow_streets_is_planned_both_ways() -> None:

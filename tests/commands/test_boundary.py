@@ -15,7 +15,7 @@ from kerfwise.commands import given
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.verdict import checking
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
-from kerfwise.rules.profile import profile as profiles
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
@@ -159,6 +159,6 @@ def test_a_program_that_cannot_be_read_back_is_no_place(here: Path, monkeypatch:
     monkeypatch.setattr(checking, "check_nc", refused)
     ended = kerfwise("solve", nest, "-o", "out.nc", "--work", "0.1")
     assert ended.code == 2
-    assert f"{profiles.load_profile().file}: the program that dialect" in ended.err
+    assert f"{load_profile().file}: the program that dialect" in ended.err
     assert "cannot be read back (block '" in ended.err
     assert not (here / "out.nc").exists()

@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.postproc.check import check_program
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.encoder.bridges.test_bridges import A, B, C, bridge
 from kerfwise.tests.metal.simulate import simulate

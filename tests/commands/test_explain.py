@@ -19,7 +19,7 @@ from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.models.solved import plant, proven_plan
 

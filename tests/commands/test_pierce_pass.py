@@ -16,7 +16,7 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
 from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate

@@ -10,7 +10,7 @@ import pytest
 
 from kerfwise.rules.profile.differences import differences
 from kerfwise.rules.profile.files import profile_text, shipped_profiles
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
 

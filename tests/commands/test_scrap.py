@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.tools import canon
 

@@ -15,7 +15,7 @@ from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import facts_of
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
 Section = dict[str, object]

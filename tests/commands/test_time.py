@@ -11,7 +11,7 @@ import kerfwise as package
 from kerfwise.encoder.readers import read_nest
 from kerfwise.postproc.clock.timed import with_times
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.models.solved import proven_plan
 

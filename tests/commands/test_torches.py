@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.reader import read_plan
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import by_kind, simulate

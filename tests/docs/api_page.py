@@ -49,7 +49,8 @@ def _function(name: str, function: object) -> Iterator[str]:
 
 def _class(kind: type) -> Iterator[str]:
     yield from _text(inspect.getdoc(kind) or "")
-    own = [(n, v) for n, v in vars(kind).items() if not n.startswith("_")]
+    kinds = [k for k in reversed(kind.__mro__) if k.__module__.startswith("kerfwise.")]
+    own = [(n, v) for k in kinds for n, v in vars(k).items() if not n.startswith("_")]
     for name, member in own:
         if isinstance(member, property):
             said = inspect.getdoc(member) or ""

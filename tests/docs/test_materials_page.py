@@ -10,7 +10,7 @@ import pytest
 import kerfwise
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.nc.setting_comments import setting_comments
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands import run_cli
 
 ROOT = Path(kerfwise.__file__).parent

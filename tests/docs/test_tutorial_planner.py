@@ -20,7 +20,7 @@ import kerfwise as package
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples import gen_morning
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate

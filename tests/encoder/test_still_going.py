@@ -22,7 +22,7 @@ from kerfwise.encoder.errors import Advice
 from kerfwise.encoder.still_going import so_much, told_if_long
 from kerfwise.jobs.ask import facts_of
 from kerfwise.postproc.verdict.checking import check_program
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
 from kerfwise.rules.judging.rigidity import rigid_at_the_end
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STIFF = ("no-islands", "no-narrow-strips", "part-rigidity")

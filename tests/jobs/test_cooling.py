@@ -28,7 +28,8 @@ from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.postproc.clock.timed import job_of_program, read_program, time_job
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.rules.catalogue.t_max import TMaxOptions
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
 from kerfwise.rules.temperature_limit import TemperatureLimit

@@ -19,8 +19,8 @@ from kerfwise.models.physics.timing.clock import RunTimes
 from kerfwise.models.physics.timing.cost import Cost, cost_of
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.rules.profile.cuts_section import Cuts, Scrap
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.prices_section import Consumables, Prices
-from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
 HOUR = RunTimes((), cut_s=1700.0, idle_s=1800.0, pierce_s=100.0)

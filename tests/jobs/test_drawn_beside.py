@@ -23,7 +23,7 @@ from kerfwise.jobs.page.picture import planned_picture
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report import draw
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 SMALL = Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.json"
 HOME = (0.0, 0.0)

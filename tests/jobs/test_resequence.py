@@ -24,7 +24,8 @@ from kerfwise.postproc.old.pieces import taken_apart
 from kerfwise.postproc.old.reordered import reordered
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Links
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.old.programs import READ, line, square
 from kerfwise.tests.tools import canon

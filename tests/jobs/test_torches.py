@@ -21,8 +21,9 @@ from kerfwise.models.engines.rounds import solve
 from kerfwise.models.plan.make import make_plan
 from kerfwise.postproc.clock.timed import with_times
 from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.machine_section import Torches
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 
 
 @st.composite

@@ -15,7 +15,8 @@ from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.test_torches import STEP, nest_file, part, plant_file
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import by_kind, simulate

@@ -24,7 +24,7 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.kernels import counted_s
 from kerfwise.postproc.report import expect_picture
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"

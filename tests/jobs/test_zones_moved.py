@@ -24,7 +24,7 @@ from kerfwise.jobs.zones_moved import ByZones, better_zones, of_neighbours, plan
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.problem.closure import transitive
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 def test_neighbours_may_be_mixed_and_no_others() -> None:

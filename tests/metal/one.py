@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.metal.plant import plant as given
 from kerfwise.tests.metal.program import read_program
 from kerfwise.tests.metal.simulate import simulate

@@ -15,7 +15,7 @@ from pathlib import Path
 from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.reader import read_plan
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made, made
 from kerfwise.tests.metal.plant import plant, tabs_of

@@ -20,7 +20,8 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check.resumed import burnt_by
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.common_nests import block
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import simulate

@@ -24,7 +24,8 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check.edge_loss import Accepted, lost_elsewhere
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Common, Cuts
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.common_nests import block, grid
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate

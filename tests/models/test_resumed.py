@@ -17,7 +17,8 @@ from kerfwise.jobs.produce import produce
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import check_cuts
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 
 PLATE = nest(
     400,

@@ -23,7 +23,7 @@ from kerfwise.nesting.shapes import Shapes
 from kerfwise.nesting.wanted import Common, PartType, Spacing, Stock, Wanted
 from kerfwise.rules.profile.cuts_section import Common as CommonCuts
 from kerfwise.rules.profile.cuts_section import Cuts
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.nesting.random_lists import random_order
 from kerfwise.tests.postproc.plans import with_tabs
 

@@ -25,7 +25,7 @@ from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.postproc.chains import chained, cuts_in_rows
 from kerfwise.tests.postproc.plans import plan_of
 
@@ -36,7 +36,7 @@ from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
 from kerfwise.postproc.check.rebuild import rebuild
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 nest, profile = read_nest(sys.argv[1], ReadOptions()), load_profile()
 text, whole = open(sys.argv[2], encoding="utf-8").read(), sys.argv[3] == "whole"

@@ -22,7 +22,8 @@ from kerfwise.postproc.nc.plan_paths import toolpaths
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.rules.profile.corners_section import Corners
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
 PLATE = nest(

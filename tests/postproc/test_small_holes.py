@@ -17,7 +17,8 @@ from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.reader import validator
 from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 
 PLATE = nest(
     500,

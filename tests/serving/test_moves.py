@@ -20,7 +20,7 @@ from kerfwise.models.plan.make import make_plan
 from kerfwise.postproc.clock.timed import with_times
 from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 ROW = nest(
     400, 140, part("A", rect(20, 20, 80, 80), [rect(50, 50, 20, 20)]), part("B", rect(130, 20, 80, 80)),

@@ -17,9 +17,10 @@ from kerfwise.jobs.nest_job.last_plan import LastPlan
 from kerfwise.jobs.nest_job.read import job_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.for_one_nest import ForOneNest
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.lock_text import read_lock
 from kerfwise.rules.profile.one_nest import read_setting
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 
 PLATE = nest(
     600, 200,

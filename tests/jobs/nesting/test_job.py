@@ -18,7 +18,7 @@ from kerfwise.jobs.nesting.weigh import weighed_text
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort
 from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 FAULT = "sheet1: plate-1 lies too near to plate-2"
 PLANT = load_profile("laser-st10kp-2mm")

@@ -17,7 +17,7 @@ from kerfwise.jobs.nesting.weigh import weigh
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort, best_layout
 from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 PLANT = load_profile("plasma-carbon-steel")
 

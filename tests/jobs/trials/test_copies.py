@@ -11,7 +11,7 @@ from kerfwise.jobs.trials.given import rules_to_try
 from kerfwise.jobs.trials.run import Bench
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import rule_file
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.run_cases import cases_of
 

@@ -16,7 +16,7 @@ from kerfwise.models.engines.minizinc import asked
 from kerfwise.models.engines.solution import Solution
 from kerfwise.rules.outcome import CaseOutcome
 from kerfwise.rules.pages.new_rule import new_outside_rule
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.run_cases import cases_of
 from kerfwise.tests.commands.run_cli import kerfwise
 

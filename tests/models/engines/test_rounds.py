@@ -18,7 +18,7 @@ from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.problem import compile as compile_
 from kerfwise.models.problem.closure import close
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import About, Lag, NoGood, Precede
 
 PRICE_MM = 5.0

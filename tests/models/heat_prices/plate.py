@@ -11,7 +11,8 @@ from kerfwise.jobs.ask import facts_of
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 

@@ -21,7 +21,8 @@ from kerfwise.models.plan.make import make_plan
 from kerfwise.models.problem import crossed_areas, crossings
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.crossings import Crossings, in_order
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Precede
 
 ROW = nest(500, 300, *(part(f"P{k}", rect(50 + 120 * k, 50, 100, 100)) for k in range(3)))

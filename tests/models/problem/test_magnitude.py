@@ -20,7 +20,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.magnitude import MOST_COUNTED, MOST_UM, check_magnitude, dearest_um
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import About, AtLeast, Before, Enough, IdleTravel, Pick
 from kerfwise.rules.stating.state_rules import state_rules
 

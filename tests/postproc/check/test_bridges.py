@@ -15,7 +15,7 @@ from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.small_holes import Under
 from kerfwise.postproc.check.bridges import broken_bridges
 from kerfwise.postproc.check.small_holes import judged_nest
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.small_holes_section import SmallHoles
 
 A = part("A", rect(20, 20, 60, 60), holes=[rect(30, 30, 20, 20), rect(60, 60, 4, 4)])

@@ -15,7 +15,7 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import check, check_program
 from kerfwise.postproc.check.judged_cuts import DRIFT, SAME, same
 from kerfwise.postproc.verdict import checking
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 PLATE = nest(400, 200, part("A", rect(20, 20, 120, 120), [rect(60, 60, 30, 30)]), part("B", rect(170, 20, 120, 120)))
 

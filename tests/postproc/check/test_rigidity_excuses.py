@@ -19,7 +19,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program, report_of
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 PROFILE = load_profile()

@@ -15,7 +15,7 @@ from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.postproc.check.skeleton_pieces import wrong_pieces
 from kerfwise.rules.case import in_order
 from kerfwise.rules.profile.cuts_section import Cuts, Scrap
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
 A = part("A", rect(50, 50, 300, 300))

@@ -20,7 +20,8 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import dialect_names, load_dialect
 from kerfwise.rules.profile.cuts_section import Common, Links
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.plans import with_tabs
 
 from .reading import with_dialect

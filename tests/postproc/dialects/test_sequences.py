@@ -23,7 +23,8 @@ from kerfwise.postproc.dialects.load import parse_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.postproc.verdict.dialect_read_back import read_back
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects import reading
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon

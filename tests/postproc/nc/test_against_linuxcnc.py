@@ -22,7 +22,8 @@ from kerfwise.postproc.nc.pen import Pen
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects.reading import apart_mm
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile, with_tabs
 from kerfwise.tests.tools import canon

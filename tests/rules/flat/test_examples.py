@@ -14,7 +14,8 @@ from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.rules.flat.model_file import read_model_file
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 
 pytestmark = pytest.mark.minizinc
 

@@ -14,7 +14,8 @@ from kerfwise.jobs.produce import Produced, produce
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.rules.pages.pages import rule_page, rule_table
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.rules.outside.written import RULE
 

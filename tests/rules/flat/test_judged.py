@@ -24,7 +24,8 @@ from kerfwise.rules.case import in_order
 from kerfwise.rules.flat import model_rule
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.model_cases import model_cases
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.run_cases import run_cases
 
 pytestmark = pytest.mark.minizinc

@@ -16,7 +16,7 @@ from kerfwise.rules.flat import compiler, flatten, kept_compiled
 from kerfwise.rules.flat.compiler import Compiled
 from kerfwise.rules.flat.kept_compiled import cache_folder, compiled
 from kerfwise.rules.flat.model_file import ModelFile, read_model_file
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 pytestmark = pytest.mark.minizinc
 

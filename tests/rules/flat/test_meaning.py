@@ -20,7 +20,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.flat.nodes import Lit
 from kerfwise.rules.flat.numbers import ChoiceSum, equal, within
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Pick, Precede, Statement
 
 pytestmark = pytest.mark.minizinc

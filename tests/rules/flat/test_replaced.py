@@ -20,7 +20,8 @@ from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.rules.minizinc.twin import rule_file
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 
 pytestmark = [pytest.mark.minizinc, pytest.mark.slow]

@@ -14,7 +14,8 @@ from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import rule_file
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Statement
 from kerfwise.tests.models.engines.minizinc.cases import case

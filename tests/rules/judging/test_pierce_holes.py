@@ -15,7 +15,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.judging.pierce_kerfs import over_holes
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Pick
 
 PLATE = nest(300, 140, part("A", rect(20, 20, 100, 100)), part("B", rect(140, 20, 100, 100)))

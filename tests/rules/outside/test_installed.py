@@ -12,7 +12,7 @@ import pytest
 
 from kerfwise.encoder.faults import RuleFault
 from kerfwise.rules.outside import installed
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.rules.outside.written import NEST, ROOT, package, profile_file, python, rule_file
 

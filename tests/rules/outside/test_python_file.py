@@ -13,8 +13,9 @@ import yaml
 import kerfwise as api
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.outside import trust
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.made_of import files_of
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.registry import RULES

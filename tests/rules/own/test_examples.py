@@ -22,7 +22,8 @@ from kerfwise.rules.own import as_rule
 from kerfwise.rules.own.direction_entry import PLACES
 from kerfwise.rules.own.named_facts import NAMED_FACTS
 from kerfwise.rules.own.own_rule import ASKS
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import state_rules
 
 DOCS = Path(kerfwise.__file__).parent / "docs"

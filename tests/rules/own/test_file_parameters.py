@@ -11,8 +11,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.one_nest import read_setting, with_settings
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.text import profile_yaml
 
 MODEL = """% rivets-first: small holes of a part are cut before its others

@@ -14,7 +14,8 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.rules.case import cut, in_order
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
 from kerfwise.rules.own.demand import MOST
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.rule import Violation
 from kerfwise.rules.statements import Precede

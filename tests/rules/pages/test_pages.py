@@ -9,7 +9,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.pages.pages import all_pages, rule_page, rule_table
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 
 

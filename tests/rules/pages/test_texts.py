@@ -11,7 +11,7 @@ from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.minizinc.twin import Twin, rule_file, twin_of
 from kerfwise.rules.pages.pages import all_pages, rule_page
 from kerfwise.rules.pages.texts import texts_page
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.commands.run_cli import kerfwise
 

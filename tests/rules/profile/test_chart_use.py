@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.made_of import files_of
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.said_at import Sources
 from kerfwise.rules.profile.text import profile_yaml
 

@@ -15,7 +15,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import DrawingSection
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.tests.encoder.readers.drawings import save_dxf

@@ -17,7 +17,8 @@ from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
+from kerfwise.rules.profile.load import DEFAULT, load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Machine, Material, RuleSetting
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.registry import RULES

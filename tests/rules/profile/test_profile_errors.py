@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 def error_of(tmp_path: Path, text: str) -> list[str]:

@@ -12,7 +12,8 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.rules.profile.text import profile_yaml
 

@@ -9,7 +9,7 @@ import pytest
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.judging.uncut import Uncut
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.lazy import look_takes_s
 
 

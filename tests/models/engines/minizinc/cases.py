@@ -29,7 +29,8 @@ from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.cuts_section import Common, Cuts, Links
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.drawn_options import with_drawn_options

@@ -19,7 +19,8 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.minizinc import asked, data, engine, solve_minizinc
 from kerfwise.models.engines.minizinc.installation import driver, installed_solvers, solver_named
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, NoGood, Statement
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.engines.minizinc.cases import case

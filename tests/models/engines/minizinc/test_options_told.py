@@ -28,7 +28,8 @@ from kerfwise.rules.minizinc.dzn import Fields
 from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
 from kerfwise.rules.minizinc.twin import TwinCase, twin_of
 from kerfwise.rules.options.option import Option, options_of
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import state_rules

@@ -15,7 +15,7 @@ from kerfwise.models.physics.heat.watch import hot_spots
 from kerfwise.postproc.clock.heat_path import path_of_program
 from kerfwise.postproc.clock.timed import read_program
 from kerfwise.rules.profile.heat_section import Heat
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 PLATE = nest(400, 200, part("A", rect(20, 20, 160, 160)), part("B", rect(220, 20, 160, 160)))
 LINE = np.array([[200.0, 10.0], [200.0, 190.0]])

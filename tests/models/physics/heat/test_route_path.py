@@ -11,7 +11,7 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.clock.heat_path import path_of_plan
-from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.load import load_profile
 
 
 def test_it_agrees_with_the_plan() -> None:

@@ -13,8 +13,9 @@ from kerfwise.models.physics.timing.constant import ConstantFeed, Feeds
 from kerfwise.models.physics.timing.cost import cost_of
 from kerfwise.models.physics.timing.run import Job, Run
 from kerfwise.rules.profile.feed_law_kind import shipped_laws
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.prices_section import Prices
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.time_section import Time
 
 AMG3M_1 = shipped_laws()["bystar-3015-amg3m-1mm"]

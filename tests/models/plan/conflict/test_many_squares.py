@@ -20,7 +20,8 @@ from kerfwise.models.plan.conflict.core import find_core
 from kerfwise.models.plan.conflict.group import hard_groups, on_order
 from kerfwise.models.plan.conflict.whole import Engines
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import every_statement, state_rules
 
 

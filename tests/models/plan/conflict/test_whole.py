@@ -18,7 +18,8 @@ from kerfwise.models.plan.conflict.group import Group, hard_groups
 from kerfwise.models.plan.conflict.solver import NotAnswered
 from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import every_statement
 from kerfwise.tests.models.brute import lawful
 
