@@ -25,7 +25,8 @@ from kerfwise.postproc.old.reordered import reordered
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.profile.cuts_section import Links, Scrap
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile, RuleSetting
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.tests.postproc.dialects import cases
 from kerfwise.tests.postproc.dialects.cases import plates
 from kerfwise.tests.postproc.dialects.reading import with_dialect

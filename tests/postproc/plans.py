@@ -18,8 +18,8 @@ from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile, RuleSetting, default_settings
-from kerfwise.rules.profile.sections import Machine
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Machine, RuleSetting, default_settings
 from kerfwise.rules.rule import Strength
 
 KERF_MM = 1.5

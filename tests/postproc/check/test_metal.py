@@ -16,7 +16,7 @@ from kerfwise.postproc.check import CheckResult, check_cuts, metal
 from kerfwise.postproc.check.rings import rings_of
 from kerfwise.postproc.check.torch_run import TorchRun
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
-from kerfwise.rules.profile.profile import RuleSetting, default_settings
+from kerfwise.rules.profile.sections import RuleSetting, default_settings
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.postproc.plans import cut_of, profile
