@@ -123,9 +123,10 @@ def command(
         memory_gb=memory_gb,
     )  # fmt: skip
     suffix = None if picture is None else Path(picture).suffix
-    whole = None if time_limit is None else WholeLimit(time_limit, began_s, () if suffix is None else (suffix,))
     home = given.profile.home_on(given.nest)
     beside = click.get_current_context().with_resource(DrawnBeside(given.nest, suffix, home))
+    drawn = () if suffix is None else (suffix,)
+    whole = None if time_limit is None else WholeLimit(time_limit, began_s, drawn, beside=beside.draws)
     listener = ProgressLine()
     try:
         done = plan_nest(

@@ -1,7 +1,8 @@
 """A limit in seconds for a whole command: what it leaves for the planning, and what is kept for all that comes after.
 
 What comes before the planning has been measured when it begins. What comes after takes about so many times as long as
-it took to find candidates on the same nest: both look at every outline of the drawing.
+it took to find candidates on the same nest: both look at every outline of the drawing. A picture that is drawn beside
+the check counts only where it takes longer than that.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ CHECKED, ENDED_S = 3.5, 0.7
 where zones move; and seconds to load what is first asked for then, to write the files, and to leave."""
 DRAWN = {".svg": (1.5, 0.0), ".png": (2.5, 0.5), ".pdf": (3.5, 0.6), ".html": (2.5, 7.0)}
 """The same for a picture, by its suffix: so many times as long, and so many seconds."""
+PLANNED, SET_OUT_S = 1.0, 1.0
+"""Of `CHECKED` the share of the plan with its reasons, which a picture beside the check waits for; and seconds that its
+process takes to set out."""
 TOLD_S = 1.0
 """A command that takes so many seconds longer than its limit says so."""
 
@@ -41,6 +45,8 @@ class WholeLimit:
         When the command began, by `clock`; None for now.
     drawn
         The suffixes of the pictures that it draws of the plan.
+    beside
+        Whether they are drawn beside the check, not after it.
     clock
         Seconds, for tests.
 
@@ -59,10 +65,13 @@ class WholeLimit:
         began_s: float | None = None,
         drawn: Iterable[str] = (),
         clock: Callable[[], float] = counted_s,
+        *,
+        beside: bool = False,
     ) -> None:
         self.limit_s, self._clock = limit_s, clock
         self._began_s = clock() if began_s is None else began_s
         self._drawn = [DRAWN[suffix.lower()] for suffix in drawn]
+        self._beside = beside
         self._planned_s = [0.0, 0.0]
         self._share_s, self._ended = limit_s, False
 
@@ -78,8 +87,11 @@ class WholeLimit:
 
     def kept_s(self, took: Took) -> float:
         """Seconds that are kept for what comes after the planning."""
-        times = CHECKED + sum(times for times, _ in self._drawn)
-        return times * took.candidates_s + ENDED_S + sum(more_s for _, more_s in self._drawn)
+        checked_s = CHECKED * took.candidates_s
+        drawn_s = sum(times * took.candidates_s + more_s for times, more_s in self._drawn)
+        if self._beside:
+            return max(checked_s, PLANNED * took.candidates_s + SET_OUT_S + drawn_s) + ENDED_S
+        return checked_s + drawn_s + ENDED_S
 
     def planning_s(self, took: Took) -> float:
         """Seconds for the planning, if it begins now."""

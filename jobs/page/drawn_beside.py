@@ -54,6 +54,11 @@ class DrawnBeside:
         self._plan: Plan | None = None
         self._sending: threading.Thread | None = None
 
+    @property
+    def draws(self) -> bool:
+        """Whether a plan that it is told of is drawn beside, as far as is known before there is one."""
+        return bool(self._given)
+
     @staticmethod
     def pays(nest: Nest, suffix: str | None) -> bool:
         """Whether it is quicker than to draw afterwards."""

@@ -13,13 +13,14 @@ import kerfwise as package
 from kerfwise.commands import solve
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.jobs import job_limit, main_job
+from kerfwise.jobs import job_limit, main_job, whole_limit
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs.page import drawn_beside
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.whole_limit import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, Took, WholeLimit
+from kerfwise.jobs.whole_limit import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, PLANNED, SET_OUT_S, Took, WholeLimit
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.kernels import counted_s
@@ -64,6 +65,18 @@ def test_a_picture_takes_its_share(suffix: str, clock: Wound) -> None:
     plain, drawn = limit_of(90.0, clock), limit_of(90.0, clock, suffix.upper())
     times, more_s = DRAWN[suffix]
     assert plain.planning_s(Took(1.0)) - drawn.planning_s(Took(1.0)) == pytest.approx(times + more_s)
+
+
+@pytest.mark.parametrize("suffix", sorted(DRAWN))
+def test_a_picture_beside_the_check_counts_where_it_takes_longer(suffix: str, clock: Wound) -> None:
+    times, more_s = DRAWN[suffix]
+    beside = WholeLimit(9000.0, drawn=(suffix,), clock=clock, beside=True)
+    alone, after = limit_of(9000.0, clock), limit_of(9000.0, clock, suffix)
+    drawn_s = (PLANNED + times) * 0.1 + SET_OUT_S + more_s
+    assert beside.planning_s(Took(0.1)) == pytest.approx(9000.0 - drawn_s - ENDED_S)
+    longer_s = max(0.0, (PLANNED + times - CHECKED) * 100.0 + SET_OUT_S + more_s)
+    assert alone.planning_s(Took(100.0)) - beside.planning_s(Took(100.0)) == pytest.approx(longer_s)
+    assert beside.planning_s(Took(100.0)) > after.planning_s(Took(100.0))
 
 
 def test_every_kind_of_picture_has_a_share() -> None:
@@ -196,6 +209,25 @@ def test_the_clock_of_the_command_runs_from_its_beginning_and_it_says_when_it_wa
     assert re.match(alone + "the planning has 10000.0 s all the same, and the command takes longer", early)
     took = r"note: the command took 70\d\d\d\.\d s, 20\d\d\d\.\d s longer than its limit: 70\d\d\d\.\d s before"
     assert re.match(took, late)
+
+
+@pytest.mark.parametrize("from_contours", [2, 2000])
+def test_the_command_keeps_time_for_its_picture_where_it_draws_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, from_contours: int
+) -> None:
+    made: list[WholeLimit] = []
+
+    def noted(*given: Any, **options: Any) -> WholeLimit:
+        made.append(WholeLimit(*given, **options))
+        return made[-1]
+
+    monkeypatch.setattr(drawn_beside, "FROM_CONTOURS", from_contours)
+    monkeypatch.setattr(drawn_beside, "LEAST_CORES", 1)
+    monkeypatch.setattr(whole_limit, "WholeLimit", noted)
+    monkeypatch.chdir(tmp_path)
+    assert kerfwise("solve", NEST, "--time-limit", "50000").code == 0
+    after_s = (CHECKED + DRAWN[".svg"][0]) * 100.0 + ENDED_S
+    assert made[0].kept_s(Took(100.0)) == pytest.approx(CHECKED * 100.0 + ENDED_S if from_contours == 2 else after_s)
 
 
 def test_a_command_without_a_plan_says_when_it_was_late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
