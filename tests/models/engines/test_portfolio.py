@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.models.engines import portfolio
+from kerfwise.models.engines import beam, bounds, cpsat, ideals, shares
 from kerfwise.models.engines.known import Known
 from kerfwise.models.engines.names import Member
 from kerfwise.models.engines.portfolio import run_portfolio
@@ -140,7 +140,7 @@ def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
 def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each step takes a second by the clock; what is left is too little for the others' tables."""
     given, seconds, set_out = scattered(1, contours=45, sites=1), count(), list[str]()
-    for module, name in ((portfolio.beam, "beam"), (portfolio.bounds, "flow_bound"), (portfolio.cpsat, "solve_cpsat")):
+    for module, name in ((beam, "beam"), (bounds, "flow_bound"), (cpsat, "solve_cpsat")):
         monkeypatch.setattr(module, name, lambda *given, name=name: set_out.append(name))
     limits = SolveOptions(time_s=5.0)
     watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
@@ -166,9 +166,9 @@ def test_nothing_is_said_to_be_proven_where_programs_of_stretches_come_to_no_bou
     monkeypatch: pytest.MonkeyPatch, little: bool, note: str
 ) -> None:
     """With little work a bound by flows, which needs less, is looked for instead."""
-    monkeypatch.setattr(portfolio.shares, "FLOW_FEW", 10)
-    monkeypatch.setattr(portfolio.ideals, "prove_priced", lambda *_: None)
-    monkeypatch.setattr(portfolio.bounds, "SETTING_OUT", 0.0 if little else inf, raising=False)
+    monkeypatch.setattr(shares, "FLOW_FEW", 10)
+    monkeypatch.setattr(ideals, "prove_priced", lambda *_: None)
+    monkeypatch.setattr(bounds, "SETTING_OUT", 0.0 if little else inf, raising=False)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     known = found(replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held)), work=0.1)
     assert "ideals: too many sets for the limit, a bound is proven" not in known.notes
@@ -186,7 +186,7 @@ def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(
     monkeypatch: pytest.MonkeyPatch, sites: int, note: str
 ) -> None:
     """Bound and search run at the same time, and neither sees how far the other is."""
-    monkeypatch.setattr(portfolio.shares, "FLOW_FEW", 10)
+    monkeypatch.setattr(shares, "FLOW_FEW", 10)
     monkeypatch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "MOST_SITES_PRICED", sites)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     many = replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held))
@@ -217,7 +217,7 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
     many = scattered(1, contours=40, sites=1, pairs=60)
     told: list[int] = []
     counted: list[int] = []
-    real = portfolio.ideals.count_sets
+    real = ideals.count_sets
 
     def listen(engine: str, cost: int | None, bound: int | None) -> bool:
         told.extend([] if cost is None else [cost])
@@ -228,11 +228,11 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
         counted.append(len(told))
         return count
 
-    monkeypatch.setattr(portfolio.ideals, "count_sets", count_sets)
+    monkeypatch.setattr(ideals, "count_sets", count_sets)
     options = SolveOptions(work=0.3)
     plans = []
     for few in (0.0, inf):
-        monkeypatch.setattr(portfolio.shares, "PREVIEW_AFTER_ENTRIES", few)
+        monkeypatch.setattr(shares, "PREVIEW_AFTER_ENTRIES", few)
         told.clear()
         known = run_portfolio(many, options, Watch(options, listen))
         assert known.incumbent is not None

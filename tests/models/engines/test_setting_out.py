@@ -7,9 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kerfwise.models.engines import portfolio, setting_out
+from kerfwise.models.engines import cpsat, setting_out
 from kerfwise.models.engines.ideals import Count
 from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.portfolio.preview import Preview
+from kerfwise.models.engines.portfolio.run import Run
+from kerfwise.models.engines.portfolio.sweeping import Sweeping
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.problem.crossings import Crossings
@@ -25,7 +28,7 @@ def _never_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     def begun(*_: object) -> None:
         raise _Begun
 
-    monkeypatch.setattr(portfolio.cpsat, "solve_cpsat", begun, raising=False)
+    monkeypatch.setattr(cpsat, "solve_cpsat", begun, raising=False)
 
 
 def test_cp_sat_is_not_begun_with_less_than_its_model_takes() -> None:
@@ -62,6 +65,7 @@ def test_what_it_takes_grows_with_what_is_made() -> None:
 def test_a_sweep_of_many_contours_may_take_longer_before_any_search(
     longest: int, entries: float, at_once: bool
 ) -> None:
-    run = portfolio._Run(scattered(1, contours=8, sites=1), SolveOptions(work=30.0), Watch(SolveOptions()))
-    run.count = Count(1, longest, 10**6, int(entries), 10**6, 0.0, True)
-    assert run._at_once() == at_once
+    run = Run(scattered(1, contours=8, sites=1), SolveOptions(work=30.0), Watch(SolveOptions()))
+    sweeping = Sweeping(run, Preview(run))
+    sweeping.count = Count(1, longest, 10**6, int(entries), 10**6, 0.0, True)
+    assert sweeping.at_once() == at_once
