@@ -21,8 +21,8 @@ where zones move; and seconds to load what is first asked for then, to write the
 DRAWN = {".svg": (1.5, 0.0), ".png": (2.5, 0.5), ".pdf": (3.5, 0.6), ".html": (2.5, 7.0)}
 """The same for a picture, by its suffix: so many times as long, and so many seconds."""
 PLANNED, SET_OUT_S = 1.0, 1.0
-"""How many times as long as finding candidates the plan with its reasons takes, a part of `CHECKED` that a picture beside
-the check waits for; and seconds that its process takes to set out."""
+"""How many times as long as finding candidates the plan with its reasons takes, a part of `CHECKED` that a picture
+beside the check waits for; and seconds that its process takes to set out."""
 TOLD_S = 1.0
 """A command that takes so many seconds longer than its limit says so."""
 
