@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.benchmarks.chain_proofs import rows
-from kerfwise.benchmarks.chains import Row, kept, row
+from kerfwise.benchmarks.chains import Row, kept, main, row
 from kerfwise.benchmarks.plates import made_plate
+from kerfwise.encoder.errors import InputError
 
 
 def test_a_row_tells_plain_plans_and_gaps_apart() -> None:
@@ -26,6 +27,13 @@ def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path) -> None:
     file, waiting = tmp_path / "115.2.plain.json", iter(made)
     assert kept(file, lambda: next(waiting)) == kept(file, lambda: next(waiting)) == made[0]
     assert kept(None, lambda: next(waiting)) == made[1]
+
+
+def test_a_nest_that_is_missing_is_told_before_any_plan(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("sys.argv", ["chains", "--contours", "20", "--nests", str(tmp_path / "none.json")])
+    monkeypatch.setattr("kerfwise.benchmarks.chains.row", lambda *_: pytest.fail("a plan was made"))
+    with pytest.raises(InputError, match="none"):
+        main()
 
 
 @pytest.mark.slow
