@@ -147,8 +147,7 @@ def main() -> None:
     if given.kept is not None:
         given.kept.mkdir(parents=True, exist_ok=True)
     rows = []
-    read = [(file.stem, read_nest(file)) for file in given.nests]  # a file that is missing is better said now
-    for what, nest, pierces_s in _nests(given, read):
+    for what, nest, pierces_s in list(_nests(given)):  # a file that is missing is told before the first plan
         name = what if given.nests and what in {file.stem for file in given.nests} else f"{len(nest.contours)} contours"
         plans = [*(("plasma", s) for s in pierces_s), ("laser", LASER_PIERCE_S)]
         for process, pierce_s in plans:
@@ -182,13 +181,13 @@ def _proofs(sizes: Sequence[int], pierce_s: float) -> str:
     return f"\n{head}{''.join(lines)}"
 
 
-def _nests(given: argparse.Namespace, read: Sequence[tuple[str, Nest]]) -> Iterator[tuple[str, Nest, list[float]]]:
-    """What each nest is called, the nest, and the times to pierce that it is planned for; those `read` come last."""
+def _nests(given: argparse.Namespace) -> Iterator[tuple[str, Nest, list[float]]]:
+    """What each nest is called, the nest, and the times to pierce that it is planned for."""
     for contours in (*given.contours, *given.large):
         nest = made_plate(contours, seed=1)
         yield str(contours), nest, [max(given.pierce)] if contours in given.large else given.pierce
-    for stem, nest in read:
-        yield stem, nest, [max(given.pierce)]
+    for file in given.nests:
+        yield file.stem, read_nest(file), [max(given.pierce)]
 
 
 def _asked(given: argparse.Namespace) -> str:

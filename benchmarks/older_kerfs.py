@@ -113,7 +113,7 @@ def main() -> None:
     arguments.add_argument("--nests", nargs="*", default=[])
     given = arguments.parse_args()
     profile, rows = load_profile(), []
-    for name, nest in nests(given.nests):
+    for name, nest in list(nests(given.nests)):  # a file that is missing is told before the first plan
         nest = profile.as_cut(nest)
         before, now = (planned(nest, profile, given.work, minding) for minding in (False, True))
         share = now.idle_mm / before.idle_mm - 1
