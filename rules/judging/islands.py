@@ -14,61 +14,70 @@ import shapely
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.geometry.segment import Box
 
-from .metal import Metal
+from .metal import Badly, Island, Metal
 
-ISLAND_STRIPS = 10.0
-"""A piece of metal wider than so many strips is a plate of its own, not an island."""
 SPECK_MM2 = 1.0
 CLOSE_STRIPS = (2.0, 5.0)
 """How far around a part close looks for islands go, in strips, before all is looked at that an island may be on."""
 
 
 class Islands:
-    """The islands that form in the metal of one place while its parts are cut, each when `at` (parts,) says.
+    """The islands that form in the metal of one place while its parts are cut, each when `at` (parts,) says."""
 
-    `out` (parts,) says which parts are out by now; whoever takes them out writes it.
-    """
-
-    def __init__(self, metal: Metal, at: Ints, out: Bools) -> None:
-        self.metal, self.at, self.out = metal, at, out
+    def __init__(self, metal: Metal, at: Ints) -> None:
+        self.metal, self.at = metal, at
+        self.out = np.zeros(len(metal.parts), dtype=bool)
         self.barred = np.zeros(metal.sights.count, dtype=bool)
         self.gone: Any = np.full(len(metal.fields.boxes), shapely.Polygon(), dtype=object)
         self._not_gone: list[list[int]] = [[] for _ in metal.fields.boxes]
         self._seen_to_go_on = self._where_all_go_on()
 
-    def take_out(self, p: int) -> None:
-        """Part `p` is out: nothing is seen across it, and its metal is gone."""
-        self.barred[self.metal.sights.barred_by[p]] = True
-        self._not_gone[self.metal.fields.of[p]].append(p)
+    def take_out(self, p: int) -> Iterator[Badly]:
+        """Take part `p` out; pieces that this closes off from the rest: see `Badly`.
 
-    def after(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        """Pieces that taking out `p` closes off from the rest, with a part on it and one elsewhere: see `Uncut.cut`.
-
-        The first of the two is on the side with fewer parts: that is the one left behind.
+        The first two that are left are a part on such a piece and one elsewhere; the first is on the side with fewer
+        parts: that is the one left behind.
         """
+        metal = self.metal
+        self.out[p] = True
+        self.barred[metal.sights.barred_by[p]] = True
+        self._not_gone[metal.fields.of[p]].append(p)
         if self._all_go_on(p):
             return
-        metal = self.metal
-        reach = ISLAND_STRIPS * metal.strip_mm
-        window = _wider(metal.grown[p], reach)
-        near = metal.tree.query(shapely.box(*window))
-        gone, left = near[self.out[near]], near[~self.out[near]]
-        touching = gone[shapely.intersects(metal.grown[gone], metal.grown[p])]
-        if len(left) == 0 or not self._divides(p, [int(k) for k in touching if k != p]):
-            return
-        pieces = self._closed_off(p, window, left)
-        px0, py0, px1, py1 = shapely.bounds(pieces).reshape(-1, 4).T
-        close = np.maximum(px1 - px0, py1 - py0) <= reach
-        for piece in pieces[close]:
-            if shapely.area(piece) <= SPECK_MM2 or not shapely.dwithin(metal.grown[p], piece, 1e-6):
-                continue
-            on_it = left[shapely.intersects(piece, metal.inner[left])]
-            if len(on_it) and (elsewhere := np.setdiff1d(np.flatnonzero(~self.out), on_it)).size:
-                border = gone[shapely.dwithin(metal.grown[gone], piece, 1e-6)]
+        for on_it, border in self._closed_by(p):
+            if (elsewhere := np.setdiff1d(np.flatnonzero(~self.out), on_it)).size:
                 fewer, more = sorted((on_it, elsewhere), key=len)
                 away_mm = shapely.distance(metal.areas[more], metal.areas[p])
                 other = int(more[np.lexsort((more, away_mm))[0]])
                 yield "island", sorted(border.tolist()), [int(fewer.min()), other]
+
+    def _closed_by(self, p: int) -> list[Island]:
+        """The islands beside part `p` now that it is out.
+
+        They depend on nothing but which parts in reach are out, so the answer for the order before is kept.
+        """
+        near = self.metal.in_reach(p)
+        out = self.out[near]
+        asked, known = out.tobytes(), self.metal.islands.get(p)
+        if known is None or known[0] != asked:
+            known = self.metal.islands[p] = asked, list(self._looked_for(p, near[out], near[~out]))
+        return known[1]
+
+    def _looked_for(self, p: int, gone: Ints, left: Ints) -> Iterator[Island]:
+        """The islands beside part `p`, where these parts in reach are out, and these are left."""
+        grown, reach_mm = self.metal.grown, self.metal.reach_mm
+        touching = gone[shapely.intersects(grown[gone], grown[p])]
+        if len(left) == 0 or not self._divides(p, [int(k) for k in touching if k != p]):
+            return
+        pieces = self._closed_off(p, _wider(grown[p], reach_mm), left)
+        px0, py0, px1, py1 = shapely.bounds(pieces).reshape(-1, 4).T
+        close = np.maximum(px1 - px0, py1 - py0) <= reach_mm
+        for piece in pieces[close]:
+            if shapely.area(piece) <= SPECK_MM2 or not shapely.dwithin(grown[p], piece, 1e-6):
+                continue
+            on_it = left[shapely.intersects(piece, self.metal.inner[left])]
+            if len(on_it):
+                yield on_it, gone[shapely.dwithin(grown[gone], piece, 1e-6)]
 
     def _closed_off(self, p: int, window: Box, left: Ints) -> Any:
         """Pieces of the metal in a window: all that may be islands beside part `p`.
@@ -98,9 +107,7 @@ class Islands:
 
     def _where_all_go_on(self) -> Bools:
         """See `_all_go_on`, of every part once it is out."""
-        reach = ISLAND_STRIPS * self.metal.strip_mm
-        x0, y0, x1, y1 = shapely.bounds(self.metal.grown).reshape(-1, 4).T
-        p, near = self.metal.tree.query(shapely.box(x0 - reach, y0 - reach, x1 + reach, y1 + reach))
+        p, near = self.metal.reach
         until = self.metal.sights.goes_on_until(self.at, self._island_mm)
         ends = (self.at[near] > self.at[p]) & (until[near] <= self.at[p])
         seen = np.ones(len(self.out), dtype=bool)
@@ -110,7 +117,7 @@ class Islands:
     @property
     def _island_mm(self) -> float:
         """Wider than this is no island."""
-        return ISLAND_STRIPS * self.metal.strip_mm + 1e-6
+        return self.metal.reach_mm + 1e-6
 
     def _pieces(self, window: Box) -> Any:
         """The pieces of metal that is left in a window."""

@@ -25,8 +25,15 @@ FIELD_STRIPS = 5.0
 SIGHT_STRIPS = 1.0
 """Parts see each other over no more strips than this."""
 
+ISLAND_STRIPS = 10.0
+"""A piece of metal wider than so many strips is a plate of its own, not an island."""
 KEPT = 8
 """So many sets of parts out are kept for each part that is in no strip with them."""
+
+Badly = tuple[str, list[int], list[int]]
+"""What lies badly once a part is out: "strip" or "island", the parts because of which, and the parts left behind."""
+Island = tuple[Ints, Ints]
+"""The parts that are on a piece of metal, and those around it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,7 +53,9 @@ class Around:
 class Metal:
     """The metal of one place: the sheet, or the hole of a host, with the parts that lie straight in it.
 
-    It is the same for every order; `Uncut` is what is left of it while one is cut.
+    It is the same for every order; `Uncut` is what is left of it while one is cut. Strips and islands are looked for
+    side by side: `swept` is for strips alone and `grown` for islands, as GEOS bears no two threads at what is prepared.
+    `islands` has, for each part, which of those in reach were out when it was cut last, and the islands beside it then.
     """
 
     def __init__(self, ground: Any, parts: Sequence[int], areas: Sequence[Any], strip_mm: float, web_mm: float) -> None:
@@ -61,6 +70,8 @@ class Metal:
         self.size: Any = shapely.area(self.areas)
         self.fields = fields_of(self.grown, FIELD_STRIPS * strip_mm)
         self.wide = Wide()
+        self.islands: dict[int, tuple[bytes, list[Island]]] = {}
+        self.reach_mm = ISLAND_STRIPS * strip_mm
         self._around: dict[int, Around] = {}
         shapely.prepare(self.swept)
         shapely.prepare(self.grown)
@@ -69,6 +80,22 @@ class Metal:
     def sights(self) -> Sights:
         """Which parts see each other over metal, as long as certain others are in."""
         return sights_of(self.areas, self.inner, self.grown, self.ground, SIGHT_STRIPS * self.strip_mm)
+
+    @cached_property
+    def reach(self) -> tuple[Ints, Ints]:
+        """Pairs (pairs,) of a part, and another or itself that lies near enough for an island between them."""
+        x0, y0, x1, y1 = shapely.bounds(self.grown).reshape(-1, 4).T
+        far = self.reach_mm
+        of, near = self.tree.query(shapely.box(x0 - far, y0 - far, x1 + far, y1 + far))
+        return np.asarray(of), np.asarray(near)
+
+    @cached_property
+    def _reach_begin(self) -> Ints:
+        return np.searchsorted(self.reach[0], np.arange(len(self.areas) + 1))
+
+    def in_reach(self, p: int) -> Ints:
+        """The parts near enough to part `p` for an island between them, itself among them."""
+        return self.reach[1][self._reach_begin[p] : self._reach_begin[p + 1]]
 
     def around(self, q: int) -> Around:
         """What may take metal from around part `q`."""

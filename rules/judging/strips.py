@@ -15,7 +15,7 @@ import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
 
-from .metal import QUADRANT, Around, Metal
+from .metal import QUADRANT, Around, Badly, Metal
 
 IN_STRIP = 0.5
 """A part lies in vanished metal if this share of its area does."""
@@ -28,12 +28,12 @@ class Strips:
         self.metal, self.at = metal, at
         self._in_strips = self._strips_begin()
 
-    def after(self, p: int, out: Bools, told: Bools) -> Iterator[tuple[str, list[int], list[int]]]:
-        """The parts that are in a strip once part `p` is out, but for those that are told: see `Uncut.cut`."""
+    def take_out(self, p: int) -> Iterator[Badly]:
+        """The parts that are in a strip once part `p` is out: see `Badly`."""
         for q in self._in_strips.get(p, ()):
-            if not told[q]:
-                around = self.metal.around(q)
-                yield "strip", self._fewest(q, around, np.flatnonzero(out[around.parts])), [q]
+            around = self.metal.around(q)
+            out = np.flatnonzero(self.at[around.parts] <= self.at[p])
+            yield "strip", self._fewest(q, around, out), [q]
 
     def _strips_begin(self) -> dict[int, list[int]]:
         """Part → the parts that are in a strip from when it is out.

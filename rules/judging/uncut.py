@@ -16,11 +16,15 @@ import shapely
 from kerfwise.arrays import Ints
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.side_by_side import side_by_side
 
 from .islands import Islands
-from .metal import Metal
+from .metal import Badly, Metal
 from .placement import host_holes, places
 from .strips import Strips
+
+MANY_PARTS = 200
+"""With fewer, a second thread gains nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,29 +41,27 @@ class Cutting:
     left: tuple[int, ...]
 
 
-class Uncut:
-    """What is left of the metal of one place while its parts are cut: each at the cut that `at` (parts,) says.
+def lying_badly(metal: Metal, order: Sequence[int], at: Ints) -> dict[int, list[Badly]]:
+    """What lies badly in one place after each part of an order, told once a part, in the numbers of the place.
 
-    Parts that are never cut have a number that is larger than all.
+    `at` (parts,) says when each is cut; for parts that never are it has a number that is larger than all. Strips and
+    islands have nothing to do with each other, so they are looked for side by side.
     """
+    strips, islands = side_by_side(
+        lambda: _found(Strips(metal, at), order), lambda: _found(Islands(metal, at), order), len(order) >= MANY_PARTS
+    )
+    told: set[int] = set()
+    found: dict[int, list[Badly]] = {}
+    for p in order:
+        for badly in chain(strips[p], islands[p]):
+            if (left := badly[2][0]) not in told:
+                told.add(left)
+                found.setdefault(p, []).append(badly)
+    return found
 
-    def __init__(self, metal: Metal, at: Ints) -> None:
-        self.metal = metal
-        self.out = np.zeros(len(metal.parts), dtype=bool)
-        self.told = np.zeros(len(metal.parts), dtype=bool)
-        self.strips, self.islands = Strips(metal, at), Islands(metal, at, self.out)
 
-    def cut(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        """Take part `p` out; what lies badly then, as (kind, out, left) in numbers of this place.
-
-        The first of `left` lies badly. A part that was told is not told again.
-        """
-        self.out[p] = True
-        self.islands.take_out(p)
-        for kind, out, left in chain(self.strips.after(p, self.out, self.told), self.islands.after(p)):
-            if not self.told[left[0]]:
-                self.told[left[0]] = True
-                yield kind, out, left
+def _found(looks: Strips | Islands, order: Sequence[int]) -> dict[int, list[Badly]]:
+    return {p: list(looks.take_out(p)) for p in order}
 
 
 def strips_and_islands(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
@@ -96,16 +98,19 @@ def _badly(nest: Nest, order: Sequence[str], strip_mm: float, web_mm: float) -> 
     for k, contour in enumerate(order, 1):
         if contour in number:
             first.setdefault(number[contour], k)
-    uncut = {
-        place: Uncut(ground, np.array([first.get(part, len(order) + 1) for part in ground.parts]))
+    in_turn: dict[str, list[int]] = {place: [] for place in grounds}
+    for part in first:
+        if part in in_place:
+            in_turn[where[part]].append(in_place[part])
+    found = {
+        place: lying_badly(ground, in_turn[place], np.array([first.get(q, len(order) + 1) for q in ground.parts]))
         for place, ground in grounds.items()
     }
     for part, k in first.items():
-        if (here := uncut.get(where[part])) is None:
-            continue
-        parts = here.metal.parts
-        for kind, out, left in here.cut(in_place[part]):
-            yield Cutting(k, kind, tuple(parts[m] for m in out), tuple(parts[m] for m in left))
+        if part in in_place:
+            ground = grounds[where[part]]
+            for kind, out, left in found[where[part]].get(in_place[part], ()):
+                yield Cutting(k, kind, tuple(ground.parts[m] for m in out), tuple(ground.parts[m] for m in left))
 
 
 @kept_with_nest(most=2)

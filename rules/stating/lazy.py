@@ -85,19 +85,22 @@ def _in_turn(facts: Facts, names: list[str]) -> Iterator[list[str]]:
 
 
 def look_takes_s(facts: Facts, profile: Profile, clock: Callable[[], float] = time.monotonic) -> float:
-    """About how many seconds a look at one order takes: from looks at the beginning of an order."""
+    """About how many seconds a look at one order takes: from looks at stretches of an order.
+
+    Each stretch is another, as what a look has told of some parts is known to the next.
+    """
     nest, book = facts.whole_nest, profile.rulebook()
     names = [contour.id for contour in nest.contours]
 
-    def looked_s(count: int) -> float:
+    def looked_s(stretch: Sequence[str]) -> float:
         began_s = clock()
         for name, setting in profile.settings().items():
-            book[name].no_goods(nest, names[:count], setting.options)
+            book[name].no_goods(nest, stretch, setting.options)
         return clock() - began_s
 
-    first_s, count = looked_s(1), SAMPLE  # the first cut tells what every look takes before it begins
-    while (took_s := looked_s(count)) - first_s < SAMPLE_S and count < len(names):
-        count *= 2
-    if count >= len(names):
-        return took_s
-    return first_s + LATER * max(took_s - first_s, 0.0) * len(names) / count
+    first_s = looked_s(names[:1])  # the first cut tells what every look takes before it begins
+    begin, count = 1, SAMPLE
+    while (took_s := looked_s(names[begin : begin + count])) - first_s < SAMPLE_S and begin + count < len(names):
+        begin, count = begin + count, 2 * count
+    looked = max(min(count, len(names) - begin), 1)
+    return first_s + LATER * max(took_s - first_s, 0.0) * len(names) / looked

@@ -25,7 +25,8 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
 from kerfwise.rules.judging import uncut
-from kerfwise.rules.judging.islands import ISLAND_STRIPS, Islands
+from kerfwise.rules.judging.islands import Islands
+from kerfwise.rules.judging.metal import ISLAND_STRIPS, Badly
 from kerfwise.rules.judging.strips import Strips
 from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
@@ -83,25 +84,26 @@ def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyP
     """In a row of twelve every other part goes first: those between lie in strips, and each is told once."""
     row = nest(800, 100, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 80)) for k in range(12)))
     looked: list[tuple[int, bool]] = []
-    told = np.zeros(12, dtype=bool)
-    vanishes, after = Strips._vanished, Strips.after
+    told: set[int] = set()
+    vanishes, take_out = Strips._vanished, Strips.take_out
 
     def noted(strips: Strips, parts: Ints, cores: Any) -> Bools:
         found = vanishes(strips, parts, cores)
-        looked.extend((int(q), bool(told[q])) for q in parts)
+        looked.extend((int(q), int(q) in told) for q in parts)
         return found
 
-    def followed(strips: Strips, p: int, out: Bools, now_told: Bools) -> Iterator[tuple[str, list[int], list[int]]]:
-        nonlocal told
-        told = now_told
-        return after(strips, p, out, told)
+    def followed(strips: Strips, p: int) -> Iterator[Badly]:
+        for badly in take_out(strips, p):
+            told.add(badly[2][0])
+            yield badly
 
     monkeypatch.setattr(Strips, "_vanished", noted)
-    monkeypatch.setattr(Strips, "after", followed)
+    monkeypatch.setattr(Strips, "take_out", followed)
     order = [f"P{k}.outer" for k in (*range(0, 12, 2), *range(1, 12, 2))]
     assert RULE.no_goods(row, order, NoNarrowStripsOptions())
     assert looked
-    assert not any(told for _, told in looked)
+    assert told
+    assert not any(before for _, before in looked)
 
 
 def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,11 +150,13 @@ def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance
             order.insert(chance.randrange(len(order)), order.pop(k))
     else:
         chance.shuffle(order)
-    closely = sorted(uncut._badly(found, order, 60.0, 25.0), key=repr)  # two islands of one cut come in either order
+    closely = sorted(
+        uncut._badly(replace(found), order, 60.0, 25.0), key=repr
+    )  # two islands of one cut come in either order
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_closed_off", plainly_closed_off)
         patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
-        assert sorted(uncut._badly(found, order, 60.0, 25.0), key=repr) == closely
+        assert sorted(uncut._badly(replace(found), order, 60.0, 25.0), key=repr) == closely
 
 
 def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
@@ -167,10 +171,10 @@ def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_closed_off", noted)
-        told = sorted(uncut._badly(plate(1), order, 60.0, 25.0), key=repr)
+        told = sorted(uncut._badly(replace(plate(1)), order, 60.0, 25.0), key=repr)
         few = len(looks)
         patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
-        assert sorted(uncut._badly(plate(1), order, 60.0, 25.0), key=repr) == told
+        assert sorted(uncut._badly(replace(plate(1)), order, 60.0, 25.0), key=repr) == told
     assert 2 * few <= len(looks[few:])
 
 
@@ -203,7 +207,7 @@ def test_an_island_is_found_by_a_close_look() -> None:
     Random(2).shuffle(order)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_pieces", noted)
-        kinds = {cutting.kind for cutting in uncut._badly(plate(1), order, 60.0, 25.0)}
+        kinds = {cutting.kind for cutting in uncut._badly(replace(plate(1)), order, 60.0, 25.0)}
     assert any(closely)
     assert "island" in kinds
 
@@ -246,3 +250,53 @@ def test_the_plain_look_finds_strips_and_islands() -> None:
         "strip",
         "island",
     }
+
+
+@settings(deadline=None, max_examples=12)
+@given(st.integers(1, 4), st.randoms(use_true_random=False), st.sampled_from([40.0, 60.0, 110.0]))
+def test_looks_at_many_orders_tell_what_a_first_look_does(seed: int, chance: Random, strip_mm: float) -> None:
+    """What an order before has told of a part is taken only where the same parts around it are out."""
+    known = replace(crowd(seed))
+    order = [p.outer.id for p in known.parts]
+    for _ in range(5):
+        for _ in range(chance.choice([1, 2, 8])):
+            order.insert(chance.randrange(len(order)), order.pop(chance.randrange(len(order))))
+        told = list(uncut._badly(known, order, strip_mm, 25.0))
+        assert told == list(uncut._badly(replace(known), order, strip_mm, 25.0))
+
+
+def test_islands_are_looked_for_again_only_where_other_parts_are_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks: list[int] = []
+    looked = Islands._looked_for
+
+    def noted(islands: Islands, p: int, gone: Ints, left: Ints) -> Any:
+        looks.append(p)
+        return looked(islands, p, gone, left)
+
+    monkeypatch.setattr(Islands, "_looked_for", noted)
+    sheet = replace(crowd(1))
+    order = [p.outer.id for p in sheet.parts]
+    Random(3).shuffle(order)
+
+    def looks_at(cut: list[str]) -> int:
+        looks.clear()
+        list(uncut._badly(sheet, cut, 60.0, 25.0))
+        return len(looks)
+
+    for_first, for_same, for_other = looks_at(order), looks_at(order), looks_at(order[::-1])
+    assert for_first > 10
+    assert for_same == 0
+    assert for_other > 10
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_strips_and_islands_side_by_side_are_those_one_after_the_other(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order = [p.outer.id for p in crowd(seed).parts]
+    Random(seed).shuffle(order)
+    monkeypatch.setattr(uncut, "MANY_PARTS", 1)
+    beside = list(uncut._badly(replace(crowd(seed)), order, 60.0, 25.0))
+    monkeypatch.setattr(uncut, "MANY_PARTS", 1000)
+    assert beside == list(uncut._badly(replace(crowd(seed)), order, 60.0, 25.0))
+    assert {cutting.kind for cutting in beside} == {"strip", "island"}

@@ -8,7 +8,8 @@ import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.jobs.ask import facts_of
-from kerfwise.rules.judging.uncut import Uncut
+from kerfwise.rules.judging.islands import Islands
+from kerfwise.rules.judging.metal import Badly
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.lazy import look_takes_s
 
@@ -21,12 +22,12 @@ def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.M
     profile = load_profile()
     facts = facts_of(row, profile)
     looked = [0]
-    cut = Uncut.cut
+    take_out = Islands.take_out
 
-    def counted(uncut: Uncut, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
+    def counted(islands: Islands, p: int) -> Iterator[Badly]:
         looked[0] += 1
-        return cut(uncut, p)
+        return take_out(islands, p)
 
-    monkeypatch.setattr(Uncut, "cut", counted)
+    monkeypatch.setattr(Islands, "take_out", counted)
     assert parts <= look_takes_s(facts, profile, lambda: looked[0]) <= 2 * parts
     assert looked[0] < parts / 2
