@@ -7,6 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.side_by_side import in_halves
 
 EXACT_MM = 1e-6
 """Distances that fall short by no more than this do not."""
@@ -23,5 +24,11 @@ def nearer(lines: shapely.STRtree, shapes: Lines, distance_mm: Floats | float) -
     >>> [rows.tolist() for rows in nearer(street, shapely.points([(5, 1.5), (5, 1.4)]), 1.5)]
     [[1], [0]]
     """
-    row, line = lines.query(shapes, "dwithin", distance=np.maximum(distance_mm - EXACT_MM, 0.0))
-    return row, line
+    within_mm = np.broadcast_to(np.maximum(distance_mm - EXACT_MM, 0.0), len(shapes))
+
+    def of(some: slice) -> tuple[Ints, Ints]:
+        row, line = lines.query(shapes[some], "dwithin", distance=within_mm[some])
+        return row + some.start, line
+
+    rows, met = zip(*in_halves(of, len(shapes)), strict=True)
+    return np.concatenate(rows), np.concatenate(met)

@@ -1,8 +1,8 @@
 """The picture of a large plan, drawn in a process of its own while the program is written and judged.
 
 What takes long of a picture needs the nest and the cuts alone; what the check has to say of the rules stands in its
-header. So all but that is drawn meanwhile. Whatever goes wrong in the process, there is no picture from it, and it is
-drawn where it is asked for.
+header. So all but that is drawn meanwhile. The process sets out before there is a plan, and finds out what it needs of
+the nest. Whatever goes wrong in it, there is no picture from it, and it is drawn where it is asked for.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LEAST_CORES = 2
 
 
 class DrawnBeside:
-    """A picture of a plan that is going to be judged; as a context, so that its process ends in any case.
+    """A picture of a plan that is going to be made and judged; its process begins and ends with the context.
 
     Where it does not pay, nothing is drawn beside: see `pays`.
 
@@ -52,7 +52,7 @@ class DrawnBeside:
         self._process: SpawnProcess | None = None
         self._way: Connection | None = None
         self._plan: Plan | None = None
-        self._sending: threading.Thread | None = None
+        self._sent: threading.Thread | None = None
 
     @property
     def draws(self) -> bool:
@@ -67,22 +67,29 @@ class DrawnBeside:
 
     def begin(self, plan: Plan) -> None:
         """Draw a plan whose rules have not been judged yet."""
-        if not self._given or not (handed_on := _pickled(plan)):
+        if self._way is None or not (handed_on := _pickled(plan)):
             return
-        with contextlib.suppress(OSError):  # no process can be started: it is drawn afterwards
-            self._way, there = (context := get_context("spawn")).Pipe()
-            self._process = context.Process(target=_draw, args=(there,), daemon=True)
-            start_quietly(self._process)
-            there.close()
-            sending = threading.Thread(target=_send, args=(self._way, self._given, handed_on), daemon=True)
-            sending.start()
-            self._plan, self._sending = plan, sending
+        self._plan = plan
+        self._sent = self._send(handed_on)
+
+    def _send(self, given: bytes) -> threading.Thread:
+        """Hand something on as soon as the process takes it, after what was handed on before."""
+
+        def send(way: Connection, before: threading.Thread | None) -> None:
+            if before is not None:
+                before.join()
+            with contextlib.suppress(OSError):
+                way.send_bytes(given)
+
+        sending = threading.Thread(target=send, args=(self._way, self._sent), daemon=True)
+        sending.start()
+        return sending
 
     def end(self, plan: Plan) -> bytes | None:
         """The content of its file, as soon as it is there; None where there is none: of another plan, say."""
-        if self._plan is None or self._way is None or self._sending is None or plan.cuts is not self._plan.cuts:
+        if self._plan is None or self._way is None or self._sent is None or plan.cuts is not self._plan.cuts:
             return None
-        self._sending.join()
+        self._sent.join()
         if not (rules := _pickled(plan.rules)):
             return None
         try:
@@ -92,6 +99,15 @@ class DrawnBeside:
             return None
 
     def __enter__(self) -> Self:
+        """Have the process set out; a large nest is measured and planned meanwhile."""
+        if self._given:
+            with contextlib.suppress(OSError):  # no process can be started: it is drawn afterwards
+                way, there = (context := get_context("spawn")).Pipe()
+                self._process = context.Process(target=_draw, args=(there,), daemon=True)
+                start_quietly(self._process)
+                there.close()
+                self._way = way
+                self._sent = self._send(self._given)
         return self
 
     def __exit__(
@@ -113,23 +129,17 @@ def _pickled(given: object) -> bytes:
         return b""
 
 
-def _send(way: Connection, given: bytes, plan: bytes) -> None:
-    """Send both as soon as the process takes them; while it sets out, the check has begun."""
-    with contextlib.suppress(OSError):
-        way.send_bytes(given)
-        way.send_bytes(plan)
-
-
 @few_collections()
 def _draw(way: Connection) -> None:
     """What the process does; where it cannot, it says nothing."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
     threading.Thread(target=end_with_parent, daemon=True).start()
     with contextlib.suppress(Exception):
-        from kerfwise.postproc.report.picture import sketch
+        from kerfwise.postproc.report.picture import prepare, sketch
         from kerfwise.postproc.report.plot import drawn
 
         nest, suffix, home = pickle.loads(way.recv_bytes())
+        prepare(nest, home)
         plan: Plan = pickle.loads(way.recv_bytes())
         almost = sketch(nest, plan, home)
         way.send_bytes(drawn(almost.scene(replace(plan, rules=pickle.loads(way.recv_bytes()))), suffix))

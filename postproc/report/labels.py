@@ -11,6 +11,7 @@ import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest, Part
 
 from .asking import Asking, all_asked
@@ -47,12 +48,16 @@ def place_labels(
     part the holes' labels are placed before the outer contour's or after it, whichever leaves the smallest of them
     larger.
     """
-    filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
-    tried = _of_parts(nest.parts, labels, wanted_mm, filled, window)
+    holes = [h for p in nest.parts for h in p.holes if h.id in labels]
+    filled = _nested_metal(nest, tuple(h.id for h in holes))
+    areas = number_areas(nest, wanted_mm) if window is None else _Areas.of(nest.parts, holes, wanted_mm, window)
+    tried = _of_parts(nest.parts, labels, wanted_mm, areas, filled)
     size_mm, crowded = wanted_mm, [k for k, places in enumerate(tried) if _meet(places)]
     while crowded and size_mm > wanted_mm * _LEAST:
         size_mm /= 2.0
-        again = _of_parts([nest.parts[k] for k in crowded], labels, size_mm, filled, window)
+        parts = [nest.parts[k] for k in crowded]
+        areas = _Areas.of(parts, [h for p in parts for h in p.holes if h.id in labels], size_mm, window)
+        again = _of_parts(parts, labels, size_mm, areas, filled)
         for k, places in zip(crowded, again, strict=True):
             tried[k] = places
         crowded = [k for k in crowded if _meet(tried[k])]
@@ -60,18 +65,40 @@ def place_labels(
     return found | _in_the_skeleton(nest, labels, wanted_mm, window)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Areas:
+    """Where numbers of a size may stand: the `metals` of some parts, one after the other, and `holes` by id."""
+
+    metals: list[shapely.Geometry]
+    holes: dict[str, shapely.Geometry]
+
+    @staticmethod
+    def of(parts: Sequence[Part], holes: Sequence[Contour], wanted_mm: float, window: shapely.Polygon | None) -> _Areas:
+        """What of them lies in the window."""
+        inside = _seen([hole.polygon for hole in holes], wanted_mm, window).tolist()
+        metals = _free_metals(parts, wanted_mm, window).tolist()
+        return _Areas(metals, dict(zip((hole.id for hole in holes), inside, strict=True)))
+
+
+@kept_with_nest(most=1)
+def number_areas(nest: Nest, wanted_mm: float) -> _Areas:
+    """Where numbers of a size may stand in a whole nest: it needs no plan, so it may be told before there is one."""
+    holes = [hole for part in nest.parts for hole in part.holes]
+    _nested_metal(nest, tuple(hole.id for hole in holes))
+    return _Areas.of(nest.parts, holes, wanted_mm, None)
+
+
 def _of_parts(
     parts: Sequence[Part],
     labels: Mapping[str, Label],
     wanted_mm: float,
+    areas: _Areas,
     filled: Mapping[str, shapely.Geometry],
-    window: shapely.Polygon | None,
 ) -> list[dict[str, TextPlace]]:
     """The labels of every part."""
-    metals = _free_metals(parts, wanted_mm, window)
     holes = [hole for part in parts for hole in part.holes if hole.id in labels]
-    in_holes = dict(zip((h.id for h in holes), _in_holes(holes, labels, wanted_mm, filled, window), strict=True))
-    of_each = zip(parts, metals.tolist(), strict=True)
+    in_holes = dict(zip((h.id for h in holes), _in_holes(holes, labels, wanted_mm, areas, filled), strict=True))
+    of_each = zip(parts, areas.metals, strict=True)
     return all_asked([_of_part(part, metal, labels, wanted_mm, in_holes) for part, metal in of_each])
 
 
@@ -223,14 +250,13 @@ def _in_holes(
     holes: Sequence[Contour],
     labels: Mapping[str, Label],
     wanted_mm: float,
+    areas: _Areas,
     filled: Mapping[str, shapely.Geometry],
-    window: shapely.Polygon | None,
 ) -> list[TextPlace | None]:
     """The places in holes, clear of what lies in them and of their leads."""
-    areas = _seen([hole.polygon for hole in holes], wanted_mm, window)
     rooms = []
-    for hole, area in zip(holes, areas.tolist(), strict=True):
-        label = labels[hole.id]
+    for hole in holes:
+        area, label = areas.holes[hole.id], labels[hole.id]
         if hole.id in filled:
             area = area.difference(filled[hole.id])
         leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
@@ -249,10 +275,12 @@ def _seen(areas: Sequence[shapely.Geometry], wanted_mm: float, window: shapely.P
     return seen if window is None else shapely.intersection(seen, window)
 
 
-def _nested_metal(nest: Nest, holes: list[Contour]) -> dict[str, shapely.Geometry]:
-    """The outlines of the parts that lie in each hole, by hole id; empty holes are left out."""
-    if not holes:
+@kept_with_nest(most=1)
+def _nested_metal(nest: Nest, names: tuple[str, ...]) -> dict[str, shapely.Geometry]:
+    """The outlines of the parts that lie in each of these holes, by hole id; empty holes are left out."""
+    if not names:
         return {}
+    holes = [nest.contour(name) for name in names]
     outlines = shapely.make_valid([p.outer.polygon for p in nest.parts])
     rims = shapely.make_valid([h.polygon for h in holes])
     # One point decides, as a part may touch the rim; it may be a point of the host too, which is the larger.

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest, Part
 
 from . import colours
@@ -36,9 +37,7 @@ class ZoneMap:
 
 def zone_map(nest: Nest, of_part: Mapping[str, int]) -> ZoneMap:
     """Give zones tints so that zones that touch differ: the first tint, in a cycle, that no neighbour has."""
-    outlines = np.array([p.outer.polygon for p in nest.parts], dtype=object)
-    tree = shapely.STRtree(outlines)
-    first, second = tree.query(outlines, predicate="dwithin", distance=_ZONE_GAP_MM)
+    first, second = near_parts(nest)
     zone = np.array([of_part.get(p.id, 0) for p in nest.parts], dtype=int)
     touching = np.unique(np.column_stack([zone[first], zone[second]]), axis=0)
     neighbours: dict[int, set[int]] = {z: {z - 1} for z in sorted(set(zone.tolist()))}
@@ -50,6 +49,23 @@ def zone_map(nest: Nest, of_part: Mapping[str, int]) -> ZoneMap:
         order = [(z - 1 + k) % colours.zone_tints() for k in range(colours.zone_tints())]
         tint[z] = next((c for c in order if c not in taken), order[0])
     return ZoneMap(of_part, tint)
+
+
+@kept_with_nest(most=1)
+def near_parts(nest: Nest) -> tuple[Ints, Ints]:
+    """Pairs of parts so close to each other that their zones want different tints; it needs no plan."""
+    outlines = np.array([p.outer.polygon for p in nest.parts], dtype=object)
+    first, second = shapely.STRtree(outlines).query(outlines, predicate="dwithin", distance=_ZONE_GAP_MM)
+    return first, second
+
+
+@kept_with_nest(most=1)
+def outlines_of_parts(nest: Nest, view: View) -> list[tuple[Part, tuple[Floats, ...]]]:
+    """The lines of each part's metal on the page, the largest part first; it needs no plan."""
+    by_size = sorted(nest.parts, key=lambda p: -p.outer.polygon.area)
+    rings = [[p.outer.curve.towards("ccw"), *(hole.curve.towards("cw") for hole in p.holes)] for p in by_size]
+    paths = iter(view.paths([ring for own in rings for ring in own]))
+    return [(part, tuple(islice(paths, len(own)))) for part, own in zip(by_size, rings, strict=True)]
 
 
 def sheet_layer(nest: Nest, view: View) -> SceneLayer:
@@ -68,11 +84,7 @@ def part_layer(
 
     So many cuts are `made` before the first of the picture.
     """
-    by_size = sorted(nest.parts, key=lambda p: -p.outer.polygon.area)
-    rings = [[p.outer.curve.towards("ccw"), *(hole.curve.towards("cw") for hole in p.holes)] for p in by_size]
-    paths = iter(view.paths([ring for own in rings for ring in own]))
-    lines = [tuple(islice(paths, len(own))) for own in rings]
-    drawn = zip(by_size, lines, strict=True)
+    drawn = outlines_of_parts(nest, view)
     return SceneLayer("parts", tuple(_metal(p, own, zones, order, p.id in faded, made) for p, own in drawn))
 
 

@@ -25,9 +25,9 @@ from .cuts import (
     travel_layer,
 )
 from .known import expect_known
-from .labels import Label, place_labels, place_names
+from .labels import Label, number_areas, place_labels, place_names
 from .legend import Clock, footer_layer, header_layer, nest_name
-from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
+from .metal import near_parts, out_layer, outlines_of_parts, part_layer, sheet_layer, zone_layer, zone_map
 from .scene import Scene, SceneLayer, TextLine
 from .view import View, Window
 from .waits import wait_layer
@@ -64,6 +64,14 @@ class Sketch:
         )
         enlarge = _enlargement(drawn.numbers, self.view)
         return Scene(self.view.width, self.view.height, (*drawn.layers, *around), nest_name(self.nest, plan), enlarge)
+
+
+def prepare(nest: Nest, home: Point = (0.0, 0.0)) -> None:
+    """Find out what a picture of any plan of a whole nest needs of the nest alone: `sketch` takes it from there."""
+    view = View.of(_whole(nest, home), len(nest.contours), _used_mm2(nest))
+    number_areas(nest, view.number_size * view.mm)
+    near_parts(nest)
+    outlines_of_parts(nest, view)
 
 
 def sketch(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Sketch:
@@ -104,7 +112,7 @@ def bare_picture(nest: Nest, plan: Plan, home: Point, width: float, most_high: f
     """
     cuts = tuple(p.cut for p in plan.cuts)
     expect_known(nest, plan)
-    x0, y0, x1, y1 = _whole(nest, cuts, home)
+    x0, y0, x1, y1 = _whole(nest, home if cuts else None)
     scale = min(width / max(x1 - x0, 1e-6), most_high / max(y1 - y0, 1e-6))
     pitch = scale * math.sqrt(_used_mm2(nest) / max(len(nest.contours), 1))
     left, high = (width - (x1 - x0) * scale) / 2, (y1 - y0) * scale
@@ -191,17 +199,19 @@ def _drawn(
 
 def _frame(nest: Nest, cuts: tuple[Cut, ...], home: Point, spot: Spot | None) -> tuple[View, shapely.Polygon | None]:
     if spot is None:
-        return View.of(_whole(nest, cuts, home), len(nest.contours), _used_mm2(nest)), None
+        return View.of(_whole(nest, home if cuts else None), len(nest.contours), _used_mm2(nest)), None
     window = _around(nest, spot)
     seen = shapely.box(*window)
     inside = shapely.intersects(np.array([c.line for c in nest.contours]), seen)
     return View.of(window, int(inside.sum()), seen.area), seen
 
 
-def _whole(nest: Nest, cuts: tuple[Cut, ...], home: Point) -> Window:
-    """The sheet, and the torch's home where it leaves from there."""
+def _whole(nest: Nest, home: Point | None) -> Window:
+    """The sheet, and the torch's home where it leaves from one."""
     x0, y0, x1, y1 = nest.sheet.bounds
-    return (min(x0, home[0]), min(y0, home[1]), max(x1, home[0]), max(y1, home[1])) if cuts else (x0, y0, x1, y1)
+    return (
+        (x0, y0, x1, y1) if home is None else (min(x0, home[0]), min(y0, home[1]), max(x1, home[0]), max(y1, home[1]))
+    )
 
 
 def _around(nest: Nest, spot: Spot) -> Window:

@@ -88,6 +88,17 @@ def test_ctrl_c_does_not_reach_a_process_that_still_sets_out(planned: tuple[Fini
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
+def test_the_process_sets_out_before_there_is_a_plan_and_ends_where_there_is_none(
+    planned: tuple[Finished, Plan],
+) -> None:
+    done, _ = planned
+    with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
+        assert beside._process is not None
+        assert beside._process.is_alive()
+        assert beside.end(done.made.plan) is None
+    assert not beside._process.is_alive()
+
+
 def test_what_cannot_be_drawn_is_left_to_this_one_too(planned: tuple[Finished, Plan]) -> None:
     """A plan of another nest: here it is refused in words, there nothing is said."""
     done, before = planned

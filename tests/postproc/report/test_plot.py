@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.image
@@ -11,7 +12,7 @@ import pytest
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.report import draw, plot, plot_spot
+from kerfwise.postproc.report import draw, labels, picture, plot, plot_spot
 from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 
@@ -95,3 +96,18 @@ def test_a_thousand_contours_are_all_numbered() -> None:
     svg = draw(plate, plausible_plan(plate), ".svg").decode()
     numbers = svg[svg.index('<g id="numbers">') : svg.index('<g id="header">')]
     assert sorted(map(int, re.findall(r">(\d+)</text>", numbers))) == list(range(1, 1001))
+
+
+def test_a_picture_is_the_same_with_what_was_found_out_before(plate: Nest, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plausible_plan(plate)
+    plain = draw(plate, plan, ".svg")
+    assert plain != draw(replace(plate), None, ".svg")
+    known = replace(plate)
+    picture.prepare(known)
+    looked: list[int] = []
+    free = labels._free_metals
+    monkeypatch.setattr(labels, "_free_metals", lambda parts, *more: looked.append(len(parts)) or free(parts, *more))
+    assert draw(known, plan, ".svg") == plain
+    assert len(plate.parts) not in looked
+    draw(replace(plate), plan, ".svg")
+    assert len(plate.parts) in looked
