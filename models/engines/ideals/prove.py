@@ -29,7 +29,7 @@ from .crossed import one_price
 from .lattice import THREADS
 from .local import Local
 from .missed import missed_in
-from .prune import least_in, least_rest, walked_rest
+from .prune import LeastIn, least_rest, walked_rest
 from .rest_bound import RestBound
 from .rising import WIDER, ending, rising
 from .series import series
@@ -334,7 +334,7 @@ class _Rounds:
             return bound.rests(self.problem, budget, threads)
         if bound is not None:
             return (lambda number, local, earlier: walked_rest(local, earlier, bound)), bound.root
-        least = least_in(self.problem)
+        least = LeastIn(self.problem)
         return (lambda number, local, earlier: least_rest(local, earlier, least)), inf
 
 

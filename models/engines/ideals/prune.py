@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kerfwise.models.problem.followers import Followers
 from kerfwise.models.problem.problem import Problem
 
 from .local import Local
@@ -19,7 +21,7 @@ NOWHERE = 1e12
 """Travel to a contour that nothing may come right before: more than any plan costs, but finite."""
 
 
-def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Callable[[int], RestBound]:
+def least_rest(local: Local, earlier: frozenset[int], least: LeastIn) -> Callable[[int], RestBound]:
     """Every contour that is left must be travelled to, which costs `least`, whatever is cut last."""
     n = len(least)
     inside = set(local.contours)
@@ -47,16 +49,33 @@ def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Cal
     return after
 
 
-def least_in(problem: Problem) -> list[float]:
-    """For every contour a lower bound on the travel that leads to it from what may come right before."""
-    follows = problem.followers()
-    sites = np.append(np.diff(problem.first), 1)
-    least = []
-    for contour in range(problem.n):
-        ways = problem.travel(
-            np.flatnonzero(np.repeat(follows.ahead_of(contour), sites)), np.array(problem.sites(contour))
-        )
+class LeastIn:
+    """For every contour a lower bound on the travel that leads to it from what may come right before.
+
+    Each is worked out when it is first asked for: it takes a look at all sites, and a window asks for few.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._sites = np.append(np.diff(problem.first), 1)
+        self._known: dict[int, float] = {}
+
+    def __len__(self) -> int:
+        return self._problem.n
+
+    def __getitem__(self, contour: int) -> float:
+        if contour not in self._known:
+            self._known[contour] = self._least(contour)
+        return self._known[contour]
+
+    @cached_property
+    def _followers(self) -> Followers:
+        return self._problem.followers()
+
+    def _least(self, contour: int) -> float:
+        problem = self._problem
+        before = np.flatnonzero(np.repeat(self._followers.ahead_of(contour), self._sites))
+        ways = problem.travel(before, np.array(problem.sites(contour)))
         if len(problem.links):  # which save a pierce that the site is paid for with
             ways += problem.site_cost[problem.first[contour] : problem.first[contour + 1]]
-        least.append(float(ways.min(initial=NOWHERE)))
-    return least
+        return float(ways.min(initial=NOWHERE))

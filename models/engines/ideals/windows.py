@@ -22,7 +22,7 @@ from .crossed import HOME, add_settled
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
 from .local import Local, in_line, localise
 from .prove import applies
-from .prune import least_in, least_rest
+from .prune import LeastIn, least_rest
 from .stretches import dearest, entrance_of, make_moves, never, travel_between
 
 WIDTH, STEP = 12, 4
@@ -81,7 +81,7 @@ class _Windows:
 
     def __init__(self, problem: Problem, budget: SweepBudget, thread: Executor) -> None:
         self._problem, self._budget, self._thread = problem, budget, thread
-        self._least, self._dearest = least_in(problem), dearest(problem)
+        self._least, self._dearest = LeastIn(problem), dearest(problem)
         self._parts = ByContour(problem)
 
     def best(self, incumbent: Incumbent, start: int) -> Incumbent | None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
+from kerfwise.models.engines.ideals.prune import NOWHERE, LeastIn
 from kerfwise.models.engines.ideals.windows import polish
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import Incumbent
@@ -62,3 +64,31 @@ def test_no_work_no_change() -> None:
     line = problem([[(10.0, 0.0)], [(20.0, 30.0)], [(10.0, 1.0)]])
     crooked = Incumbent((0, 1, 2), route_cost(line, (0, 1, 2)))
     assert polish(line, crooked, work=0.0).incumbent == crooked
+
+
+def test_little_work_looks_at_few_of_many_contours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What leads to a contour is looked up for those of windows that are asked for, not for the whole problem."""
+    looked: list[int] = []
+    least = LeastIn._least
+    monkeypatch.setattr(LeastIn, "_least", lambda known, contour: looked.append(contour) or least(known, contour))
+    many = ring(400)
+    route = tuple(range(400))
+    polish(many, Incumbent(route, route_cost(many, route)), 1e-6)
+    assert 0 < len(looked) <= 24
+    assert len(set(looked)) == len(looked)
+
+
+@settings(deadline=None, max_examples=30)
+@given(problems())
+def test_no_move_to_a_contour_costs_less_than_the_least(drawn: Problem) -> None:
+    least, follows = LeastIn(drawn), drawn.successors()
+    assert len(least) == drawn.n
+    sites = [list(drawn.sites(c)) for c in range(drawn.n)] + [[drawn.m]]
+    for contour in range(drawn.n):
+        ways = [
+            int(drawn.travel([one], [other])[0, 0]) + (int(drawn.site_cost[other]) if len(drawn.links) else 0)
+            for before in np.flatnonzero(follows[:, contour]).tolist()
+            for one in sites[before]
+            for other in sites[contour]
+        ]
+        assert least[contour] == min(ways, default=NOWHERE)
