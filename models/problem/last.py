@@ -12,7 +12,9 @@ AnswerT = TypeVar("AnswerT")
 
 
 class LastOf(Generic[AnswerT]):
-    """The last answer about an array, which is kept no longer than the array; neither is to be changed.
+    """The last answer, and that about the largest array, each kept no longer than its array; nothing is to be changed.
+
+    Of a problem in zones the small problems of every zone come between two questions about the whole.
 
     Examples
     --------
@@ -24,21 +26,27 @@ class LastOf(Generic[AnswerT]):
     """
 
     def __init__(self) -> None:
-        self._last: tuple[weakref.ref[Bools], bytes, AnswerT] | None = None
+        self._kept: list[tuple[weakref.ref[Bools], bytes, AnswerT]] = []
 
     def known(self, of: Bools, asked: bytes) -> AnswerT | None:
-        """The answer, if the same was asked of the same array last."""
-        last = self._last
-        return last[2] if last is not None and last[0]() is of and last[1] == asked else None
+        """The answer, if the same was asked of the same array and is kept."""
+        return next((answer for array, what, answer in self._kept if array() is of and what == asked), None)
 
     def keep(self, of: Bools, asked: bytes, answer: AnswerT) -> None:
-        """Keep an answer until the next, or as long as the array lives."""
-        self._last = (weakref.ref(of, self._forget), asked, answer)
+        """Keep an answer until the next, or, if it is about the largest array, as long as there is no larger one."""
+        living = [kept for kept in self._kept if kept[0]() is not None and kept[0]() is not of]
+        largest = max(living, key=_size, default=None)
+        self._kept = [(weakref.ref(of, self._forget), asked, answer)]
+        if largest is not None and _size(largest) > of.size:
+            self._kept.append(largest)
 
     def _forget(self, gone: weakref.ref[Bools]) -> None:
-        last = self._last
-        if last is not None and last[0] is gone:
-            self._last = None
+        self._kept = [kept for kept in self._kept if kept[0] is not gone]
+
+
+def _size(kept: tuple[weakref.ref[Bools], bytes, Any]) -> int:
+    array = kept[0]()
+    return 0 if array is None else array.size
 
 
 def digest(*arrays: Any) -> bytes:
