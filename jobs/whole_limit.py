@@ -20,9 +20,9 @@ CHECKED, ENDED_S = 3.5, 0.7
 where zones move; and seconds to load what is first asked for then, to write the files, and to leave."""
 DRAWN = {".svg": (1.5, 0.0), ".png": (2.5, 0.5), ".pdf": (3.5, 0.6), ".html": (2.5, 7.0)}
 """The same for a picture, by its suffix: so many times as long, and so many seconds."""
-PLANNED, SET_OUT_S = 1.0, 1.0
+PLANNED = 1.0
 """How many times as long as finding candidates the plan with its reasons takes, a part of `CHECKED` that a picture
-beside the check waits for; and seconds that its process takes to set out."""
+beside the check waits for."""
 TOLD_S = 1.0
 """A command that takes so many seconds longer than its limit says so."""
 
@@ -90,7 +90,7 @@ class WholeLimit:
         checked_s = CHECKED * took.candidates_s
         drawn_s = sum(times * took.candidates_s + more_s for times, more_s in self._drawn)
         if self._beside:
-            return max(checked_s, PLANNED * took.candidates_s + SET_OUT_S + drawn_s) + ENDED_S
+            return max(checked_s, PLANNED * took.candidates_s + drawn_s) + ENDED_S
         return checked_s + drawn_s + ENDED_S
 
     def planning_s(self, took: Took) -> float:
