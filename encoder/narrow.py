@@ -23,6 +23,7 @@ from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.geometry.distances import distances_mm
 from kerfwise.encoder.geometry.segment import Point
 
+from .kept_beside import kept_beside
 from .nest import Contour
 from .side_by_side import in_halves
 from .tolerance import tolerance_mm
@@ -144,13 +145,17 @@ def lost_walls(
 def _surely_kept(
     contours: Sequence[Contour], paths: Mapping[str, Curve], half_mm: float, more_mm: float
 ) -> NDArray[np.bool_]:
-    """Contours of which nowhere more is left than of a right angle, as few chords show it; False says nothing yet.
+    """Contours of which nowhere more is left than of a right angle, as it is quickly shown; False says nothing yet.
 
-    Where the chords of a contour lie nearer to those of its path than that, by what both chords and the chords of the
-    round ends may be off, so does the contour. Coarse chords tell that of curves, finer ones of right angles.
+    The path of most contours runs beside them, stretch by stretch. Of others, where their chords lie nearer to those of
+    the path than what is left of a right angle, by what both chords and the chords of the round ends may be off, so do
+    they. Coarse chords tell that of curves, finer ones of right angles.
     """
     most_mm = half_mm * math.sqrt(2) + more_mm
     sure = np.zeros(len(contours), dtype=np.bool_)
+    left = [k for k, c in enumerate(contours) if c.id in paths]
+    drawn, cut = [contours[k].curve for k in left], [paths[contours[k].id] for k in left]
+    sure[left] = kept_beside(drawn, cut, half_mm, most_mm - SLACK_MM)
     for chord_mm in ((most_mm - half_mm) / 8, more_mm / 8):
         left = [k for k, c in enumerate(contours) if not sure[k] and c.id in paths]
         lines = lines_of([contours[k].curve for k in left], chord_mm)
