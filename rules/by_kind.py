@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import assert_never
+from itertools import groupby
+from typing import Any, assert_never
 
 from .statements import AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, Link, NoGood, Precede, Statement
 
@@ -53,28 +54,30 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
     crossing: list[Crossing] = []
     idle_travel: list[IdleTravel] = []
     link: list[Link] = []
-    for s in statements:
-        match s:
+    for _, alike in groupby(statements, type):  # those of a kind mostly stand together
+        run: list[Any] = list(alike)
+        first: Statement = run[0]
+        match first:
             case Precede():
-                precede.append(s)
+                precede.extend(run)
             case Forbid():
-                forbid.append(s)
+                forbid.extend(run)
             case AtLeast():
-                at_least.append(s)
+                at_least.extend(run)
             case Contiguous():
-                contiguous.append(s)
+                contiguous.extend(run)
             case Lag():
-                lag.append(s)
+                lag.extend(run)
             case NoGood():
-                no_good.append(s)
+                no_good.extend(run)
             case Crossing():
-                crossing.append(s)
+                crossing.extend(run)
             case IdleTravel():
-                idle_travel.append(s)
+                idle_travel.extend(run)
             case Link():
-                link.append(s)
+                link.extend(run)
             case _:
-                assert_never(s)
+                assert_never(first)
     return Kinds(
         precede=tuple(precede),
         forbid=tuple(forbid),

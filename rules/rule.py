@@ -227,8 +227,7 @@ class OrderRule(Rule[OptionsT]):
     def precede(self, facts: Facts, before: int, after: int) -> Precede:
         """The statement that contour number `before` is cut before number `after`, with the reason."""
         first, then = facts.nest.contours[before].id, facts.nest.contours[after].id
-        reason = self.reason(first, then, facts.start_side)
-        return Precede(before, after, self.about((first, then), f"{first} is cut before {then}: {reason}"))
+        return Precede(before, after, self.about((first, then), order_sentence(self, first, then, facts.start_side)))
 
     def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
         """Every pair that is cut the wrong way round."""
@@ -244,3 +243,8 @@ class OrderRule(Rule[OptionsT]):
             for first, then in self.pairs(nest, cuts, options)
             if first in at and then in at and at[first] > at[then]
         ]
+
+
+def order_sentence(rule: OrderRule[Any], before: str, after: str, start_side: Side | None) -> str:
+    """What a statement of an order rule says of two contours."""
+    return f"{before} is cut before {after}: {rule.reason(before, after, start_side)}"

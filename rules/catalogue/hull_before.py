@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.judging.placement import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.orders import orders_of
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
@@ -63,9 +63,8 @@ class HullBefore(OrderRule[NoOptions]):
     Options = NoOptions
     gives_way = 2
 
-    def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
-        for before, after in facts.in_hull.tolist():
-            yield self.precede(facts, before, after)
+    def statements(self, facts: Facts, options: NoOptions) -> list[Precede]:
+        return orders_of(self, facts, facts.in_hull)
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
         return replace(given, zone_respects=given.zone_respects | {"in_hull"}) if strength == "hard" else given

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.of_columns import of_columns
+from kerfwise.rules.faced import Faced
 from kerfwise.rules.judging.rigidity import rigid_at_best, rigid_at_the_end
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Forced, Rule, Strength, Violation
-from kerfwise.rules.statements import About, AtLeast, Before
+from kerfwise.rules.statements import About, AtLeast
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import FactOptions, Facts, Stretch
+    from kerfwise.encoder.candidates.candidate import Candidate
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
-PER_MM = 100
-"""Lengths in statements are whole hundredths of a millimetre."""
 ALLOWANCE = 0.05
 """How far under `rigid_min` the judged share may be: facts see the boundary in cells, the judging sees it finer."""
 SHARE = Number(0, 1)
@@ -97,15 +100,14 @@ class PartRigidity(Rule[PartRigidityOptions]):
     shares = ("web_mm", "head_share", "tail_share")
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
-        ends, tabbed = dict(self._ends(facts, options)), facts.tabbed
-        for contour in _outers(facts):
-            if contour in tabbed:
-                continue
-            own = facts.candidates_of(contour)
-            able = any(ends[c].bound <= sum(ends[c].weights) for c in own)
-            for c in own:
-                if able and ends[c].bound > 0:
-                    yield ends[c]
+        ends = Faced.of(facts, facts.tail)
+        bound = _bounds(options, ends)
+        able = np.zeros(facts.n, dtype=np.bool_)
+        able[ends.contour[bound <= ends.length]] = True
+        tabbed = np.zeros(facts.n, dtype=np.bool_)
+        tabbed[list(facts.tabbed)] = True
+        chosen = np.flatnonzero(able[ends.contour] & ~tabbed[ends.contour] & (bound > 0))
+        yield from self._ends(facts, ends.only(chosen), bound[chosen])
         if options.head_weight_mm > 0:
             yield from self._beginnings(facts, options)
 
@@ -113,35 +115,46 @@ class PartRigidity(Rule[PartRigidityOptions]):
         return replace(given, web_mm=options.web_mm, head_share=options.head_share, tail_share=options.tail_share)
 
     def exempt(self, facts: Facts, options: PartRigidityOptions) -> Iterator[About]:
-        lacking, tabbed = dict(_lacking(facts, options)), facts.tabbed
-        for contour in _outers(facts):
-            own = facts.candidates_of(contour)
-            if own and contour not in tabbed and all(lacking[c] > 0 for c in own):
+        ends, tabbed = Faced.of(facts, facts.tail), facts.tabbed
+        ever = set(ends.contour[_bounds(options, ends) <= ends.length].tolist())
+        for contour in dict.fromkeys(ends.contour.tolist()):
+            if contour not in tabbed and contour not in ever:
                 name = facts.nest.contours[contour].id
                 yield self.about((name,), f"no way to cut {name} ends along rigid metal, whatever the order")
 
-    def _ends(self, facts: Facts, options: PartRigidityOptions) -> Iterator[tuple[int, AtLeast]]:
-        """For every candidate of an outer contour: enough of its tail faces what is solid or still in."""
-        for c, contour, neighbours, lengths, solid, total in _stretches(facts, facts.tail):
-            name, candidate = facts.nest.contours[contour].id, facts.candidates[c]
-            sentence = (
-                f"{name}, {WAYS[candidate.direction]} from ({candidate.entry[0]:.1f}, {candidate.entry[1]:.1f}), ends "
-                "along metal that holds it"
-            )
-            about = self.about((name,), sentence)
-            bound = _bound(options, solid, total)
-            literals = tuple(Before(contour, x) for x in neighbours)
-            yield c, AtLeast(literals, lengths, bound, about, when=c)
+    def _ends(self, facts: Facts, faced: Faced, bound: Ints) -> list[AtLeast]:
+        """For candidates of outer contours: enough of the tail faces what is solid or still in."""
+        names = [(facts.nest.contours[k].id,) for k in faced.contour.tolist()]
+        numbers = faced.candidate.tolist()
+        said_by = [partial(_along_metal, facts.candidates[c]) for c in numbers]
+        return of_columns(
+            AtLeast,
+            len(numbers),
+            literals=faced.orders(first=True),
+            weights=faced.weights(),
+            bound=bound.tolist(),
+            about=About.each(self.id, names, said_by),
+            when=numbers,
+            weight=repeat(None),
+        )
 
-    def _beginnings(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
+    def _beginnings(self, facts: Facts, options: PartRigidityOptions) -> list[AtLeast]:
         """For every candidate of an outer contour: enough of what its head faces is out. A wish with its own weight."""
-        for c, contour, neighbours, lengths, solid, total in _stretches(facts, facts.head):
-            bound = math.ceil(solid + sum(lengths) - options.head_rigid_max * total - 1e-6)
-            if bound > 0:
-                name = facts.nest.contours[contour].id
-                about = self.about((name,), f"{name} begins along the sheet's edge or metal already cut")
-                literals = tuple(Before(x, contour) for x in neighbours)
-                yield AtLeast(literals, lengths, bound, about, when=c, weight=options.head_weight_mm)
+        heads = Faced.of(facts, facts.head)
+        bound = np.ceil(heads.solid + heads.length - options.head_rigid_max * heads.total - 1e-6).astype(np.int64)
+        chosen = np.flatnonzero(bound > 0)
+        faced = heads.only(chosen)
+        names = [(facts.nest.contours[k].id,) for k in faced.contour.tolist()]
+        return of_columns(
+            AtLeast,
+            len(chosen),
+            literals=faced.orders(first=False),
+            weights=faced.weights(),
+            bound=bound[chosen].tolist(),
+            about=About.each(self.id, names, repeat(_begins)),
+            when=faced.candidate.tolist(),
+            weight=repeat(options.head_weight_mm),
+        )
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PartRigidityOptions) -> list[Violation]:
         found = []
@@ -181,32 +194,15 @@ class PartRigidity(Rule[PartRigidityOptions]):
         return "the plan excuses it: what must be cut before it left nothing better"
 
 
-def _outers(facts: Facts) -> list[int]:
-    return [facts.nest.index[part.outer.id] for part in facts.nest.parts]
+def _bounds(options: PartRigidityOptions, ends: Faced) -> Ints:
+    """How much of what each tail faces must be still in, beside what is solid; hundredths of a millimetre."""
+    return np.ceil(options.rigid_min * ends.total - ends.solid - 1e-6).astype(np.int64)
 
 
-def _bound(options: PartRigidityOptions, solid: float, total: float) -> int:
-    """How much of what a tail faces must be still in, beside what is solid; hundredths of a millimetre."""
-    return math.ceil(options.rigid_min * total - solid - 1e-6)
+def _along_metal(candidate: Candidate, contours: tuple[str, ...]) -> str:
+    at = f"({candidate.entry[0]:.1f}, {candidate.entry[1]:.1f})"
+    return f"{contours[0]}, {WAYS[candidate.direction]} from {at}, ends along metal that holds it"
 
 
-def _lacking(facts: Facts, options: PartRigidityOptions) -> Iterator[tuple[int, int]]:
-    """For every candidate of an outer contour: how much more must be in than its tail faces."""
-    for c, _, _, lengths, solid, total in _stretches(facts, facts.tail):
-        yield c, _bound(options, solid, total) - sum(lengths)
-
-
-def _stretches(
-    facts: Facts, stretch: Stretch
-) -> Iterator[tuple[int, int, tuple[int, ...], tuple[int, ...], float, float]]:
-    """For every candidate of an outer contour: its number, its contour, the neighbours that the stretch faces and how
-    much of each, solid metal and the whole stretch; lengths in hundredths of a millimetre."""
-    faced = stretch.neighbours
-    first = np.searchsorted(faced.row, np.arange(len(facts.candidates) + 1)).tolist()
-    neighbours = faced.neighbour.tolist()
-    lengths = np.rint(faced.length_mm * PER_MM).astype(np.int64).tolist()
-    solid, total = (stretch.solid_mm * PER_MM).tolist(), (stretch.total_mm * PER_MM).tolist()
-    for contour in _outers(facts):
-        for c in facts.candidates_of(contour):
-            span = slice(first[c], first[c + 1])
-            yield c, contour, tuple(neighbours[span]), tuple(lengths[span]), solid[c], total[c]
+def _begins(contours: tuple[str, ...]) -> str:
+    return f"{contours[0]} begins along the sheet's edge or metal already cut"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import pairwise, product, repeat
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.of_columns import of_columns
 from kerfwise.rules.judging.placement import host_holes
 from kerfwise.rules.judging.zone_budget import ALLOWANCE, HotZone, hot_zones
 from kerfwise.rules.lock import Lock
@@ -114,11 +115,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
             if contours[k].kind != "mark":
                 members[zone].append(k)
         for zone, following in pairwise(sorted(members)):
-            for before in members[zone]:
-                for after in members[following]:
-                    first, then = contours[before].id, contours[after].id
-                    sentence = f"{first} is cut before {then}: zone {zone} comes before zone {following}"
-                    yield Precede(before, after, self.about((first, then), sentence))
+            yield from _in_turn(self.id, contours, (zone, members[zone]), (following, members[following]))
 
     def fact_options(self, given: FactOptions, options: ZoneOrderOptions, strength: Strength) -> FactOptions:
         return replace(
@@ -209,3 +206,24 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
 
 def _too_much(heat_kj: float, budget_kj: float) -> str:
     return f"{heat_kj:.1f} kJ, not {budget_kj:g} kJ at the most"
+
+
+def _in_turn(
+    rule: str, contours: Sequence[Contour], sooner: tuple[int, list[int]], later: tuple[int, list[int]]
+) -> list[Precede]:
+    """Each contour of a zone before each of the next; given are the numbers of both zones and of their contours."""
+    (zone, first), (following, then) = sooner, later
+    pairs = list(product(first, then))
+    names = list(product([contours[k].id for k in first], [contours[k].id for k in then]))
+
+    def said(ids: tuple[str, ...]) -> str:
+        return f"{ids[0]} is cut before {ids[1]}: zone {zone} comes before zone {following}"
+
+    return of_columns(
+        Precede,
+        len(pairs),
+        before=(before for before, _ in pairs),
+        after=(after for _, after in pairs),
+        about=About.each(rule, names, repeat(said)),
+        weight=repeat(None),
+    )

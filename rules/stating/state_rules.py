@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.registry import RULES
@@ -15,12 +17,13 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, 
 
 from .at_once import AtOnce
 from .common_cuts import open_ways
-from .cycles import Link, components, contracted, path
+from .cycles import Link, components, contracted, joined, path
 from .feedback import Unbreakable, lightest_cut, some_cycles
 from .link_offers import link_offers
 from .places import at_odds, in_the_way, positions
 from .remainder import Remainder, of_what_is_left
 from .time_costs import slower_ways
+from .weighed import weighed
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -107,10 +110,10 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
     for name, setting in profile.settings().items():
         stated = stated_by(book[name], facts, setting.options)
         if setting.weight is None:
-            statements += (_excused(s) for s in stated) if book[name].excusable else stated
+            statements += weighed(stated, EXEMPTION_MM) if book[name].excusable else stated
             exempt += book[name].exempt(facts if facts.copies is None else facts.copies.whole, setting.options)
         else:
-            statements += (_softened(s, setting.weight) for s in stated)
+            statements += weighed(stated, setting.weight)
     statements += _objective(facts, profile)
     return statements, tuple(exempt)
 
@@ -193,16 +196,6 @@ def rest_of(facts: Facts) -> Remainder:
     return Remainder(facts.past.number.tolist(), cut_at)
 
 
-def _softened(statement: Statement, weight: float) -> Statement:
-    """A statement of a soft rule; what its author wants weighed by itself keeps its own weight."""
-    return replace(statement, weight=weight) if statement.weight is None else statement
-
-
-def _excused(statement: Statement) -> Statement:
-    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel."""
-    return _softened(statement, EXEMPTION_MM)
-
-
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:
     """Idle travel at its price, by the millimetre and by the second that one takes, slower or open ways, and links."""
     price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
@@ -221,16 +214,17 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
 
     The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
     """
-    if abouts := at_odds(statements, n):
-        raise RulesConflict(CONTRADICT, tuple(about.sentence for about in abouts))
     kinds = by_kind(statements)
+    if abouts := at_odds(kinds.at_least, n):
+        raise RulesConflict(CONTRADICT, tuple(about.sentence for about in abouts))
     orders = [s for s in kinds.precede if s.weight is None]
     runs = [s for s in kinds.contiguous if s.weight is None]
-    links = contracted(n, [(s.before, s.after) for s in orders], [s.contours for s in runs])
+    ends = np.array([[s.before for s in orders], [s.after for s in orders]], dtype=np.int64).T
+    links = joined(n, ends, [s.contours for s in runs])
     asking: dict[Link, list[Precede]] = {}
     for component in components(links):
-        for k in component:
-            asking.setdefault(links[k], []).append(orders[k])
+        for (before, after), k in zip(links[component].tolist(), component, strict=True):
+            asking.setdefault((before, after), []).append(orders[k])
     distinct = list(asking)
     try:
         out = lightest_cut(distinct, _weights(list(asking.values()), gives_way))
@@ -242,16 +236,19 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
         against = path(distinct, kept, distinct[k][1], distinct[k][0]) or []
         why = _round_by([asking[distinct[m]] for m in against], gives_way)
         dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
-    late = _out_of_place(_without(statements, dropped), n, gives_way)
+    left = _without(statements, dropped)
+    late = _out_of_place(left, n, gives_way)
     if late and dropped:  # chosen one after the other they may be more than need be
         jointly = _jointly(statements, n, gives_way)
         if jointly is not None:
             return Stated(tuple(_without(statements, jointly)), tuple(jointly))
         dropped = [replace(d, why=f"{d.why}{NOT_SHOWN}") for d in dropped]
-    return Stated(tuple(_without(statements, [*dropped, *late])), (*dropped, *late))
+    return Stated(tuple(_without(left, late)), (*dropped, *late))
 
 
-def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement]) -> list[Statement]:
+def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement]) -> Sequence[Statement]:
+    if not dropped:
+        return statements
     gone = {id(d.statement) for d in dropped}
     return [s for s in statements if id(s) not in gone]
 
@@ -307,10 +304,10 @@ def _round_by(against: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]
 
 def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement]:
     """The orders that must go so that contours can be cut at positions that are firm, such as those of locks."""
-    at = positions(statements, n)
+    kinds = by_kind(statements)
+    at = positions(kinds.at_least, n)
     if not at:
         return []
-    kinds = by_kind(statements)
     asking = _asking(statements)
     runs = [s.contours for s in kinds.contiguous if s.weight is None]
     links = list(asking)
