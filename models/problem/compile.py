@@ -14,29 +14,27 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.models.physics.timing.constant import Feeds
-from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.by_kind import Kinds, by_kind
 from kerfwise.rules.statements import (
-    AtLeast,
     Contiguous,
     Crossing,
     Forbid,
     Link,
-    Pick,
     Precede,
     Statement,
-    plain,
 )
 
 from .closure import close
 from .conditions import Condition
 from .crossed_areas import Going
-from .crossings import TooManyMoves, find_crossings, from_home
+from .crossings import Crossings, TooManyMoves, find_crossings, from_home
 from .last import digest
 from .links import Links
 from .magnitude import check_magnitude
 from .pace import Pace
 from .problem import Problem, SoftGroup
-from .translated import Translated, translated
+from .sites import sites_of
+from .translated import Translated, begin_with, translated
 
 
 @few_collections()
@@ -50,10 +48,11 @@ def make_problem(
 ) -> Problem:
     """Compile facts and statements; `feeds` are needed for statements that count seconds.
 
-    `earlier` is a problem made of the same facts and some of these statements: the moves that were looked at for it
-    need not be looked at again where they are the same, and are not where it left them out. `going` is asked now and
-    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out. For
-    a hard one it can only raise.
+    `earlier` is a problem made of the same facts, home and feeds, and some of these statements: its sites are taken
+    over where what is new says nothing of candidates, and the moves that were looked at for it need not be looked at
+    again where they are the same, and are not where it left them out. `going` is asked now and then, with the share of
+    the moves that has been looked at; where it says no a soft rule about moves is left out. For a hard one it can only
+    raise.
 
     Raises
     ------
@@ -62,51 +61,82 @@ def make_problem(
     InputError
         If costs could overflow, see `check_magnitude`.
     """
-    contour_of = [c.contour for c in facts.candidates]
     kinds = by_kind(statements)
+    contour_of = np.repeat(np.arange(facts.n), np.diff(facts.first)).tolist()
     told = translated(statements, contour_of, Translated() if earlier is None else earlier.told)
     blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
     orders = digest(told.pairs, blocks)
     before = earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, told.pairs, blocks)
     if before.diagonal().any():
         raise _contradiction(before, [s for s in kinds.precede if s.weight is None])
-    conditions = told.conditions
-    allowed, costs = _candidate_costs(facts, kinds.forbid)
-    site_of, representatives = _sites(facts, allowed, costs, conditions, told.general, kinds.link)
-    chosen = np.array(representatives, dtype=np.int64)
-    kept = set(representatives)  # candidates of one site are asked alike: what is asked of one counts once
-    contours = np.array([contour_of[c] for c in representatives], dtype=np.int64)
-    candidate_site = np.full(len(facts.candidates), -1, dtype=np.int64)
-    candidate_site[list(site_of)] = list(site_of.values())
-    first = np.searchsorted(contours, np.arange(facts.n + 1)).astype(np.int64)
-    problem = Problem(
-        n=facts.n,
-        first=first,
-        site_contour=contours,
-        site_candidate=chosen,
-        candidate_site=candidate_site,
-        pierce_um=points_um([facts.candidates[c].pierce for c in representatives], home_mm),
-        end_um=points_um([facts.candidates[c].end for c in representatives], home_mm),
-        site_cost=costs[chosen] if len(chosen) else np.zeros(0, dtype=np.int64),
-        home_um=points_um([home_mm], home_mm)[0],
+    if earlier is not None and _same_sites(statements, earlier):
+        problem = _gone_on(earlier, told)
+    else:
+        problem = _on_sites(facts, told, kinds, home_mm, feeds)
+    problem = replace(
+        problem,
         travel_weight=sum(s.weight for s in kinds.idle_travel),
         before=before,
         block=blocks,
         orders=orders,
-        told=told,
-        conditions=tuple(dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in kept)),
         soft_groups=tuple(
             SoftGroup(g.contours, cost_um(g.weight), g.about) for g in kinds.contiguous if g.weight is not None
         ),
         lags=kinds.lag,
-        general=told.general,
-        ids=tuple(c.id for c in facts.nest.contours),
-        pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
     problem = _with_links(problem, kinds.link)
     problem = _with_crossings(problem, kinds.crossing, earlier, going)
     check_magnitude(problem)
     return problem
+
+
+def _on_sites(
+    facts: Facts, told: Translated, kinds: Kinds, home_mm: tuple[float, float], feeds: Feeds | None
+) -> Problem:
+    """Sites, and what is asked of them; nothing of orders yet."""
+    allowed, costs = _candidate_costs(facts, kinds.forbid)
+    candidate_site, chosen = sites_of(facts.candidates, allowed, costs, told.conditions, told.general, kinds.link)
+    some = [facts.candidates[c] for c in chosen.tolist()]
+    contours = np.array([c.contour for c in some], dtype=np.int64)
+    return Problem(
+        n=facts.n,
+        first=np.searchsorted(contours, np.arange(facts.n + 1)).astype(np.int64),
+        site_contour=contours,
+        site_candidate=chosen,
+        candidate_site=candidate_site,
+        pierce_um=points_um([c.pierce for c in some], home_mm),
+        end_um=points_um([c.end for c in some], home_mm),
+        site_cost=costs[chosen] if len(chosen) else np.zeros(0, dtype=np.int64),
+        home_um=points_um([home_mm], home_mm)[0],
+        travel_weight=0.0,
+        before=np.zeros((0, 0), dtype=np.bool_),
+        block=np.zeros(0, dtype=np.int64),
+        told=told,
+        conditions=_on_site(told.conditions, candidate_site, chosen),
+        soft_groups=(),
+        lags=(),
+        general=told.general,
+        ids=tuple(c.id for c in facts.nest.contours),
+        pace=Pace() if feeds is None else Pace.of(facts, chosen.tolist(), feeds),
+    )
+
+
+def _same_sites(statements: tuple[Statement, ...], earlier: Problem) -> bool:
+    """Whether a problem of these statements has the sites of the earlier one, for what is new is about none of them."""
+    known = earlier.told.statements
+    if not begin_with(statements, known):
+        return False
+    new, old = by_kind(statements[len(known) :]), by_kind(known)
+    return not (new.forbid or new.link or new.at_least or any(s.over is None for s in (*old.crossing, *new.crossing)))
+
+
+def _gone_on(earlier: Problem, told: Translated) -> Problem:
+    """The sites of an earlier problem with what is asked of them, and what is new."""
+    new = dict.fromkeys(told.conditions[len(earlier.told.conditions) :])
+    at = {condition.contour for condition in new}
+    known = {condition for condition in earlier.conditions if condition.contour in at}
+    conditions = (*earlier.conditions, *(condition for condition in new if condition not in known))
+    return replace(earlier, told=told, conditions=conditions, links=Links(), crossings=Crossings(), left_out=())
 
 
 def _with_links(problem: Problem, statements: Sequence[Link]) -> Problem:
@@ -202,59 +232,25 @@ def _candidate_costs(facts: Facts, forbidden: Sequence[Forbid]) -> tuple[Bools, 
             reasons[facts.candidates[s.candidate].contour].append(s.about.sentence)
         else:
             costs[s.candidate] += cost_um(s.weight)
-    for contour in range(facts.n):
-        span = facts.candidates_of(contour)
-        if not allowed[span.start : span.stop].any():
-            name = facts.nest.contours[contour].id
-            raise RulesConflict(f"{name} has no lawful entry left", tuple(dict.fromkeys(reasons[contour])))
+    ways = np.diff(np.append(0, np.cumsum(allowed))[facts.first])
+    for contour in np.flatnonzero(ways == 0).tolist():
+        name = facts.nest.contours[contour].id
+        raise RulesConflict(f"{name} has no lawful entry left", tuple(dict.fromkeys(reasons[contour])))
     return allowed, costs
 
 
-def _sites(
-    facts: Facts,
-    allowed: Bools,
-    costs: Ints,
-    conditions: Sequence[Condition],
-    general: Sequence[AtLeast],
-    links: Sequence[Link] = (),
-) -> tuple[dict[int, int], list[int]]:
-    """Site of every candidate that is kept, and the candidate each site stands for."""
-    told_apart: dict[int, list[object]] = defaultdict(list)
-    for condition in conditions:
-        if condition.when is not None:
-            told_apart[condition.when].append((condition.members, condition.weights, condition.bound, condition.cost))
-    for number, s in enumerate(general):
-        for c in {lit.c for lit in plain(s.literals) if isinstance(lit, Pick)} | {s.when}:
-            if c is not None:
-                told_apart[c].append(number)
-    for number, link in enumerate(links):
-        for c in link.leave:
-            told_apart[c].append(("leave", number))
-        for c in link.reach:
-            told_apart[c].append(("reach", number))
-    site_of: dict[int, int] = {}
-    seen: dict[object, int] = {}
-    representatives: list[int] = []
-    for number, candidate in enumerate(facts.candidates):
-        if not allowed[number]:
-            continue
-        key = (candidate.contour, candidate.pierce, candidate.end, int(costs[number]), tuple(told_apart[number]))
-        if key not in seen:
-            seen[key] = len(representatives)
-            representatives.append(number)
-        site_of[number] = seen[key]
-    return site_of, representatives
+def _on_site(conditions: Sequence[Condition], candidate_site: Ints, chosen: Ints) -> tuple[Condition, ...]:
+    """Conditions on candidates as such on sites, each once.
 
-
-def _on_site(condition: Condition, site_of: dict[int, int]) -> Condition:
-    if condition.when is None:
-        return condition
-    return Condition(
-        condition.contour,
-        condition.members,
-        condition.weights,
-        condition.bound,
-        condition.about,
-        site_of[condition.when],
-        condition.cost,
-    )
+    Candidates of one site are asked alike: what is asked of the one that it stands for counts, once.
+    """
+    site: list[int | None] = [None] * len(candidate_site)
+    for number, candidate in enumerate(chosen.tolist()):
+        site[candidate] = number
+    found: dict[Condition, None] = {}
+    for c in conditions:
+        if c.when is None or site[c.when] == c.when:
+            found[c] = None
+        elif (when := site[c.when]) is not None:
+            found[Condition(c.contour, c.members, c.weights, c.bound, c.about, when, c.cost)] = None
+    return tuple(found)

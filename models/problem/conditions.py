@@ -11,7 +11,7 @@ A condition that is not met makes the order unlawful (`cost` None) or costs `cos
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from kerfwise.rules.statements import About, AtLeast, Before, NoGood, Precede
 
@@ -24,7 +24,8 @@ class Condition:
     members: tuple[int, ...]
     weights: tuple[int, ...]
     bound: int
-    about: About
+    about: About = field(hash=False)
+    """Equal where all is; most sentences are never made."""
     when: int | None = None
     cost: int | None = None
 
@@ -62,35 +63,27 @@ def of_at_least(statement: AtLeast, contour_of: Sequence[int], cost: int | None)
 
     `contour_of` maps candidates to contours. `Before(x, i)` is x in S; `Before(i, x)` is 1 minus x in S.
     """
-    if not all(isinstance(lit, Before) for lit in statement.literals):
-        return None
-    pairs = [lit for lit in statement.literals if isinstance(lit, Before)]
     if statement.when is not None:
-        shared = {contour_of[statement.when]}
-    else:
-        shared = set.intersection(*({p.i, p.j} for p in pairs)) if pairs else set()
-    for pivot in sorted(shared):
-        if all(pivot in (p.i, p.j) for p in pairs):
-            return _about_pivot(statement, pairs, pivot, cost)
+        return _about_pivot(statement, contour_of[statement.when], cost)
+    pairs = [{lit.i, lit.j} for lit in statement.literals if isinstance(lit, Before)]
+    for pivot in sorted(set.intersection(*pairs)) if pairs else ():
+        if (made := _about_pivot(statement, pivot, cost)) is not None:
+            return made
     return None
 
 
-def _about_pivot(statement: AtLeast, pairs: list[Before], pivot: int, cost: int | None) -> Condition:
+def _about_pivot(statement: AtLeast, pivot: int, cost: int | None) -> Condition | None:
     weights: dict[int, int] = {}
     bound = statement.bound
-    for pair, weight in zip(pairs, statement.weights, strict=True):
-        if pair.j == pivot:
-            weights[pair.i] = weights.get(pair.i, 0) + weight
-        else:
-            weights[pair.j] = weights.get(pair.j, 0) - weight
+    for literal, weight in zip(statement.literals, statement.weights, strict=True):
+        if not isinstance(literal, Before):
+            return None
+        if literal.j == pivot:
+            weights[literal.i] = weights.get(literal.i, 0) + weight
+        elif literal.i == pivot:
+            weights[literal.j] = weights.get(literal.j, 0) - weight
             bound -= weight
+        else:
+            return None
     members = tuple(sorted(weights))
-    return Condition(
-        pivot,
-        members,
-        tuple(weights[k] for k in members),
-        bound,
-        statement.about,
-        when=statement.when,
-        cost=cost,
-    )
+    return Condition(pivot, members, tuple([weights[k] for k in members]), bound, statement.about, statement.when, cost)

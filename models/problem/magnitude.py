@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -26,18 +28,11 @@ def dearest_um(problem: Problem) -> dict[str, int]:
     """What a plan can cost at most, whole µm, not tight: of idle travel, and of each rule that has a price."""
     found: dict[str, int] = defaultdict(int)
     found[TRAVEL] = (problem.n + 1) * _longest_um(problem)
-    sites = problem.site_cost
-    for contour in range(problem.n):
-        span = problem.sites(contour)
-        found["entries that a soft rule forbids"] += int(sites[span.start : span.stop].max(initial=0))
-    of_site: dict[tuple[str, int], dict[int, int]] = defaultdict(lambda: defaultdict(int))
-    for c in problem.conditions:
-        if c.when is None:
-            found[c.about.rule] += c.cost or 0
-        else:
-            of_site[c.about.rule, c.contour][c.when] += c.cost or 0
-    for (rule, _), costs in of_site.items():  # of the sites of a contour one is used
-        found[rule] += max(costs.values())
+    dearest = np.zeros(problem.n, dtype=np.int64)
+    np.maximum.at(dearest, problem.site_contour, problem.site_cost)
+    found["entries that a soft rule forbids"] += sum(dearest.tolist())
+    for rule, of_rule in _by_rule(problem.conditions).items():
+        found[rule] += _dearest_of(problem, of_rule)
     for g in problem.soft_groups:
         found[g.about.rule] += g.cost * (len(g.contours) - 1)
     for lag in problem.lags:
@@ -52,6 +47,27 @@ def dearest_um(problem: Problem) -> dict[str, int]:
     return dict(found)
 
 
+def _by_rule(conditions: Sequence[Condition]) -> dict[str, list[Condition]]:
+    found: dict[str, list[Condition]] = defaultdict(list)
+    for condition in conditions:
+        found[condition.about.rule].append(condition)
+    return found
+
+
+def _dearest_of(problem: Problem, conditions: Sequence[Condition]) -> int:
+    """What breaking conditions of one rule can cost at most; of the sites of a contour one is used."""
+    total, of_site = 0, dict[int, int]()
+    for c in conditions:
+        if c.when is None:
+            total += c.cost or 0
+        else:
+            of_site[c.when] = of_site.get(c.when, 0) + (c.cost or 0)
+    contours, of_contour = problem.site_contour.tolist(), dict[int, int]()
+    for site, cost in of_site.items():
+        of_contour[contours[site]] = max(of_contour.get(contours[site], cost), cost)
+    return total + sum(of_contour.values())
+
+
 def check_magnitude(problem: Problem) -> None:
     """Refuse a problem whose costs, or the weights of whose conditions, could overflow.
 
@@ -62,7 +78,7 @@ def check_magnitude(problem: Problem) -> None:
         condition come to more than `MOST_COUNTED`; names the rule and the contour.
     """
     given: tuple[Condition | AtLeast, ...] = (*problem.conditions, *problem.general)
-    for asked in given:
+    for asked in () if _surely_counted(problem) else given:
         if _counted(asked) > MOST_COUNTED:
             about = asked.about
             contours = f" of {', '.join(about.contours)}" if about.contours else ""
@@ -78,6 +94,17 @@ def check_magnitude(problem: Problem) -> None:
             f"a plan could cost {sum(found.values()) / 1e9:.3g} km of idle travel, more than can be counted exactly "
             f"({MOST_UM // 10**9:,} km), most of it by {key}: state less there"
         )
+
+
+def _surely_counted(problem: Problem) -> bool:
+    """Whether nothing comes near what can be counted: told of all weights and bounds together."""
+    if problem.general:
+        return False
+    largest = max((abs(c.bound) for c in problem.conditions), default=0)
+    of_weights, most = set(chain.from_iterable(c.weights for c in problem.conditions)), 0
+    if of_weights:
+        most = max(max(of_weights), -min(of_weights)) * max(len(c.weights) for c in problem.conditions)
+    return largest + most <= MOST_COUNTED
 
 
 def _counted(asked: Condition | AtLeast | Enough) -> int:

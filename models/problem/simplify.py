@@ -22,6 +22,7 @@ from .conditions import Condition
 from .crossings import Crossings
 from .links import Links
 from .problem import Problem
+from .sites import in_one_place
 
 
 @few_collections()
@@ -38,18 +39,21 @@ def simplify(problem: Problem) -> Problem:
 
 def _decided(problem: Problem) -> tuple[Problem, Bools]:
     """The problem without conditions that are always met, or soft and never met; and the sites never lawful."""
-    cost = problem.site_cost.copy()
     unlawful = np.zeros(problem.m, dtype=np.bool_)
+    more = [0] * problem.m
     left: list[Condition] = []
     for rest, can_be_met in _undecided(problem):
-        sites = problem.sites(rest.contour) if rest.when is None else [rest.when]
         if can_be_met:
             left.append(rest)
-        elif rest.cost is None:
+            continue
+        sites = problem.sites(rest.contour) if rest.when is None else (rest.when,)
+        if rest.cost is None:
             left.append(rest)
-            unlawful[sites] = True
+            unlawful[list(sites)] = True
         else:
-            cost[sites] += rest.cost
+            for site in sites:
+                more[site] += rest.cost
+    cost = problem.site_cost + np.array(more, dtype=np.int64)
     return replace(problem, conditions=tuple(left), site_cost=cost), unlawful
 
 
@@ -76,13 +80,16 @@ def _undecided(problem: Problem) -> Iterator[tuple[Condition, bool]]:
     bounds = np.array([c.bound for c in given], dtype=np.int64) - summed(np.where(out, weights, 0))
     least, most = (summed(np.where(free, some(weights, 0), 0)) for some in (np.minimum, np.maximum))
     counts = summed(free.astype(np.int64))
-    for k in np.flatnonzero(least < bounds).tolist():
-        condition, bound = given[k], int(bounds[k])
-        if counts[k] < len(condition.members):
-            row = slice(int(until[k]) - len(condition.members), int(until[k]))
-            kept = [tuple(column[row][free[row]].tolist()) for column in (members, weights)]
-            condition = replace(condition, members=kept[0], weights=kept[1], bound=bound)
-        yield condition, bool(most[k] >= bound)
+    chosen = np.flatnonzero(least < bounds)
+    free_until, free_members, free_weights = np.cumsum(counts), members[free].tolist(), weights[free].tolist()
+    columns = (chosen, bounds[chosen], (most >= bounds)[chosen], counts[chosen], free_until[chosen])
+    for k, bound, can_be_met, count, end in zip(*(column.tolist() for column in columns), strict=True):
+        c = given[k]
+        if count < len(c.members):
+            row = slice(end - count, end)
+            kept = tuple(free_members[row]), tuple(free_weights[row])
+            c = Condition(c.contour, *kept, bound, c.about, c.when, c.cost)
+        yield c, can_be_met
 
 
 def _spare(problem: Problem, unlawful: Bools) -> Bools:
@@ -116,10 +123,16 @@ def _alike(problem: Problem) -> list[list[int]]:
     named = _named(problem)
     timed = _timed(problem)
     groups: dict[object, list[int]] = defaultdict(list)
-    for s in range(problem.m):
+    for s in range(problem.m) if problem.matrix is not None else in_one_place(_places(problem, timed)):
         if s not in named:
             groups[_place(problem, s, timed)].append(s)
     return [sites for sites in groups.values() if len(sites) > 1]
+
+
+def _places(problem: Problem, timed: bool) -> list[Ints]:
+    """As `_place`, of all sites, where there is no matrix: columns."""
+    columns = [problem.site_contour, *problem.pierce_um.T, *problem.end_um.T]
+    return [*columns, problem.pace.cut_ms] if timed else columns
 
 
 def _timed(problem: Problem) -> bool:

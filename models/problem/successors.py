@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kerfwise.arrays import Bools, Ints
 
 from .bits import ROWS_AT_ONCE
-from .closure import known_immediate_pairs, packed
+from .closure import columns_packed, known_immediate_pairs
 from .followers import Followers
 from .last import LastOf, digest
 
@@ -41,7 +41,7 @@ def lawful_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]
     [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0]]
     """
     n, wide = len(before), -(-len(before) // 8)
-    sooner = packed(before.T)
+    sooner = columns_packed(before)
     near = known_immediate_pairs(before, sooner)
     near = near[:, np.argsort(near[0], kind="stable")]
     from_row = np.searchsorted(near[0], np.arange(0, n + ROWS_AT_ONCE, ROWS_AT_ONCE))

@@ -47,19 +47,23 @@ class Translated:
     general: tuple[AtLeast, ...] = ()
 
 
+def begin_with(statements: tuple[Statement, ...], known: tuple[Statement, ...]) -> bool:
+    """Whether they begin with the very statements that are known."""
+    return len(statements) >= len(known) and all(map(is_, known, statements))
+
+
 def translated(statements: tuple[Statement, ...], contour_of: Sequence[int], earlier: Translated) -> Translated:
     """What statements come to; where they begin with those of an `earlier` answer, that is taken over.
 
     `contour_of` maps candidates to contours, the same ones as for the earlier answer.
     """
-    known = len(earlier.statements)
-    if len(statements) < known or not all(map(is_, earlier.statements, statements)):
-        earlier, known = Translated(), 0
+    if not begin_with(statements, earlier.statements):
+        earlier = Translated()
     before: list[int] = []
     after: list[int] = []
     conditions: list[Condition] = []
     general: list[AtLeast] = []
-    for s in statements[known:]:
+    for s in statements[len(earlier.statements) :]:
         match s:
             case Precede():
                 if s.weight is None:

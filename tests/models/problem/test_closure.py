@@ -6,7 +6,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.models import kernels
-from kerfwise.models.problem.closure import close, immediate
+from kerfwise.models.problem.closure import close, columns_packed, immediate, unpacked
 from kerfwise.models.problem.successors import lawful_followers
 
 
@@ -98,3 +98,13 @@ def test_of_many_contours(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> No
         assert before.tolist() == plainly(n, [(a, b) for a, b in rows.tolist()], block.tolist()).tolist()
         between = (before.astype(float) @ before.astype(float)) > 0
         assert (immediate(before) == (before & ~between)).all()
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 64, 511, 512, 1030])
+def test_columns_are_packed_in_any_order_of_the_rows(count: int) -> None:
+    chance = np.random.default_rng(count)
+    relation = chance.random((count, 130)) < 0.5
+    order = chance.permutation(count)
+    assert (unpacked(columns_packed(relation), count) == relation.T).all()
+    assert (unpacked(columns_packed(relation, order), count) == relation[order].T).all()
+    assert (unpacked(columns_packed(relation.T), 130) == relation).all()
