@@ -7,6 +7,7 @@ state's further burden, its last site, is left out: it is about the same for eve
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.components import strong_components, weak_components
 from kerfwise.encoder.distinct import distinct, distinct_pairs
 
+KEPT = 1 << 12
+"""Answers about orders that are kept."""
 MOST_UNITS = 63
 """Units in a zone that a machine word holds one bit each."""
 Masks = NDArray[np.uint64]
@@ -71,7 +74,10 @@ def sets_within(members: Ints, units: Units, most: float) -> float:
         own = np.flatnonzero(part == k)
         place = np.full(len(members), -1, dtype=np.int64)
         place[own] = np.arange(len(own))
-        ideals, started = _ideals(len(own), place[pairs[part[pairs[:, 0]] == k]], half_done[own], most)
+        if len(own) > MOST_UNITS:
+            return float("inf")
+        within = place[pairs[part[pairs[:, 0]] == k]]
+        ideals, started = _ideals(len(own), within.tobytes(), half_done[own].tobytes(), most)
         if ideals + started > most:
             return float("inf")
         whole, begun = whole * ideals, whole * started + begun * ideals
@@ -80,11 +86,15 @@ def sets_within(members: Ints, units: Units, most: float) -> float:
     return whole + begun
 
 
-def _ideals(size: int, pairs: Ints, half_done: Floats, most: float) -> tuple[float, float]:
+@lru_cache(maxsize=KEPT)
+def _ideals(size: int, within: bytes, begun: bytes, most: float) -> tuple[float, float]:
     """Sets that have with every unit all that comes before it, and such with one more unit begun; both may end early,
-    over `most`."""
-    if size > MOST_UNITS:
-        return float("inf"), 0.0
+    over `most`.
+
+    Given are the bytes of the pairs (k, 2) of units and of what a unit adds that is begun, (size,). Zones grow piece
+    by piece, so that the same is asked again and again.
+    """
+    pairs, half_done = np.frombuffer(within, dtype=np.int64).reshape(-1, 2), np.frombuffer(begun)
     bit = np.uint64(1) << np.arange(size, dtype=np.uint64)
     needs = np.zeros(size, dtype=np.uint64)
     np.bitwise_or.at(needs, pairs[:, 1], bit[pairs[:, 0]])

@@ -19,7 +19,10 @@ from numpy.typing import NDArray
 from kerfwise.arrays import Floats
 
 from .chords import flattened_together
-from .segment import Point, Segment
+from .segment import Point, Segment, length_between_mm
+
+SHORTEST_MM = 1e-9
+"""What is no longer is no line or arc."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +67,7 @@ class Curve:
         v = self.vertices.tolist()
         ends = v[1:] + v[:1] if self.closed else v[1:]
         made = (Segment((a[0], a[1]), (b[0], b[1]), a[2]) for a, b in zip(v, ends, strict=False))
-        return (s for s in made if s.length_mm > 1e-9)
+        return (s for s in made if s.length_mm > SHORTEST_MM)
 
     @cached_property
     def starts_mm(self) -> Floats:
@@ -74,8 +77,10 @@ class Curve:
     @property
     def length_mm(self) -> float:
         """Path length, mm."""
-        if not self.closed and len(self.vertices) <= 2:
-            return sum((s.length_mm for s in self.made_anew()), 0.0)
+        if not self.closed and len(self.vertices) == 2:  # most leads: their segments are not made for it
+            (x0, y0, bulge), (x1, y1, _) = self.vertices.tolist()
+            length_mm = length_between_mm((x0, y0), (x1, y1), bulge)
+            return length_mm if length_mm > SHORTEST_MM else 0.0
         return float(self.starts_mm[-1])
 
     @cached_property

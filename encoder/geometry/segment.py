@@ -13,6 +13,20 @@ Box = tuple[float, float, float, float]
 """Least x and y, greatest x and y, mm."""
 
 
+def length_between_mm(start: Point, end: Point, bulge: float) -> float:
+    """The length of a line or arc between two points, mm.
+
+    Examples
+    --------
+    >>> length_between_mm((0, 0), (3, 4), 0.0)
+    5.0
+    """
+    chord_mm = math.dist(start, end)
+    if bulge == 0.0:
+        return chord_mm
+    return chord_mm * (1 + bulge * bulge) / (4 * abs(bulge)) * abs(4.0 * math.atan(bulge))
+
+
 @dataclass(frozen=True, slots=True)
 class Segment:
     """A line (bulge 0) or an arc from `start` to `end`; bulge = tan(sweep / 4), positive counter-clockwise.
@@ -60,9 +74,7 @@ class Segment:
     @property
     def length_mm(self) -> float:
         """Path length, mm."""
-        b = self.bulge
-        chord_mm = math.dist(self.start, self.end)
-        return chord_mm if b == 0.0 else chord_mm * (1 + b * b) / (4 * abs(b)) * abs(4.0 * math.atan(b))
+        return length_between_mm(self.start, self.end, self.bulge)
 
     @property
     def area_term_mm2(self) -> float:

@@ -47,6 +47,16 @@ def test_more_than_a_word_holds_in_one_piece_is_too_much() -> None:
     assert sets_within(np.arange(count), units, 1e9) == float("inf")
 
 
+def test_what_is_known_of_orders_is_known_of_those_alone() -> None:
+    """Asked again with other orders, other holes and another limit, each has an answer of its own."""
+    none, chain = np.empty((0, 2), dtype=np.int64), np.array([[0, 1]])
+    for _ in range(2):
+        for pairs, most, wanted in ((none, 9.0, 4.0), (chain, 9.0, 3.0), (none, 3.0, float("inf")), (none, 4.0, 4.0)):
+            assert sets_within(np.arange(2), units_of(np.arange(2), np.zeros(2, bool), pairs, True), most) == wanted
+        holed = units_of(np.array([0, 0, 1]), np.zeros(3, bool), none, True)
+        assert sets_within(np.arange(2), holed, 9.0) == 6.0
+
+
 def test_too_many_are_told() -> None:
     units = units_of(np.arange(4), np.zeros(4, bool), np.empty((0, 2), dtype=np.int64), True)
     assert sets_within(np.arange(2), units, 4.0) == 4.0

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -45,3 +46,11 @@ def test_polygons_of_several_curves_are_those_of_each(several: list[Curve], tole
 def test_a_curve_is_as_long_as_its_segments_together(curve: Curve) -> None:
     assert curve.length_mm == np.cumsum([0.0, *(s.length_mm for s in curve.segments)])[-1]
     assert tuple(curve.made_anew()) == curve.segments
+
+
+@pytest.mark.parametrize("bulge", [0.0, 0.3, -1.0])
+@pytest.mark.parametrize("end", [(3.1, 4.7), (1e-10, 0.0), (0.0, 0.0)])
+def test_the_length_of_a_single_line_or_arc_is_that_of_its_segment(end: tuple[float, float], bulge: float) -> None:
+    lead = Curve.of([(0.0, 0.0, bulge), (*end, 0.5)], closed=False)
+    assert lead.length_mm == sum(s.length_mm for s in lead.made_anew())
+    assert "segments" not in vars(lead)
