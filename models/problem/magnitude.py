@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from itertools import chain
+from operator import attrgetter
 
 import numpy as np
 
@@ -100,11 +101,10 @@ def _surely_counted(problem: Problem) -> bool:
     """Whether nothing comes near what can be counted: told of all weights and bounds together."""
     if problem.general:
         return False
-    largest = max((abs(c.bound) for c in problem.conditions), default=0)
-    of_weights, most = set(chain.from_iterable(c.weights for c in problem.conditions)), 0
-    if of_weights:
-        most = max(max(of_weights), -min(of_weights)) * max(len(c.weights) for c in problem.conditions)
-    return largest + most <= MOST_COUNTED
+    of_each = list(map(attrgetter("weights"), problem.conditions))
+    weights, bounds = set(chain.from_iterable(of_each)), set(map(attrgetter("bound"), problem.conditions))
+    most = max(map(abs, weights), default=0) * max(map(len, of_each), default=0)
+    return most + max(map(abs, bounds), default=0) <= MOST_COUNTED
 
 
 def _counted(asked: Condition | AtLeast | Enough) -> int:
