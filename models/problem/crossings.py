@@ -96,7 +96,7 @@ def find_crossings(
     if not statements:
         return Crossings()
     sites = np.diff(first)
-    if (moves := sum(int(k) * int(sites[lawful[c]].sum()) for c, k in enumerate(sites.tolist()) if k)) > MOST_MOVES:
+    if (moves := int(sites @ lawful.weighed(sites))) > MOST_MOVES:
         zones = " or ".join(name for name, rule in RULES.items() if rule.makes_zones)
         raise TooManyMoves(
             f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
