@@ -25,9 +25,11 @@ def orders_of(rule: OrderRule[Any], facts: Facts, pairs: Ints) -> list[Precede]:
     before, after = pairs.T.tolist() if len(pairs) else ([], [])
     names = list(zip(map(ids.__getitem__, before), map(ids.__getitem__, after), strict=True))
 
+    start_side = facts.start_side  # what is kept with the orders until they are read, not all facts
+
     def said(contours: tuple[str, ...]) -> str:
         first, then = contours
-        return order_sentence(rule, first, then, facts.start_side)
+        return order_sentence(rule, first, then, start_side)
 
     abouts = About.each(rule.id, names, repeat(said))
     if rule.brought:
