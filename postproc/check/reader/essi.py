@@ -163,8 +163,7 @@ class _Program:
         if self.feed_mm_min <= 0:
             raise _refused(line, "a line or an arc with no feed; say such as 39+2500 before it")
         for segment in segments:
-            if segment.length_mm > 0:
-                self.track.feed(segment, self.feed_mm_min / 60, line)
+            self.track.feed(segment, self.feed_mm_min / 60, line)
         self.track.at = end
 
     def _arc(self, line: int, end: Point, fields: list[str]) -> tuple[Segment, ...]:

@@ -15,7 +15,7 @@ from .words import Block
 
 INCH_MM = 25.4
 _FARTHEST_MM = 2e6
-_FEED_MM_MIN = (1.0, 1e6)
+FEED_MM_MIN = (1.0, 1e6)
 
 
 @dataclass(slots=True)
@@ -38,6 +38,11 @@ class ModalState:
     def __post_init__(self) -> None:
         self.modes = Modes(self.control.known_g, self.control.fixed)
         self.centre_absolute = self.control.centre_absolute
+
+    @property
+    def usual(self) -> bool:
+        """Whether places count in mm from the origin, centres from an arc's start, and all that must be is said."""
+        return self.absolute and self.unit_mm == 1.0 and not self.centre_absolute and not self.modes.left
 
     def of(self, block: Block) -> float | None:
         """The motion that a block makes, None for none; with no motion word, a line or travel as the torch is."""
@@ -98,8 +103,7 @@ class ModalState:
             return
         feed_mm_s = self._feed_mm_s(block)
         for segment in (Segment(self.track.at, end),) if motion == 1.0 else self._arc(end, block):
-            if segment.length_mm > 0:
-                self.track.feed(segment, feed_mm_s, block.line)
+            self.track.feed(segment, feed_mm_s, block.line)
         self.track.at = end
 
     def _modes(self, block: Block) -> None:
@@ -128,7 +132,7 @@ class ModalState:
         return x, y
 
     def _feed_mm_s(self, block: Block) -> float:
-        feed, (least, most) = self.feed_mm_min, _FEED_MM_MIN
+        feed, (least, most) = self.feed_mm_min, FEED_MM_MIN
         if feed <= 0:
             raise block.refused("a line or an arc with no feed; write an F word before it or in it")
         if not least <= feed <= most:

@@ -20,6 +20,7 @@ from .filtering import Filter
 from .grammar import refuse_conflicts
 from .moves import ModalState
 from .old_words import OldWords
+from .plain_moves import PlainMoves
 from .program import NcProgram
 from .rows import in_file, rows_of
 from .tools import Tools
@@ -97,9 +98,23 @@ class Machine:
         )
         self.moves = ModalState(self.track, control)
         self.filter = Filter(self.track) if control.filtered else None
+        plain = PlainMoves(self.moves)
+        self._plain = plain if further is None and plain.may_run else None
         self.comments: list[str] = []
         self.blocks = self.line = 0
         self._without_conflicts: set[tuple[object, ...]] = set()
+
+    def ran(self, row: str, line: int) -> bool:
+        """Run a row at once where it is a plain move; False, and nothing is done, for any other."""
+        if self._plain is None or (self.filter is not None and not self.filter.raised):
+            return False
+        if not self._plain.run(row, line):
+            return False
+        self.line = line
+        self.blocks += 1
+        if self.filter is not None and self.moves.motion in (0.0, 1.0):
+            self.filter.moved = True
+        return True
 
     def run(self, block: Block) -> None:
         """Comments, feed, tools, wait, modes, motion, end."""
@@ -152,6 +167,9 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
     control = machine.control
     for line, raw in rows_of(text, control.longest, control.obeyed):
         usual = machine.further is None and not machine.tools.ended and len(raw) <= control.longest_code
+        if usual and machine.ran(raw, line):
+            opened = bool(opened)
+            continue
         if usual and (move := plain_move(raw, line)) is not None:
             opened = bool(opened)
             if machine.filter is not None:

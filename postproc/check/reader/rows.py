@@ -39,6 +39,9 @@ def rows_of(text: str, longest: int = LONGEST, obeyed: str = "") -> Iterator[tup
     [(1, 'G21'), (2, 'M2')]
     """
     rows = text.split("\n")
+    if text.isascii() and "".join(rows).isprintable() and len(max(rows, key=len)) <= longest and not obeyed:
+        yield from enumerate(rows if rows[-1] else rows[:-1], 1)  # most programs
+        return
     for line, row in enumerate(rows, 1):
         if line == len(rows):  # what follows the last LF
             if row:

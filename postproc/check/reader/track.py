@@ -152,14 +152,15 @@ class Track:
             self.begin(tool, line)
 
     def feed(self, segment: Segment, feed_mm_s: float, line: int) -> None:
-        """Move along a line or an arc at cutting feed."""
+        """Move along a line or an arc at cutting feed; one of no length is no move."""
         length_mm = segment.length_mm
+        if length_mm <= 0:
+            return
         seconds = length_mm / feed_mm_s
         self.clock_s += seconds
         self.at = segment.end
         if self.open is None:
-            if length_mm > 0:
-                self._over.append((segment, feed_mm_s))
+            self._over.append((segment, feed_mm_s))
             self._idle(length_mm, line)
             self.slow_travel.append(MoveStretch(line, length_mm))
         else:

@@ -22,9 +22,9 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
     "D": (0.0, 1e4), "H": (0.0, 1e4), "L": (0.0, 1e4), "T": (0.0, 1e4),
 }  # fmt: skip
 """The letters that are read, besides G, M and N, and the least and greatest number of each, in the program's units."""
-_NUMBER = r"(-?[0-9]{1,6}(?:\.[0-9]{1,9})?)"
+PLAIN_NUMBER = r"(-?[0-9]{1,6}(?:\.[0-9]{1,9})?)"
 _PLAIN_MOVE = re.compile(
-    rf"(?:N[0-9]{{1,9}} )?G([0-3])(?: X{_NUMBER})?(?: Y{_NUMBER})?(?: I{_NUMBER})?(?: J{_NUMBER})?"
+    rf"(?:N[0-9]{{1,9}} )?G([0-3])(?: X{PLAIN_NUMBER})?(?: Y{PLAIN_NUMBER})?(?: I{PLAIN_NUMBER})?(?: J{PLAIN_NUMBER})?"
     r"(?: F([0-9]{1,6}(?:\.[0-9]{1,9})?))?"
 )
 """Moves as most lines spell them; no number of so few digits is out of bounds."""
