@@ -18,11 +18,8 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats
 
-from .chords import flattened_together
+from .chords import SHORTEST_MM, flattened_together
 from .segment import Point, Segment, length_between_mm
-
-SHORTEST_MM = 1e-9
-"""What is no longer is no line or arc."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,15 +61,15 @@ class Curve:
 
     def made_anew(self) -> Iterator[Segment]:
         """The same, not kept: for the many short curves, such as leads, that are asked once or twice."""
-        v = self.vertices.tolist()
-        ends = v[1:] + v[:1] if self.closed else v[1:]
-        made = (Segment((a[0], a[1]), (b[0], b[1]), a[2]) for a, b in zip(v, ends, strict=False))
-        return (s for s in made if s.length_mm > SHORTEST_MM)
+        x, y, bulges = self.vertices.T.tolist()
+        points = list(zip(x, y, strict=True))
+        ends = points[1:] + points[:1] if self.closed else points[1:]
+        return (s for s in map(Segment, points, ends, bulges) if s.length_mm > SHORTEST_MM)
 
     @cached_property
     def starts_mm(self) -> Floats:
         """Array (segments + 1,): path length from the start to the start of each segment, then the total."""
-        return np.array([0.0, *accumulate(s.length_mm for s in self.segments)])
+        return np.array([0.0, *accumulate([s.length_mm for s in self.segments])])
 
     @property
     def length_mm(self) -> float:
@@ -97,7 +94,7 @@ class Curve:
         """Segment index and fraction 0…1 along it at path length `s_mm` (wraps on a closed curve)."""
         total = self.length_mm
         s = s_mm % total if self.closed else min(max(s_mm, 0.0), total)
-        k = int(np.searchsorted(self.starts_mm, s, side="right")) - 1
+        k = int(self.starts_mm.searchsorted(s, side="right")) - 1
         k = min(max(k, 0), len(self.segments) - 1)
         return k, min(max((s - self.starts_mm[k]) / self.segments[k].length_mm, 0.0), 1.0)
 
@@ -143,15 +140,20 @@ class Curve:
         end = self.segments[k].point_at(f)
         while left > 1e-9:
             seg = self.segments[k]
-            take = min(left, seg.length_mm * (1 - f))
-            if take > 1e-9:
-                piece = seg.between(f, f + take / seg.length_mm)
+            whole_mm = seg.length_mm
+            take = min(left, whole_mm * (1 - f))
+            if f == 0.0 and take == whole_mm:  # most of them
+                rows.append((*seg.start, seg.bulge_between(0.0, 1.0)))
+                end = seg.end
+                left -= take
+            elif take > 1e-9:
+                piece = seg.between(f, f + take / whole_mm)
                 rows.append((*piece.start, piece.bulge))
                 end = piece.end
                 left -= take
             k, f = (k + 1) % len(self.segments), 0.0
         rows.append((*end, 0.0))
-        return Curve.of(rows, closed=False)
+        return Curve(np.array(rows, dtype=np.float64), closed=False)
 
     def piece(self, first: int, last: int) -> Curve:
         """An open path from one of its vertices to another; what is known of its lines and arcs is not made again.
@@ -196,10 +198,13 @@ class Curve:
         return {}
 
     def _flattened(self, tolerance_mm: float) -> Floats:
-        whole = len(self.segments) == len(self.vertices) - (not self.closed)
-        if whole and not self.vertices[:, 2].any():
+        own = self.segments
+        if not own:
+            return self.vertices[:1, :2].copy()
+        if len(own) == len(self.vertices) - (not self.closed) and not self.vertices[:, 2].any():
             return self.vertices[:, :2].copy()
-        return next(flattened_together([self], tolerance_mm))
+        points = np.concatenate([[own[0].start], *[s.flatten(tolerance_mm) for s in own]])
+        return points[:-1] if self.closed else points
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
         """The path as a shapely LineString, closed ones repeat their first point, as a mere point does."""

@@ -112,8 +112,11 @@ class Segment:
 
     def between(self, f0: float, f1: float) -> Segment:
         """The piece from fraction `f0` to fraction `f1`."""
-        bulge = math.tan(math.atan(self.bulge) * (f1 - f0)) if self.is_arc else 0.0
-        return Segment(self.point_at(f0), self.point_at(f1), bulge)
+        return Segment(self.point_at(f0), self.point_at(f1), self.bulge_between(f0, f1))
+
+    def bulge_between(self, f0: float, f1: float) -> float:
+        """The bulge of the piece from fraction `f0` to fraction `f1`."""
+        return math.tan(math.atan(self.bulge) * (f1 - f0)) if self.bulge != 0.0 else 0.0
 
     def project(self, point: Point) -> tuple[float, float]:
         """Fraction of the nearest point to `point`, and the distance to it, mm."""

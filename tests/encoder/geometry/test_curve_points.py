@@ -54,3 +54,25 @@ def test_the_length_of_a_single_line_or_arc_is_that_of_its_segment(end: tuple[fl
     lead = Curve.of([(0.0, 0.0, bulge), (*end, 0.5)], closed=False)
     assert lead.length_mm == sum(s.length_mm for s in lead.made_anew())
     assert "segments" not in vars(lead)
+
+
+def between_plainly(curve: Curve, start_mm: float, length_mm: float) -> list[list[float]]:
+    """The vertices of a piece, every line and arc of it made by `Segment.between`."""
+    k, f = curve.locate(start_mm)
+    rows, end, left = [], curve.segments[k].point_at(f), length_mm
+    while left > 1e-9:
+        segment = curve.segments[k]
+        take = min(left, segment.length_mm * (1 - f))
+        if take > 1e-9:
+            piece = segment.between(f, f + take / segment.length_mm)
+            rows.append([*piece.start, piece.bulge])
+            end, left = piece.end, left - take
+        k, f = (k + 1) % len(curve.segments), 0.0
+    return [*rows, [*end, 0.0]]
+
+
+@given(curves.filter(lambda curve: bool(curve.segments)), st.floats(0, 1), st.floats(0, 2.5))
+def test_pieces_of_curves_are_those_of_their_segments(curve: Curve, begin: float, long: float) -> None:
+    start_mm = begin * curve.length_mm
+    length_mm = long * curve.length_mm if curve.closed else min(long, 1 - begin) * curve.length_mm
+    assert curve.between(start_mm, length_mm).vertices.tolist() == between_plainly(curve, start_mm, length_mm)
