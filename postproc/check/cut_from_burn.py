@@ -20,7 +20,7 @@ from kerfwise.rules.rule import Violation
 from .followed_contours import surely_beside
 from .matching import Match
 from .program_rules import tolerance_mm
-from .splitting import Pieces, split
+from .splitting import Pieces, split, split_each
 from .torch_run import TorchRun, every_line_of
 
 SLACK_MM = 0.01
@@ -53,8 +53,7 @@ def taken_apart(
     kerf_mm: float,
 ) -> list[Taken]:
     """What leads to the contours that burns match, once round, and what leads away."""
-    rows = zip(burns, contours, matches, strict=True)
-    apart = [_apart(burn, contour, match) for burn, contour, match in rows]
+    apart = _apart(burns, contours, matches)
     rounds = every_line_of([pieces.loop for pieces in apart])
     leads_in, leads_out = every_line_of([p.lead_in for p in apart]), every_line_of([p.lead_out for p in apart])
     loops = [path if line is None else line for line, path in zip(rounds, paths, strict=True)]
@@ -62,10 +61,13 @@ def taken_apart(
     return [Taken(*row) for row in zip(apart, leads_in, loops, leads_out, on_ring.tolist(), strict=True)]
 
 
-def _apart(burn: Burn, contour: Contour, match: Match) -> Pieces:
-    if contour.kind == "slit":
-        return _at_mouth(burn.path, contour.curve)
-    return (split(burn.path, match.ring.length) if contour.encloses else None) or _whole(burn.path)
+def _apart(burns: Sequence[Burn], contours: Sequence[Contour], matches: Sequence[Match]) -> list[Pieces]:
+    found = [_at_mouth(b.path, c.curve) if c.kind == "slit" else None for b, c in zip(burns, contours, strict=True)]
+    around = [k for k, contour in enumerate(contours) if contour.encloses and found[k] is None]
+    rounds = split_each([burns[k].path for k in around], [matches[k].ring.length for k in around])
+    for k, pieces in zip(around, rounds, strict=True):
+        found[k] = pieces
+    return [_whole(burn.path) if pieces is None else pieces for burn, pieces in zip(burns, found, strict=True)]
 
 
 def cut_from_burn(

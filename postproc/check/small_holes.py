@@ -69,11 +69,12 @@ def _judged(drawn: Nest, limits: HoleLimits, kerf_mm: float, grid_mm: float | No
     small: list[SmallHole] = []
     shares: dict[str, Shares] = {}
     parts = []
+    enough_mm = max(under_mm, limits.full_feed_mm)
+    coarsely_mm = _coarsely_mm([hole for part in drawn.parts for hole in part.holes]) if enough_mm > 0 else {}
     for part in drawn.parts:
         holes, marks = [], list(part.marks)
         for hole in part.holes:
-            enough_mm = max(under_mm, limits.full_feed_mm)
-            if enough_mm > 0 and _coarsely_mm(hole) >= enough_mm + _SLACK_MM:
+            if enough_mm > 0 and coarsely_mm[hole.id] >= enough_mm + _SLACK_MM:
                 shares[hole.id] = _shares(enough_mm + _SLACK_MM, limits)
                 holes.append(hole)
                 continue
@@ -108,13 +109,15 @@ def _across_mm(area: shapely.Geometry, enough_mm: float) -> float:
     return float(2 * shapely.maximum_inscribed_circle(area, tolerance=_STEP_MM).length)
 
 
-def _coarsely_mm(hole: Contour) -> float:
-    """A diameter that a circle in a hole has at the least, by the chords of the drawing; 0 where they tell none."""
-    area = hole.polygon
-    middle = shapely.centroid(area)
-    if not shapely.is_valid(area) or not shapely.covers(area, middle):
-        return 0.0
-    return float(2 * shapely.distance(hole.line, middle)) - 2 * _DRAWN_MM
+def _coarsely_mm(holes: Sequence[Contour]) -> dict[str, float]:
+    """A diameter that a circle in each hole has at the least, by the chords of the drawing; 0 where they tell none."""
+    areas = np.array([hole.polygon for hole in holes], dtype=object)
+    middles = shapely.centroid(areas)
+    sound = shapely.is_valid(areas)
+    sound[sound] = shapely.covers(areas[sound], middles[sound])
+    edges = np.array([hole.line for hole in holes], dtype=object)
+    across_mm = np.where(sound, 2 * shapely.distance(edges, middles) - 2 * _DRAWN_MM, 0.0)
+    return dict(zip([hole.id for hole in holes], across_mm.tolist(), strict=True))
 
 
 def _shares(across_mm: float, limits: HoleLimits) -> Shares:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.postproc.check import splitting
-from kerfwise.postproc.check.splitting import Pieces, split
+from kerfwise.postproc.check.splitting import Pieces, split, split_each
 
 
 def lengths(points: list[tuple[float, ...]], round_mm: float) -> tuple[float, float, float, float]:
@@ -88,6 +88,27 @@ def test_near_pairs_looked_up_by_place_give_what_all_pairs_give(
         assert [len(c.vertices) for c in (found.lead_in, found.loop, found.lead_out)] == [
             len(c.vertices) for c in (plain.lead_in, plain.loop, plain.lead_out)
         ]
+
+
+@settings(deadline=None)
+@given(
+    st.lists(st.tuples(st.lists(places, min_size=1, max_size=12), st.integers(1, 160)), max_size=8),
+    st.sampled_from([0, 7, 40, 1 << 18]),
+)
+def test_paths_taken_apart_together_come_apart_as_each_does(
+    drawn: list[tuple[list[tuple[float, float]], int]], compared: int
+) -> None:
+    paths, rounds_mm = [Curve.of(points, closed=False) for points, _ in drawn], [length / 4 for _, length in drawn]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(splitting, "COMPARED", compared)
+        together = split_each(paths, rounds_mm)
+    assert list(map(shown, together)) == [shown(split(*row)) for row in zip(paths, rounds_mm, strict=True)]
+
+
+def shown(pieces: Pieces | None) -> object:
+    if pieces is None:
+        return None
+    return pieces.gap_mm, *(c.as_rows() for c in (pieces.lead_in, pieces.loop, pieces.lead_out))
 
 
 def test_a_path_of_many_vertices() -> None:
