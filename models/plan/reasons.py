@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
@@ -28,7 +28,8 @@ def reasons(
     place = {contour: k for k, contour in enumerate(order)}
     after: dict[int, Precede] = {}
     before: dict[int, Precede] = {}
-    for s in by_kind(stated.statements).precede:
+    kinds = by_kind(stated.statements)
+    for s in kinds.precede:
         if place[s.before] > place[s.after]:
             continue
         if s.after not in after or place[s.before] > place[after[s.after].before]:
@@ -36,7 +37,8 @@ def reasons(
         if s.before not in before or place[s.after] < place[before[s.before].after]:
             before[s.before] = s
     links = [None] * len(route) if links is None else links
-    entered = _entered(facts, stated, route, home, links)
+    forbidden = {s.candidate for s in kinds.forbid if s.weight is None}
+    entered = _entered(facts, forbidden, route, home, links)
     told = []
     for contour, entry in zip(order, entered, strict=True):
         held = [near[contour].about.sentence for near in (after, before) if contour in near]
@@ -46,10 +48,9 @@ def reasons(
 
 
 def _entered(
-    facts: Facts, stated: Stated, route: Sequence[int], home: Point, links: Sequence[Link | None]
+    facts: Facts, forbidden: Set[int], route: Sequence[int], home: Point, links: Sequence[Link | None]
 ) -> list[tuple[str, ...]]:
-    """For every cut, that no candidate of its contour makes a shorter way between its neighbours, if that is so."""
-    forbidden = {s.candidate for s in by_kind(stated.statements).forbid if s.weight is None}
+    """For every cut, that no lawful candidate of its contour makes a shorter way between its neighbours, if so."""
     used = [facts.candidates[c] for c in route]
     names = ["home", *(facts.nest.contours[c.contour].id for c in used), "home"]
     told: list[tuple[str, ...]] = []

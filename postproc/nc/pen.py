@@ -125,13 +125,16 @@ class Pen:
         in_force = ""
         ends, at_mm = [mm for stretch in unlit for mm in stretch], 0.0
         self.at = self._rounded(path.segments[0].start) if path.segments else self.at
-        for stretch, share in _split(paced(path, corners), ends):
+        words: dict[float, str] = {}
+        for stretch, share in _split(paced(path, corners), ends) if ends else paced(path, corners):
             while ends and ends[0] <= at_mm + SPECK_MM:
                 blocks += self._over_tab(len(ends) % 2 == 1, feed_mm_s)
                 in_force, ends = "", ends[1:]
-            at_mm += stretch.length_mm
-            word = dialect.feed.format(mm_min=self._feed(feed_mm_s * share))
-            for piece in self._pieces(stretch):
+            at_mm += stretch.length_mm if ends else 0.0
+            if share not in words:
+                words[share] = dialect.feed.format(mm_min=self._feed(feed_mm_s * share))
+            word = words[share]
+            for piece in self._pieces(stretch) if stretch.is_arc else (stretch,):
                 end = self._rounded(piece.end)
                 if end == self.at:
                     continue
@@ -176,7 +179,7 @@ class Pen:
         return number(feed_mm_s * 60, 3 if self.dialect.decimals else 0)
 
     def _pieces(self, segment: Segment) -> Iterator[Segment]:
-        """The segment as lines and arcs that every control makes the same way."""
+        """An arc as lines and arcs that every control makes the same way."""
         dialect = self.dialect
         rise_mm = segment.chord_mm * abs(segment.bulge) / 2
         chords = dialect.arc_centre == "none"
@@ -213,7 +216,8 @@ def _spelt(motion: str, words: dict[str, str]) -> str:
     """A block of a motion: its own text with the words filled in, or its word with all of them behind it."""
     if "{" in motion:
         return motion.format(**dict.fromkeys("xyijr", "0") | words)
-    return " ".join(filter(None, (motion, *(f"{letter.upper()}{text}" for letter, text in words.items()))))
+    spelt = " ".join([f"{letter.upper()}{text}" for letter, text in words.items()])
+    return f"{motion} {spelt}" if motion else spelt
 
 
 def _split(pieces: Iterable[Paced], at_mm: Sequence[float]) -> Iterator[Paced]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import pairwise
+
+import numpy as np
 
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
@@ -12,8 +14,6 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 from kerfwise.encoder.torch_way import torch_way
-
-PathRow = tuple[float, float, float]
 
 _SPECK_MM = 3e-6
 """Plans are written to 6 decimals: nothing shorter than this is a move."""
@@ -70,10 +70,13 @@ def unlit_on(contour: Contour, cut: Cut, kerf_mm: float) -> tuple[tuple[float, f
 
 
 def _joined(paths: Iterable[Curve]) -> Curve:
-    """One open path of several that follow each other."""
-    rows = [row for path in paths for row in _rows(path)]
+    """One open path of several that follow each other; from the end of each a line leads to the next."""
+    rows: list[list[float]] = []
+    for path in paths:
+        rows += path.vertices.tolist()
+        rows[-1][2] = 0.0
     kept = [a for a, b in pairwise(rows) if math.dist(a[:2], b[:2]) > _SPECK_MM]
-    return Curve.of([*kept, rows[-1]], closed=False)
+    return Curve(np.array([*kept, rows[-1]]), closed=False)
 
 
 def _join(cut: Cut) -> Point:
@@ -82,10 +85,3 @@ def _join(cut: Cut) -> Point:
         return cut.pierce
     x, y = cut.lead_in.vertices[-1, :2].tolist()
     return x, y
-
-
-def _rows(path: Curve) -> Iterator[PathRow]:
-    """The vertices; the last one starts a line to whatever follows."""
-    rows: list[PathRow] = [(x, y, bulge) for x, y, bulge in path.vertices.tolist()]
-    yield from rows[:-1]
-    yield (*rows[-1][:2], 0.0)
