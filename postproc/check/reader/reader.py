@@ -20,7 +20,7 @@ from .filtering import Filter
 from .grammar import refuse_conflicts
 from .moves import ModalState
 from .old_words import OldWords
-from .plain_moves import PlainMoves
+from .plain_rows import PlainRows
 from .program import NcProgram
 from .rows import in_file, rows_of
 from .tools import Tools
@@ -98,28 +98,29 @@ class Machine:
         )
         self.moves = ModalState(self.track, control)
         self.filter = Filter(self.track) if control.filtered else None
-        plain = PlainMoves(self.moves)
-        self._plain = plain if further is None and plain.may_run else None
         self.comments: list[str] = []
-        self.blocks = self.line = 0
+        self.line = 0
+        self._blocks = 0
+        self._plain = PlainRows(self.moves, self.tools, self.filter, self.comments)
+        self._runs_plain = further is None and self._plain.may_run
         self._without_conflicts: set[tuple[object, ...]] = set()
 
+    @property
+    def blocks(self) -> int:
+        """How many rows so far were more than comments."""
+        return self._blocks + self._plain.blocks
+
     def ran(self, row: str, line: int) -> bool:
-        """Run a row at once where it is a plain move; False, and nothing is done, for any other."""
-        if self._plain is None or (self.filter is not None and not self.filter.raised):
-            return False
-        if not self._plain.run(row, line):
+        """Run a row at once where it is plain; False, and nothing is done, for any other."""
+        if not self._runs_plain or not self._plain.run(row, line):
             return False
         self.line = line
-        self.blocks += 1
-        if self.filter is not None and self.moves.motion in (0.0, 1.0):
-            self.filter.moved = True
         return True
 
     def run(self, block: Block) -> None:
         """Comments, feed, tools, wait, modes, motion, end."""
         self.line = block.line
-        self.blocks += bool(block.g or block.m or block.words)
+        self._blocks += bool(block.g or block.m or block.words)
         for text in block.comments:
             self.track.comment = text
             self.comments.append(text)

@@ -1,4 +1,4 @@
-"""Rows that are plain moves are read in a way of their own, which tells what the way for all rows does."""
+"""Rows that are plain are read in ways of their own, which tell what the way for all rows does."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.reader.comments import row_of
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.plain_moves import PlainMoves
+from kerfwise.postproc.check.reader.plain_rows import PlainRows
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.check.reader.words import block_of, plain_move
 
@@ -74,6 +74,7 @@ ODD = [
     "G20", "G21", "G91", "G90", "G90.1", "G91.1", "G64 P9", "G64 P0.05", "G4 P0.5", "(CUT 1)", "F900", "M68 E3 Q50",
     "G1 X1", "Y5", "G2 X9 Y9 I1 J0", "G2 X9 Y9", "G1 X5 Y5 I1 J1", "G1 X5 Y5 F0", "G1 X5 Y5 F0.5", "G0 X5 Y5 F700",
     "G1 X1234567 Y1", "G1 X1 Y1 P2", "G0 X1 Y1 (there)", "G3 X5.0001 Y5 I0 J0.00001", "g1 x3 y4", "%", "M0",
+    "N7 M3 $0 S1", "M5 $0", "M3 $0", "M3 $0 S0", "M5 $0 (off)", "(MARK  2 a=b)", "(CUT 3 (x))", "(CUT 3", "M5 $1",
 ]  # fmt: skip
 STEPS = st.tuples(
     st.sampled_from(["on", "G0", "off", "G1", "G1", "G2", "G3", "odd", "cut", "cut", "cut"]),
@@ -97,7 +98,7 @@ def program_of(control: str, steps: list[tuple[str, float, float, int]], said: i
             rows.append(f"{kind} X{x:.4f} Y{y:.4f} I{i:.4f} J{j:.4f}{feed}")
         elif kind in ("G0", "G1", "cut"):
             x, y = x + a, y + b
-            rows += [off, f"G0 X{x + b:.4f} Y{y:.4f}", on] if kind == "cut" else []
+            rows += [off, f"(CUT {k} P{k}.outer ZONE 1 )", f"G0 X{x + b:.4f} Y{y:.4f}", on] if kind == "cut" else []
             rows.append(f"G0 X{x:.4f} Y{y:.4f}" if kind == "G0" else f"N{k} G1 X{x:.4f} Y{y:.4f}{feed}")
         else:
             rows.append({"on": on, "off": off}.get(kind) or ODD[k % len(ODD)])
@@ -116,11 +117,11 @@ def told(program: str, control: str) -> str:
 
 @given(st.sampled_from(sorted(SWITCHES)), st.lists(STEPS, max_size=25), st.sampled_from([0, 0, 0, 1]))
 @settings(max_examples=300)
-def test_plain_moves_do_what_their_blocks_do(
+def test_plain_rows_do_what_their_blocks_do(
     control: str, steps: list[tuple[str, float, float, int]], said: int
 ) -> None:
     program = program_of(control, steps, said)
     found = told(program, control)
     with pytest.MonkeyPatch.context() as by_blocks:
-        by_blocks.setattr(PlainMoves, "run", lambda moves, row, line: False)
+        by_blocks.setattr(PlainRows, "run", lambda moves, row, line: False)
         assert told(program, control) == found
