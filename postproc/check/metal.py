@@ -149,7 +149,8 @@ def _deepest(line: shapely.LineString, metal: shapely.Geometry, half_mm: float) 
     if gap_mm > 0:
         x, y = shapely.get_coordinates(shapely.shortest_line(line, metal))[-1].tolist()
         return half_mm - gap_mm, (x, y)
-    inside = shapely.segmentize(shapely.intersection(line, metal), _STEP_MM)
+    stands = line.length == 0  # for shapely such a line has nothing in common with any area
+    inside = line if stands else shapely.segmentize(shapely.intersection(line, metal), _STEP_MM)
     points = shapely.get_coordinates(inside)
     depths_mm = shapely.distance(shapely.boundary(metal), shapely.points(points))
     k = int(np.argmax(depths_mm))

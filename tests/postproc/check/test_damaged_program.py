@@ -51,6 +51,11 @@ def test_path_shifted_by_a_tenth() -> None:
     assert check(in_cut("E.outer", lambda lines: [x_moved(0.03)(line) for line in lines])).ok
 
 
+def test_a_torch_lit_in_the_middle_of_a_part_that_does_not_move() -> None:
+    result = check(PROGRAM.replace("(HOME)", "G0 X150 Y25\nM3 $0 S1\nM5 $0\n(HOME)"))
+    assert {"no-gouging", "every-contour-once"} <= set(result.broken())
+
+
 def test_one_corner_shifted_by_a_tenth() -> None:
     result = check(in_cut("B.hole1", lambda lines: [*lines[:5], x_moved(-0.1)(lines[5]), *lines[6:]]))
     assert result.broken() == ("contour-geometry",)
