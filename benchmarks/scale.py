@@ -25,7 +25,7 @@ from kerfwise.benchmarks.plates import cost, default_without, made_plate
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_cost import MOST_CONTOURS
+from kerfwise.jobs.zones_limits import MOST_CONTOURS
 from kerfwise.jobs.zones_moved import planned_by_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.warm_up import load_kernels
@@ -47,9 +47,9 @@ in m: idle travel and what soft rules cost, with the number of excuses beside it
 Work is in deterministic seconds, so that other programs on the machine change no plan. What it took of the processor,
 all threads together, is beside it, and so are the facts, which are made before. A plan with zones is proven within its
 zones, with the ways to cut that are offered: others may be better. What it took includes looking for a plan without
-zones, and moving the zones along it ([what zones cost](zones.md)); beyond {most} contours zones stay as geometry makes
-them. Without zones the sets of contours that may be out are too many for a proof, and what is not proven is bounded by
-flows: [where that gap comes from](gap.md). Where a plan is proven, more work is not tried.
+zones, and moving the zones along it ([what zones cost](zones.md)); beyond {most:,} contours zones stay as geometry
+makes them. Without zones the sets of contours that may be out are too many for a proof, and what is not proven is
+bounded by flows: [where that gap comes from](gap.md). Where a plan is proven, more work is not tried.
 
 Without zones, a large nest is annealed whole, for half of the work at most, and then region by region: some 40 contours
 that lie beside each other are laid out anew while all others keep their order, and later some 120, at first in a

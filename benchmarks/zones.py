@@ -1,13 +1,14 @@
 """What zones cost: plans by the zones of geometry, by zones that have moved, and the best plan known without any.
 
-Usage: python benchmarks/zones.py [--contours 115 308 1000] [--default 115] [--sizes 308:40,50] [--seeds 1 11]
+Usage: python benchmarks/zones.py [--contours 115 308 1000 3000 10000] [--default 115] [--sizes 308:40,50] [--seeds 1 11]
        [--apart 21] [--work 30] [--without 0.03] [--kept rows.json] > docs/zones.md
 
 Made plates (examples/gen_sheet.py) under the default profile without no-tip-travel, which looks at every single move;
 those of `--default` contours with it. `--sizes` are plates on which geometry makes zones of so many contours, which do
 not move. Work is in deterministic seconds, so that other programs on the machine change no plan; that of `--without`,
-for plans without zones, is for every contour. Of plates of a thousand contours and more one seed of each kind is
-planned. Every row is made in a process of its own; those that the file `--kept` has already are not made again.
+for plans without zones, is for every contour, but no more than `MOST_WITHOUT` in all. Of plates of a thousand contours
+and more one seed of each kind is planned. Every row is made in a process of its own; those that the file `--kept` has
+already are not made again.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.zones_cost import zoned_by
+from kerfwise.jobs.zones_limits import FEW
 from kerfwise.jobs.zones_moved import better_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution, SolveOptions
@@ -38,8 +40,8 @@ from kerfwise.models.engines.warm_up import load_kernels
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.lazy import afterthoughts
 
-LARGE = 1000
-"""Contours from which on one seed of each kind is planned."""
+LARGE, MOST_WITHOUT = 1000, 60.0
+"""Contours from which on one seed of each kind is planned, and the most work for plans without zones."""
 PAGE = """\
 # What zones cost
 
@@ -60,9 +62,10 @@ first zones are those of geometry, the second have moved; `largest` is how many 
 Proven is that no order within the zones that have moved is better, with the ways to cut that are offered. Seconds of
 the processor (s) and memory (MB) are those of the plan with zones and of all that was done to move them. `best without`
 is the best plan known that need not keep to zones: that which a solve finds on its way, or what {without:g} of work a
-contour for searches beside it find, half of it from the plan with zones on, half from nothing. It is not proven, and a
-better one may exist: with more work shorter ones are found ([the gap without zones](gap.md)). What `the plan says` is
-what it tells of its zones, from the shorter look that a solve has.
+contour (no more than {most:g} in all) for searches beside it find, half of it from the plan with zones on, half from
+nothing. It is not proven, and a better one may exist: with more work shorter ones are found
+([the gap without zones](gap.md)). What `the plan says` is what it tells of its zones, from the look that a solve has:
+up to {few} contours a short one, beyond that one that has what two proofs leave of the work.
 
 ## Zones of so many contours
 
@@ -193,7 +196,7 @@ def moved(job: Job) -> Row:
     best = better_zones(asked, further, profile, stayed, limits)
     took_s, memory_mb = time.process_time() - began_s, peak_mb()
     known = [] if best.free is None or best.free.aside else [best.free.solution.objective]
-    work = job.without * job.contours
+    work = min(job.without * job.contours, MOST_WITHOUT)
     known += [found.objective for found in searched(best.asked, profile, best.solution, limits, work)]
     told = best.cost(limits)
     zone = best.asked.facts.zone
@@ -269,7 +272,7 @@ def row_of(job: Job, kept: dict[str, Any], into: Path | None) -> Row | Sized:
 def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--contours", type=int, nargs="+", default=[115, 308, 1000])
+    parser.add_argument("--contours", type=int, nargs="+", default=[115, 308, 1000, 3000, 10000])
     parser.add_argument("--default", type=int, nargs="*", default=[115], help="such with no-tip-travel")
     parser.add_argument("--sizes", nargs="*", default=["308:40,50"], help="contours:size,size…")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 11], help="looked at while this was made")
@@ -293,6 +296,8 @@ def main() -> None:
         apart=listed["apart"].replace(" ", ", "),
         work=given.work,
         without=given.without,
+        most=MOST_WITHOUT,
+        few=FEW,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         rows="\n".join(str(row) for row in rows if isinstance(row, Row)),

@@ -44,10 +44,11 @@ RELAX = 0.5
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Asked:
-    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them."""
+    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them, in so many seconds."""
 
     facts: Facts
     stated: Stated
+    seconds: float = 0.0
 
 
 def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> str:
@@ -149,7 +150,7 @@ def ask(
         If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
         if contours are left in metal that has fallen out.
     """
-    loose = loose_orders(facts)
+    loose, began_s = loose_orders(facts), running_s()
     if relax:
         from kerfwise.models.engines.budget import Budget
         from kerfwise.models.plan.conflict import state_relaxed
@@ -158,10 +159,11 @@ def ask(
         budget = None if limits is None else Budget.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
         stated = state_relaxed(facts, profile, budget=budget)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
-        return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
+        return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)), running_s() - began_s)
     if loose:
         raise RulesConflict(
             "some contours cannot be cut any more (--relax, in Python relax=True, leaves them out)",
             tuple(o.about.sentence for o in loose),
         )
-    return Asked(facts, state_rules(facts, profile))
+    stated = state_rules(facts, profile)
+    return Asked(facts, stated, running_s() - began_s)

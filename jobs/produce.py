@@ -29,7 +29,8 @@ from .ask import Asked
 from .costs import cost_of_plan
 from .pierce_pass import with_pierces
 from .torches import with_further_torches
-from .zones_cost import SHARE, zoned_by
+from .zones_cost import zoned_by
+from .zones_limits import SHARE, begun
 from .zones_moved import better_zones
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ def produce(
         and facts.copies is None
         and engine == "portfolio"
         and strategy == "ours"
+        and begun(facts.n, limits)
         and bool(zoned_by(asked, profile))
     )
     if and_zones and limits.time_s is not None:

@@ -22,14 +22,10 @@ from kerfwise.rules.stating.lazy import afterthoughts
 from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
+from .zones_limits import MOST_CONTOURS
 
-SHARE = 0.15
-"""Share of a limit in which a plan without zones is looked for, at the most: of one in seconds, of which it is left so
-much, or of the work, beside it. As much again is there for a plan by other zones, and what the first plan has left."""
-LEAST, A_CONTOUR = 0.5, 0.02
-"""Work that it takes at the least, and for every contour."""
-MOST_CONTOURS, MOST_MOVES = 2500, 150
-"""With more, a plan without zones takes too long to get anywhere; and looking at every single move takes too long."""
+MOST_MOVES = 150
+"""Contours with more of which looking at every single move takes too long."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,27 +42,12 @@ class Free:
 
     def cost_mm(self, asked: Asked, solution: Solution, limits: SolveOptions) -> float:
         """What a plan by zones costs by the same account."""
-        if not self.aside and self.solution.left_out == solution.left_out:
+        if set(self.aside) == {rule for rule, _ in solution.left_out}:
             return solution.objective
         timed = limits.time_s is not None  # the clock left out moves over parts: neither plan is asked for those
         statements = self.stated.statements
         problem = make_problem(asked.facts, statements, limits.home_mm, limits.feeds, going=lambda share: not timed)
         return route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
-
-
-def look_for(facts: Facts, limits: SolveOptions, ends_s: float | None) -> SolveOptions:
-    """How long a plan without zones is looked for; `ends_s` is when a limit in seconds ends."""
-    if limits.time_s is None or ends_s is None:
-        return replace(limits, work=min(SHARE * limits.work, max(LEAST, A_CONTOUR * facts.n)))
-    left_s = (ends_s - running_s()) / 2
-    return replace(limits, time_s=max(min(SHARE * limits.time_s, left_s), SHARE * LEAST))
-
-
-def once_more(limits: SolveOptions, ends_s: float | None, spent: float) -> SolveOptions:
-    """How long a plan by other zones may take: as long as the limit leaves, where so much work of it is spent."""
-    if limits.time_s is None or ends_s is None:
-        return replace(limits, work=max(limits.work - spent, SHARE * limits.work))
-    return replace(limits, time_s=max(ends_s - running_s(), SHARE * LEAST))
 
 
 def zoned_by(asked: Asked, profile: Profile) -> frozenset[str]:

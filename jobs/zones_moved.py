@@ -19,10 +19,11 @@ from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Precede, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
-from kerfwise.rules.stating.state_rules import state_rules
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 from .ask import Asked
-from .zones_cost import Free, look_for, once_more, without_zones, zoned_by, zones_cost
+from .zones_cost import Free, without_zones, zoned_by, zones_cost
+from .zones_limits import FEW, STATED, beside, look_again, look_for, once_more
 
 TRIES = 2
 """Ways to make zones along a plan that are tried."""
@@ -94,28 +95,32 @@ def better_zones(
     may_move
         Whether the plan may be another; else zones stay as they are.
     """
-    began_s, looked = running_s(), look_for(asked.facts, limits, ends_s)
-    free = without_zones(asked, further, profile, solution, looked, progress)
-    if free is None or not may_move or not movable(asked.facts):
+    contours = asked.facts.n
+    began_s, looked = running_s(), look_for(contours, limits, ends_s, solution)
+    free = looked and without_zones(asked, further, profile, solution, looked, progress)
+    if looked is None or free is None or not may_move or not movable(asked.facts):
         return ByZones(asked, solution, free)
     if free.cost_mm(asked, solution, limits) <= free.solution.objective:
         return ByZones(asked, solution, free)
     beside_s = running_s() - began_s - (looked.time_s or 0.0)  # other zones take as long to be stated, at least
+    if contours > FEW:
+        beside_s = STATED * asked.seconds
 
     def left(spent: float) -> SolveOptions | None:
         in_time = ends_s is None or running_s() + beside_s < ends_s
         stopped = progress is not None and not progress("zones", None, None)
-        return once_more(limits, ends_s, spent) if in_time and not stopped else None
+        return once_more(contours, limits, ends_s, spent) if in_time and not stopped else None
 
-    account, mixed_s = Account(solution.seconds, left), 0.0
-    found = list(along(asked.facts, profile, solution, free, account, progress))
-    if not any(_rank(other) < _rank(solution) for _, other in found) and account.left() is not None:
+    account, mixed_s = Account(solution.seconds + beside(contours, free.seconds, limits), left), 0.0
+    found = list(along(asked, profile, solution, free, account, progress))
+    looked = look_again(contours, limits, ends_s)
+    none_better = not any(_rank(other) < _rank(solution) for _, other in found)
+    if none_better and looked is not None and account.left() is not None:
         borders = tuple(of_neighbours(asked.facts, zoned_by(asked, profile)))
-        looked = look_for(asked.facts, limits, ends_s)
         mixed = without_zones(asked, further, profile, solution, looked, progress, borders)
         mixed_s = 0.0 if mixed is None else mixed.seconds
         if mixed is not None and mixed.solution.route != free.solution.route:
-            found += along(asked.facts, profile, solution, mixed, account, progress)
+            found += along(asked, profile, solution, mixed, account, progress)
     every = [(asked, solution), *found]
     by, best = min(every, key=lambda plan: _rank(plan[1]))
     elsewhere = _proven(best, [other for _, other in every])
@@ -141,19 +146,20 @@ def _proven(best: Solution, every: Sequence[Solution]) -> float | None:
 
 
 def along(
-    facts: Facts,
+    asked: Asked,
     profile: Profile,
     solution: Solution,
     free: Free,
     account: Account,
     progress: Progress | None = None,
 ) -> Iterator[tuple[Asked, Solution]]:
-    """Plans by zones along another plan, until one is proven and costs less than `solution` by the zones of `facts`.
+    """Plans by zones along another plan, until one is proven and costs less than `solution` by the zones there are.
 
     The zones are as large as a proof bears, so a proof alone is tried; where it fails, by smaller ones. `account` is
     told what every try takes.
     """
-    tried, unproven = 0, 0
+    facts, tried, unproven = asked.facts, 0, 0
+    known = asked.stated if facts.n > FEW else None  # what is stated twice would take up memory
     zones = zones_along(facts, [facts.candidates[c].contour for c in free.solution.route])
     while tried < TRIES and account.left() is not None and (zone := next(zones, None)) is not None:
         if int(zone.max()) <= unproven:  # as large as zones of which a proof took too long
@@ -164,14 +170,14 @@ def along(
         if tried < TRIES:
             left = replace(left, work=A_TRY * left.work, time_s=left.time_s and A_TRY * left.time_s)
         began_s = running_s()
-        found = _by_zones(replace(facts, zone=zone), profile, free.solution, left, progress)
+        found = _by_zones(replace(facts, zone=zone), profile, free.solution, left, progress, known)
         if found is None:
             account.spent += left.work if left.time_s is None else running_s() - began_s
             unproven = int(zone.max())
             continue
         by, moved = found
         account.spent += moved.seconds
-        if moved.left_out != solution.left_out:  # the one is not asked for what the other pays for
+        if not _asked_alike(moved, solution, facts.n):  # the one is not asked for what the other pays for
             continue
         yield by, moved
         if moved.status != "optimal":
@@ -180,10 +186,22 @@ def along(
             break
 
 
+def _asked_alike(one: Solution, other: Solution, contours: int) -> bool:
+    """Whether the objectives of two plans count the same; in large nests of what is left out only the number differs."""
+    if contours <= FEW:
+        return one.left_out == other.left_out
+    return {rule for rule, _ in one.left_out} == {rule for rule, _ in other.left_out}
+
+
 def _by_zones(
-    facts: Facts, profile: Profile, start: Solution, limits: SolveOptions, progress: Progress | None
+    facts: Facts,
+    profile: Profile,
+    start: Solution,
+    limits: SolveOptions,
+    progress: Progress | None,
+    known: Stated | None = None,
 ) -> tuple[Asked, Solution] | None:
-    """What is proven of a plan by the zones of `facts`, from one on.
+    """What is proven of a plan by the zones of `facts`, from one on; `known` is what is stated by other zones.
 
     None where that does not keep to them and none is found, or no proof applies.
     """
@@ -191,7 +209,7 @@ def _by_zones(
 
     limits, began_s = replace(limits, member="ideals", gap=None, no_improvement_s=None), running_s()
     try:
-        stated = state_rules(facts, profile)
+        stated = state_rules(facts, profile, known)
         if limits.time_s is not None:  # stating them is inside the limit
             limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), LEAST_S))
         looks = afterthoughts(facts, profile)

@@ -86,6 +86,7 @@ class Rule(ABC, Generic[OptionsT]):
     by the hooks `fact_options`, `lead_options`, `temperature_limit` and `check_with`, and by these marks. A soft rule
     that is `hard_with_head_down` is hard where the machine's head stays down. While a rule is on that `guards_metal`,
     contours of two parts may not burn each other's metal. One that `makes_zones` leaves large nests far fewer orders.
+    One that does not mind zones (`minds_zones`) states the same by any; a class that states anew minds them anew.
 
     Where a program goes on after a stop, facts are those of what is left, and cuts begin with those that are made,
     which are not judged: a violation counts where all its cuts are new, and where a rule `minds_what_is_out`, that is,
@@ -120,6 +121,7 @@ class Rule(ABC, Generic[OptionsT]):
     hard_with_head_down: ClassVar[bool] = False
     guards_metal: ClassVar[bool] = False
     makes_zones: ClassVar[bool] = False
+    minds_zones: ClassVar[bool] = True
     of_each_torch: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
     must_be_judged: ClassVar[bool] = False
@@ -131,6 +133,8 @@ class Rule(ABC, Generic[OptionsT]):
     def __init_subclass__(cls, **options: Any) -> None:
         """What a rule raises that nobody foresaw names the rule."""
         super().__init_subclass__(**options)
+        if "statements" in vars(cls) and "minds_zones" not in vars(cls):
+            cls.minds_zones = True
         for name, hook in list(vars(cls).items()):
             if inspect.isfunction(hook) and not name.startswith("__"):
                 setattr(cls, name, naming_the_rule(hook))

@@ -32,6 +32,9 @@ LESS_SQUARE, LESS_TOGETHER = 1.05, 1.5
 """How many times as long and narrow what is left may be, on an average, and how many times as large the rectangles
 around all zones, as they are with zones made by geometry."""
 
+MIDDLES = 2500
+"""Contours in an order up to which a block that is gone back to lies in the middle of its contours."""
+
 SQUARENESS = 0.9, 0.5
 """How much the one weighs and how much the other, where zones are made; the first goes first."""
 
@@ -94,15 +97,27 @@ def _bearing(small: Ints, order: Ints, units: Units, most: int) -> tuple[Bears, 
 
 
 def _taken_apart(small: Ints, chosen: Bools, order: Ints, block: Ints, before: Ints) -> Ints:
-    """The runs `small` (n,) with those `chosen` (n,) by block (n,): each lies where its contours do on an average.
+    """The runs `small` (n,) with those `chosen` (n,) by block (n,): each where `_places` says that it lies.
 
     A block that goes before another by the orders `before` (k, 2) of contours comes no later than it.
     """
-    middle = np.bincount(block[order], np.arange(len(order))) / np.bincount(block[order])
-    rank = raised(np.unique(middle, return_inverse=True)[1], block[before])
+    rank = raised(np.unique(_places(order, block), return_inverse=True)[1], block[before])
     apart = np.column_stack([small, np.where(chosen, rank[block], -1)])
     number: Ints = np.unique(apart, axis=0, return_inverse=True)[1].ravel() + 1
     return number
+
+
+def _places(order: Ints, block: Ints) -> Floats:
+    """Where in an order blocks (n,) lie: where their contours do on an average, or in large nests the last of them.
+
+    What lies between two visits of a block is long there, and its middle may be far off on the sheet.
+    """
+    at = np.arange(len(order), dtype=np.float64)
+    if len(order) <= MIDDLES:
+        return np.bincount(block[order], at) / np.bincount(block[order])
+    last = np.zeros(int(block.max()) + 1)
+    np.maximum.at(last, block[order], at)
+    return last
 
 
 def _drawn(small: Ints, blocks: Blocks, facts: Facts, bears: Bears, most: tuple[float, float]) -> Iterator[Ints]:

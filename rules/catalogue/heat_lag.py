@@ -75,6 +75,7 @@ class HeatLag(Rule[HeatLagOptions]):
     source = "Verkhoturov et al.; Petunin 2009"
     Options = HeatLagOptions
     default = "soft"
+    minds_zones = False
     default_weight = 50.0
 
     def statements(self, facts: Facts, options: HeatLagOptions) -> Iterator[Lag]:

@@ -64,6 +64,7 @@ class LevelAhead(OrderRule[NoOptions]):
     source = "Pristupov 2016, fig. 3"
     Options = NoOptions
     gives_way = 1
+    minds_zones = False
     of_each_torch = True
 
     def statements(self, facts: Facts, options: NoOptions) -> list[Precede]:

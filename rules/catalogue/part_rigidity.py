@@ -97,6 +97,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
     Options = PartRigidityOptions
     minds_what_is_out = True
     excusable = True
+    minds_zones = False
     shares = ("web_mm", "head_share", "tail_share")
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:

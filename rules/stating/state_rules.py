@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -73,8 +74,11 @@ class Stated:
     exempt: tuple[About, ...] = ()
 
 
-def state_rules(facts: Facts, profile: Profile) -> Stated:
+def state_rules(facts: Facts, profile: Profile, by_other_zones: Stated | None = None) -> Stated:
     """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
+
+    What is stated `by_other_zones` of facts that are else the same, nothing relaxed, is taken over of rules that do
+    not mind zones: large nests have hundreds of thousands of such statements.
 
     Raises
     ------
@@ -95,20 +99,27 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
     >>> stated.statements[0].about.sentence
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
-    statements, exempt = every_statement(facts, profile)
+    known = {} if by_other_zones is None else _kept(by_other_zones, profile)
+    statements, exempt = every_statement(facts, profile, known)
     if alone := hopeless(statements):
         raise RulesConflict(HOPELESS, tuple(about.sentence for about in alone))
     resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in profile.rulebook().items()})
     return replace(resolved, exempt=exempt)
 
 
-def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tuple[About, ...]]:
-    """What the rules that are on state, cycles and all, and the contours they exempt."""
+def every_statement(
+    facts: Facts, profile: Profile, known: Mapping[str, Sequence[Statement]] = MappingProxyType({})
+) -> tuple[list[Statement], tuple[About, ...]]:
+    """What the rules that are on state, cycles and all, and the contours they exempt; some of it may be known."""
     book = profile.rulebook()
     statements: list[Statement] = []
     exempt: list[About] = []
     for name, setting in profile.settings().items():
-        stated = stated_by(book[name], facts, setting.options)
+        stated: Iterable[Statement] = ()
+        if name in known:
+            statements += known[name]
+        else:
+            stated = stated_by(book[name], facts, setting.options)
         if setting.weight is None:
             statements += weighed(stated, EXEMPTION_MM) if book[name].excusable else stated
             exempt += book[name].exempt(facts if facts.copies is None else facts.copies.whole, setting.options)
@@ -116,6 +127,16 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
             statements += weighed(stated, setting.weight)
     statements += _objective(facts, profile)
     return statements, tuple(exempt)
+
+
+def _kept(stated: Stated, profile: Profile) -> dict[str, list[Statement]]:
+    """What rules that do not mind zones have stated, dropped or not, by rule."""
+    book = profile.rulebook()
+    kept: dict[str, list[Statement]] = {name: [] for name in profile.settings() if not book[name].minds_zones}
+    for s in (*stated.statements, *(dropped.statement for dropped in stated.dropped)):
+        if s.about.rule in kept:
+            kept[s.about.rule].append(s)
+    return kept
 
 
 def hopeless_anyway(facts: Facts, profile: Profile) -> tuple[About, ...]:

@@ -18,6 +18,7 @@ from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import zones_cost as cost_of_zones
+from kerfwise.jobs import zones_limits
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.explaining import Explainer
 from kerfwise.jobs.given import Given
@@ -161,5 +162,5 @@ def test_zones_do_not_move_for_a_plan_that_is_not_asked_for_the_same(monkeypatch
 
 def test_the_readme_tells_the_limits() -> None:
     readme = " ".join((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8").split())
-    assert f"within {cost_of_zones.SHARE:.0%}".replace("%", " % of the limit") in readme
+    assert f"within {zones_limits.SHARE:.0%}".replace("%", " % of the limit") in readme
     assert f"With more than {cost_of_zones.MOST_MOVES} contours, that plan is not asked what its single moves" in readme

@@ -16,7 +16,7 @@ from kerfwise.encoder.facts.zone_runs import zones_along
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import zones_cost, zones_moved
+from kerfwise.jobs import zones_limits, zones_moved
 from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.zones_cost import Free
@@ -57,7 +57,7 @@ def chosen(
     asked = ask(facts, profile)
     left, works = list(others), list[float]()
 
-    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, progress: object) -> object:
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         works.append(limits.work)
         cost, status = left.pop(0)
         return Asked(facts, asked.stated), replace(solution, objective=cost, status=status, seconds=1.0)
@@ -120,7 +120,7 @@ def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkey
         better = replace(solution, objective=solution.objective - 1.0, route=next(routes))
         return Free(asked.stated, better, 0.5)
 
-    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, progress: object) -> None:
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> None:
         works.append(limits.work)
 
     monkeypatch.setattr(zones_moved, "without_zones", without_zones)
@@ -128,7 +128,7 @@ def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkey
     monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
     better_zones(asked, (), profile, solution, SolveOptions(work=10.0))
     first = zones_moved.A_TRY * 8.0
-    least = zones_cost.SHARE * 10.0
+    least = zones_limits.SHARE * 10.0
     assert works == pytest.approx([first, 8.0 - first, zones_moved.A_TRY * least, least])
 
 
@@ -144,13 +144,13 @@ def test_a_plan_by_other_zones_says_all_that_it_took(timed: bool, monkeypatch: p
         better = replace(solution, objective=solution.objective - 2.0, route=next(routes))
         return Free(asked.stated, better, 0.5)
 
-    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, progress: object) -> object:
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         clock[0] += 1.5
         return Asked(facts, asked.stated), replace(solution, objective=solution.objective + next(costs), seconds=1.0)
 
     monkeypatch.setattr(zones_moved, "without_zones", without_zones)
     monkeypatch.setattr(zones_moved, "running_s", lambda: clock[0])
-    monkeypatch.setattr(zones_cost, "running_s", lambda: clock[0])
+    monkeypatch.setattr(zones_limits, "running_s", lambda: clock[0])
     monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
     monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
     limits = SolveOptions(time_s=10.0) if timed else SolveOptions(work=10.0)

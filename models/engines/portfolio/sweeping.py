@@ -27,7 +27,8 @@ class Sweeping:
             run.leave_out("ideals", why)
             return
         most = shares.COUNTED_FEW if run.problem.n <= shares.LONGEST else shares.COUNTED
-        most *= min(1.0, run.left() / shares.COUNTED_S)
+        alone = run.options.member is not None and run.problem.n > shares.COUNTED_ALONE_CONTOURS
+        most *= min(1.0, run.left() / (shares.COUNTED_ALONE_S if alone else shares.COUNTED_S))
         self.count = ideals.count_sets(run.of_sets, most, self._preview.counting)
         run.known.work += self.count.work
 

@@ -154,3 +154,20 @@ def _in_squares(facts: Facts) -> np.ndarray:
     """Zones of rings around a square that shrinks from two sides: what is left is a square after every one."""
     middle = [c.polygon.centroid for c in facts.nest.contours]
     return np.array([1 + min(round(m.x - 50) // 100, round(m.y - 50) // 100) for m in middle])
+
+
+@pytest.mark.parametrize(("most", "beside"), [(10_000, False), (0, True)])
+def test_in_a_large_nest_a_part_that_is_gone_back_to_lies_where_it_is_cut_last(
+    most: int, beside: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its hole is cut first of all, and the part with the sixth column: half-way there is nothing of it."""
+    monkeypatch.setattr(zone_runs, "MIDDLES", most)
+    monkeypatch.setattr(zone_runs, "LESS_TOGETHER", 100.0)
+    facts = grid(12, 3, zone_respects=frozenset({"contains"}), square_ratio=10.0)
+    outer = facts.nest.index["00.outer"]
+    order = [k for k in to_and_fro(facts, 3) if k != outer]
+    order.insert(order.index(facts.nest.index["50.outer"]), outer)
+    found = next(zones_along(facts, order))
+    assert (found[outer] == found[facts.nest.index["50.outer"]]) == beside
+    if not beside:
+        assert found[outer] < found[facts.nest.index["50.outer"]]

@@ -1,0 +1,147 @@
+"""How long plans without zones, and by other zones, may take: within what is documented, and not begun in vain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kerfwise.arrays import Ints
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.jobs import zones_cost, zones_limits, zones_moved
+from kerfwise.jobs.ask import Asked, ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.zones_cost import Free
+from kerfwise.jobs.zones_limits import FEW, MOST_CONTOURS, begun, look_again, look_for
+from kerfwise.jobs.zones_moved import better_zones, planned_by_zones
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
+
+ROW = nest(600, 100, *(part(str(k), rect(10 + 100 * k, 10, 80, 80)) for k in range(6)))
+"""Six plates in a row."""
+MOST_TIMES = 1.8
+"""Of the work, as the README says."""
+
+
+def planned(seconds: float, status: str = "optimal") -> Solution:
+    return Solution((0,), 100.0, None, status, "ideals", "ideals", seconds)  # type: ignore[arg-type]
+
+
+def test_few_contours_have_their_share_whatever_the_first_plan_took() -> None:
+    for first in (0.1, 5.0, 10.0):
+        found = look_for(1000, SolveOptions(work=10.0), None, planned(first))
+        assert found is not None
+        assert found.work == pytest.approx(zones_limits.SHARE * 10.0)
+        assert look_again(1000, SolveOptions(work=10.0), None) == found
+    assert begun(FEW, SolveOptions(work=0.01))
+
+
+def test_many_contours_have_what_two_proofs_leave() -> None:
+    found = look_for(10_000, SolveOptions(work=10.0), None, planned(1.0))
+    assert found is not None
+    assert found.work == pytest.approx(10.0 - 1.0 - zones_limits.PROOF * 1.0)
+    slow = look_for(10_000, SolveOptions(work=10.0), None, planned(6.0))
+    assert slow is not None
+    assert slow.work == pytest.approx(2.0), "half of what is left"
+
+
+def test_what_cannot_get_anywhere_is_not_begun() -> None:
+    assert not begun(10_000, SolveOptions(work=0.1))
+    assert not begun(3000, SolveOptions(work=0.1))
+    assert not begun(10_000, SolveOptions(time_s=20.0))
+    assert not begun(MOST_CONTOURS + 1, SolveOptions(work=1000.0))
+    assert begun(10_000, SolveOptions(work=10.0))
+    assert begun(10_000, SolveOptions(time_s=300.0))
+    assert look_for(10_000, SolveOptions(work=3.0), None, planned(3.0)) is None
+    assert look_again(10_000, SolveOptions(work=3.0), None) is None
+
+
+def test_a_limit_in_seconds_keeps_what_other_zones_take(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(zones_limits, "running_s", lambda: 1000.0)
+    limits = SolveOptions(time_s=300.0)
+    found = look_for(10_000, limits, 1200.0, planned(20.0))
+    assert found is not None
+    assert found.time_s == pytest.approx(200.0 - zones_limits.PROOF * 20.0)
+    assert look_for(10_000, limits, 1015.0, planned(100.0)) is None
+    assert look_again(10_000, limits, 1015.0) is None
+
+
+@pytest.fixture
+def _all_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (zones_limits, zones_moved):
+        monkeypatch.setattr(module, "FEW", 3)
+
+
+@pytest.mark.usefixtures("_all_are_many")
+@pytest.mark.parametrize("first", [0.5, 3.0, 6.0, 9.9, 10.0])
+@pytest.mark.parametrize("found", [True, False])
+def test_all_together_keep_to_what_is_documented(first: float, found: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever looks spends all that it is given: the work comes to no more than the README says."""
+    profile, spent = load_profile(), [first]
+    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=first)
+    routes = iter((solution.route, solution.route[::-1]))
+
+    def without_zones(*given: SolveOptions) -> Free:
+        spent.append(given[4].work)
+        better = replace(solution, objective=solution.objective - 1.0, route=next(routes))
+        return Free(asked.stated, better, given[4].work)
+
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
+        spent.append(limits.work)
+        worse = replace(solution, objective=solution.objective + 1.0, seconds=limits.work, status="feasible")
+        return (Asked(facts, asked.stated), worse) if found else None
+
+    def along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
+        yield from (np.minimum(np.arange(1, 7), k) for k in count(2))
+
+    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
+    monkeypatch.setattr(zones_moved, "zones_along", along)
+    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    better_zones(asked, (), profile, solution, SolveOptions(work=10.0))  # type: ignore[arg-type]
+    assert len(spent) == 7, "the plan, a look, two tries, and once more"
+    assert sum(spent) <= MOST_TIMES * 10.0
+
+
+def zoned(contours: int) -> Profile:
+    profile = load_profile()
+    rule = profile.rules["zone-order"]
+    changed = replace(rule, options=replace(rule.options, zone_contours=contours))
+    return replace(profile, rules={**profile.rules, "zone-order": changed})
+
+
+@pytest.mark.usefixtures("_all_are_many")
+@pytest.mark.parametrize(("work", "told"), [(1e-4, False), (5.0, True)])
+def test_with_little_work_nothing_is_looked_for(work: float, told: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[int] = []
+    plain = zones_moved.without_zones
+
+    def without_zones(*given: object, **named: object) -> Free | None:
+        looked.append(1)
+        return plain(*given, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
+    profile = zoned(2)
+    asked = ask(facts_of(ROW, profile), profile)
+    made = produce(asked, profile, options_for(ROW, profile, work=work), and_zones=True)
+    assert made.verdict.ok
+    assert bool(looked) == told
+    assert (made.plan.zones_cost is not None) == told
+    assert bool(planned_by_zones(asked, profile, options_for(ROW, profile, work=work)).free) == told
+
+
+def test_the_page_on_zones_and_the_readme_tell_the_limits() -> None:
+    root = Path(__file__).parents[2]
+    readme = " ".join((root / "README.md").read_text(encoding="utf-8").split())
+    assert f"With more than {FEW} contours, that look has what two proofs leave" in readme
+    assert f"{MOST_TIMES} times the work at the most" in readme
+    assert f"beyond {MOST_CONTOURS:,} contours" in " ".join((root / "docs/scale.md").read_text(encoding="utf-8").split())
+    assert zones_cost.MOST_CONTOURS == MOST_CONTOURS
