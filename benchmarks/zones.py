@@ -1,7 +1,7 @@
 """What zones cost: plans by the zones of geometry, by zones that have moved, and the best plan known without any.
 
-Usage: python benchmarks/zones.py [--contours 115 308 1000 3000 10000] [--default 115] [--sizes 308:40,50] [--seeds 1 11]
-       [--apart 21] [--work 30] [--without 0.03] [--kept rows.json] > docs/zones.md
+Usage: python benchmarks/zones.py [--contours 115 308 1000 3000 10000] [--default 115] [--sizes 308:40,50]
+       [--seeds 1 11] [--apart 21] [--work 30] [--without 0.03] [--kept rows.json] > docs/zones.md
 
 Made plates (examples/gen_sheet.py) under the default profile without no-tip-travel, which looks at every single move;
 those of `--default` contours with it. `--sizes` are plates on which geometry makes zones of so many contours, which do

@@ -44,7 +44,10 @@ RELAX = 0.5
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Asked:
-    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them, in so many seconds."""
+    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them.
+
+    `seconds` is how long it took to state them, by the clock.
+    """
 
     facts: Facts
     stated: Stated

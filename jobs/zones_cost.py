@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.kernels import running_s

@@ -111,7 +111,8 @@ def better_zones(
         stopped = progress is not None and not progress("zones", None, None)
         return once_more(contours, limits, ends_s, spent) if in_time and not stopped else None
 
-    account, mixed_s = Account(solution.seconds + beside(contours, free.seconds, limits), left), 0.0
+    kept = beside(contours, free.seconds, limits)
+    account, mixed_s = Account(solution.seconds + kept, left), 0.0
     found = list(along(asked, profile, solution, free, account, progress))
     looked = look_again(contours, limits, ends_s)
     none_better = not any(_rank(other) < _rank(solution) for _, other in found)
@@ -127,7 +128,7 @@ def better_zones(
     if best is solution:
         return ByZones(asked, solution, free, elsewhere)
     notes = (*solution.notes, "zones: moved along the best plan known without them", *best.notes)
-    spent = account.spent + free.seconds + mixed_s
+    spent = account.spent - kept + free.seconds + mixed_s
     if limits.time_s is not None:
         spent = solution.seconds + running_s() - began_s
     return ByZones(by, replace(best, seconds=spent, notes=notes), free, elsewhere)
@@ -187,7 +188,7 @@ def along(
 
 
 def _asked_alike(one: Solution, other: Solution, contours: int) -> bool:
-    """Whether the objectives of two plans count the same; in large nests of what is left out only the number differs."""
+    """Whether the objectives of two plans count the same. In large nests what is left out says how much it is, too."""
     if contours <= FEW:
         return one.left_out == other.left_out
     return {rule for rule, _ in one.left_out} == {rule for rule, _ in other.left_out}

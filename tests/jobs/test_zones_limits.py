@@ -106,9 +106,33 @@ def test_all_together_keep_to_what_is_documented(first: float, found: bool, monk
     monkeypatch.setattr(zones_moved, "without_zones", without_zones)
     monkeypatch.setattr(zones_moved, "zones_along", along)
     monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
-    better_zones(asked, (), profile, solution, SolveOptions(work=10.0))  # type: ignore[arg-type]
+    best = better_zones(asked, (), profile, solution, SolveOptions(work=10.0)).solution  # type: ignore[arg-type]
+    assert best is solution
     assert len(spent) == 7, "the plan, a look, two tries, and once more"
     assert sum(spent) <= MOST_TIMES * 10.0
+
+
+@pytest.mark.usefixtures("_all_are_many")
+@pytest.mark.parametrize("first", [0.5, 6.0, 9.9])
+def test_a_plan_by_other_zones_says_what_it_took(first: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    profile, spent = load_profile(), [first]
+    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=first)
+
+    def without_zones(*given: SolveOptions) -> Free:
+        spent.append(given[4].work)
+        return Free(asked.stated, replace(solution, objective=solution.objective - 2.0), given[4].work)
+
+    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
+        spent.append(0.5 * limits.work)
+        return Asked(facts, asked.stated), replace(solution, objective=solution.objective - 1.0, seconds=spent[-1])
+
+    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
+    monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
+    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    best = better_zones(asked, (), profile, solution, SolveOptions(work=10.0)).solution  # type: ignore[arg-type]
+    assert best.seconds == pytest.approx(sum(spent))
+    assert len(spent) == 3
 
 
 def zoned(contours: int) -> Profile:
@@ -140,8 +164,9 @@ def test_with_little_work_nothing_is_looked_for(work: float, told: bool, monkeyp
 
 def test_the_page_on_zones_and_the_readme_tell_the_limits() -> None:
     root = Path(__file__).parents[2]
-    readme = " ".join((root / "README.md").read_text(encoding="utf-8").split())
+    texts = ((root / page).read_text(encoding="utf-8") for page in ("README.md", "docs/scale.md"))
+    readme, scale = (" ".join(text.split()) for text in texts)
     assert f"With more than {FEW} contours, that look has what two proofs leave" in readme
     assert f"{MOST_TIMES} times the work at the most" in readme
-    assert f"beyond {MOST_CONTOURS:,} contours" in " ".join((root / "docs/scale.md").read_text(encoding="utf-8").split())
+    assert f"beyond {MOST_CONTOURS:,} contours" in scale
     assert zones_cost.MOST_CONTOURS == MOST_CONTOURS

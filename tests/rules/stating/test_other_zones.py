@@ -33,7 +33,6 @@ ROUND = nest(
 )  # fmt: skip
 
 
-
 def in_zones(contours: int) -> Profile:
     profile = load_profile()
     rule = profile.rules["zone-order"]
