@@ -32,7 +32,7 @@ from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.zones_cost import zoned_by
-from kerfwise.jobs.zones_limits import FEW
+from kerfwise.jobs.zones_limits import FEW, LEAST_S, LEAST_WORK, MOST_CONTOURS
 from kerfwise.jobs.zones_moved import better_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution, SolveOptions
@@ -111,6 +111,13 @@ Where a plan goes to and fro between parts for longer than a proof bears, border
 in the order of their middles. Where a proof takes too long, zones that are more come next, with what is left of the
 work. Of all plans that were found so the one that costs least is taken, proven or not; where it is not proven, the plan
 says what is proven within other zones.
+
+Beyond {few} contours the plan by the zones of geometry is proven within a small part of the work, and other zones are
+proven about as fast. So the look without zones has what these two leave: from the plan with zones on, a large nest is
+annealed, and then improved region by region. Where that plan goes back to a part much later, the part lies in the zone
+in which it is cut last: the middle of its contours may be far off on the sheet. What rules state that do not look at
+zones is not stated again. A look is not begun with less than {least:g} of work a contour, or {least_s:g} s, and beyond
+{many:,} contours zones stay as geometry makes them.
 """
 
 
@@ -298,6 +305,9 @@ def main() -> None:
         without=given.without,
         most=MOST_WITHOUT,
         few=FEW,
+        many=MOST_CONTOURS,
+        least=LEAST_WORK,
+        least_s=LEAST_S,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         rows="\n".join(str(row) for row in rows if isinstance(row, Row)),

@@ -19,8 +19,9 @@ LEAST, A_CONTOUR = 0.5, 0.02
 """Work that it takes at the least, and for every contour."""
 FEW, MOST_CONTOURS = 2500, 12_000
 """Contours up to which that share is all it has, and up to which it is looked for."""
-LEAST_WORK, LEAST_S = 1e-4, 1e-3
-"""Work, and seconds by the clock, for every contour of a larger nest, with less of which a look is not begun there."""
+LEAST_WORK, LEAST_S, PROVEN_S = 1e-4, 1e-3, 1e-3
+"""Work, and seconds by the clock, for every contour of a larger nest, with less of which a look is not begun there; and
+seconds that other zones have beside `STATED`, at the least, where there is time for them at all."""
 PROOF = 4.0
 """How many times as long as the first plan took is kept for plans by other zones there, or half of what is left."""
 STATED = 3.0
@@ -47,7 +48,9 @@ def begun(contours: int, limits: SolveOptions) -> bool:
     return SHARE * limits.time_s >= LEAST_S * contours
 
 
-def look_for(contours: int, limits: SolveOptions, ends_s: float | None, first: Solution) -> SolveOptions | None:
+def look_for(
+    contours: int, limits: SolveOptions, ends_s: float | None, first: Solution, stated_s: float = 0.0
+) -> SolveOptions | None:
     """How long a plan without zones is looked for; None for not at all.
 
     Parameters
@@ -56,6 +59,8 @@ def look_for(contours: int, limits: SolveOptions, ends_s: float | None, first: S
         When a limit in seconds ends, by `running_s`.
     first
         The plan by the zones of geometry.
+    stated_s
+        How long it took to state the rules.
     """
     if contours <= FEW:
         return _share(contours, limits, ends_s)
@@ -66,8 +71,11 @@ def look_for(contours: int, limits: SolveOptions, ends_s: float | None, first: S
         work = max(left - min(PROOF * first.seconds, left / 2), SHARE * limits.work)
         return replace(limits, work=work) if work >= LEAST_WORK * contours else None
     left_s = ends_s - running_s()
-    time_s = left_s - min(PROOF * first.seconds, left_s / 2)
-    return replace(limits, time_s=time_s) if time_s >= LEAST_S * contours else None
+    kept_s = min(PROOF * first.seconds, left_s / 2)
+    all_s = max(kept_s, STATED * stated_s + PROVEN_S * contours)
+    times_s = [left_s - all_s, left_s - kept_s]  # where zones have no time to move, what they cost is looked for alone
+    time_s = next((time_s for time_s in times_s if time_s >= LEAST_S * contours), None)
+    return None if time_s is None else replace(limits, time_s=time_s)
 
 
 def look_again(contours: int, limits: SolveOptions, ends_s: float | None) -> SolveOptions | None:

@@ -96,7 +96,7 @@ def better_zones(
         Whether the plan may be another; else zones stay as they are.
     """
     contours = asked.facts.n
-    began_s, looked = running_s(), look_for(contours, limits, ends_s, solution)
+    began_s, looked = running_s(), look_for(contours, limits, ends_s, solution, asked.seconds)
     free = looked and without_zones(asked, further, profile, solution, looked, progress)
     if looked is None or free is None or not may_move or not movable(asked.facts):
         return ByZones(asked, solution, free)

@@ -71,6 +71,13 @@ def test_a_limit_in_seconds_keeps_what_other_zones_take(monkeypatch: pytest.Monk
     assert found is not None
     assert found.time_s == pytest.approx(200.0 - zones_limits.PROOF * 20.0)
     assert look_for(10_000, limits, 1015.0, planned(100.0)) is None
+    slow = look_for(10_000, limits, 1100.0, planned(100.0), 20.0)
+    assert slow is not None
+    beside_s = zones_limits.STATED * 20.0 + zones_limits.PROVEN_S * 10_000
+    assert slow.time_s == pytest.approx(100.0 - beside_s)
+    in_vain = look_for(10_000, limits, 1050.0, planned(100.0), 20.0)
+    assert in_vain is not None
+    assert in_vain.time_s == pytest.approx(25.0), "zones have no time to move, but the plan says what they cost"
     assert look_again(10_000, limits, 1015.0) is None
 
 
