@@ -30,7 +30,7 @@ from .costs import cost_of_plan
 from .pierce_pass import with_pierces
 from .torches import with_further_torches
 from .zones_cost import zoned_by
-from .zones_limits import SHARE, begun
+from .zones_limits import FEW, SHARE, begun
 from .zones_moved import better_zones
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def produce(
         and begun(facts.n, limits)
         and bool(zoned_by(asked, profile))
     )
-    if and_zones and limits.time_s is not None:
+    if and_zones and limits.time_s is not None and facts.n <= FEW:  # of larger nests it has what the first plan leaves
         limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:

@@ -97,8 +97,10 @@ def better_zones(
     """
     contours = asked.facts.n
     began_s, looked = running_s(), look_for(contours, limits, ends_s, solution, asked.seconds)
-    free = looked and without_zones(asked, further, profile, solution, looked, progress)
-    if looked is None or free is None or not may_move or not movable(asked.facts):
+    if looked is None:
+        return ByZones(asked, solution, None)
+    free = without_zones(asked, further, profile, solution, looked, progress)
+    if free is None or not may_move or not movable(asked.facts):
         return ByZones(asked, solution, free)
     if free.cost_mm(asked, solution, limits) <= free.solution.objective:
         return ByZones(asked, solution, free)
