@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import count
@@ -12,7 +13,11 @@ import pytest
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.facts import zone_runs, zones
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import zones_cost, zones_limits, zones_moved
 from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.produce import produce
@@ -167,6 +172,23 @@ def test_with_little_work_nothing_is_looked_for(work: float, told: bool, monkeyp
     assert bool(looked) == told
     assert (made.plan.zones_cost is not None) == told
     assert bool(planned_by_zones(asked, profile, options_for(ROW, profile, work=work)).free) == told
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_all_are_many")
+def test_zones_of_many_contours_move_and_the_check_agrees(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Statements are taken over, a part that is gone back to is cut where it is cut last, and all is judged."""
+    monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
+    monkeypatch.setattr(zone_runs, "MIDDLES", 0)
+    sheet, profile = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions()), load_profile()
+    asked, limits = ask(facts_of(sheet, profile), profile), options_for(sheet, profile, work=5.0)
+    stayed, moved, again = (produce(asked, profile, limits, and_zones=also) for also in (False, True, True))
+    assert moved.facts.zone.tolist() != stayed.facts.zone.tolist()
+    assert moved.plan.solve.objective < stayed.plan.solve.objective
+    assert moved.plan.solve.status == "optimal"
+    assert moved.plan.zones_cost is not None
+    assert moved.verdict.ok
+    assert moved.plan.to_json() == again.plan.to_json()
 
 
 def test_the_page_on_zones_and_the_readme_tell_the_limits() -> None:
