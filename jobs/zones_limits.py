@@ -96,8 +96,8 @@ def _share(contours: int, limits: SolveOptions, ends_s: float | None) -> SolveOp
 
 
 def beside(contours: int, looked: float, limits: SolveOptions) -> float:
-    """How much of the work of a look is none beside the limit, but is missing for plans by other zones."""
-    return 0.0 if contours <= FEW else max(0.0, looked - SHARE * limits.work)
+    """How much of the work of a look is missing for plans by other zones; those have as much beside it as a look."""
+    return 0.0 if contours <= FEW else looked - 2 * SHARE * limits.work
 
 
 def once_more(contours: int, limits: SolveOptions, ends_s: float | None, spent: float) -> SolveOptions:
