@@ -60,7 +60,7 @@ SURE = 0.4
 COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
-COUNTED_S, COUNTED_ALONE_S, COUNTED_ALONE_CONTOURS = 15.0, 4.0, 2500
+COUNTED_S, COUNTED_ALONE_S, COUNTED_ALONE_CONTOURS = 15.0, 2.5, 2500
 """The second where nothing but a sweep is asked for, beyond so many contours: there most of the work is a sweep's."""
 PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 3_000_000
 """Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
