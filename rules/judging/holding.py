@@ -72,7 +72,7 @@ def cut_off(
 
     The cluster is put together again from the last cut to the first: pieces that are apart before a part is put back,
     and together afterwards, are those that its cut sets apart. The one on the frame stays, where there is a frame,
-    else the one that lasts longest; the others are islands.
+    else the one that lasts longest; the others are islands. Parts without a position are never cut, and set none apart.
     """
     after_all = max(cut_at.values(), default=0) + 1
     order = sorted(cluster, key=lambda k: (-cut_at.get(k, after_all), k))
@@ -83,8 +83,8 @@ def cut_off(
     for rank, k in enumerate(order):
         near = {piece[x] for x in joined[k] if x in piece} | ({FRAME} if k in framed else set())
         stays, *islands = sorted(near) or [rank]
-        for island in islands:
-            yield cut_at[k], sorted(members[island])
+        if k in cut_at:
+            yield from ((cut_at[k], sorted(members[island])) for island in islands)
         one = members.setdefault(stays, [])
         for new in ([k], *(members.pop(island) for island in islands)):
             one += new
