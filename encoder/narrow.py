@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import shapely
@@ -25,7 +24,6 @@ from kerfwise.encoder.geometry.segment import Point
 
 from .kept_beside import kept_beside
 from .nest import Contour
-from .side_by_side import in_halves
 from .tolerance import tolerance_mm
 
 Lines = NDArray[np.object_]
@@ -160,16 +158,10 @@ def _surely_kept(
         left = [k for k, c in enumerate(contours) if not sure[k] and c.id in paths]
         lines = lines_of([contours[k].curve for k in left], chord_mm)
         rings = lines_of([paths[contours[k].id] for k in left], chord_mm / 2)
-        near_mm = most_mm - 2 * chord_mm - SLACK_MM
-        sure[left] = np.concatenate(in_halves(partial(_all_near, lines, rings, chord_mm / 2, near_mm), len(left)))
+        rings = shapely.simplify(rings, chord_mm / 2)  # paths of very many chords too
+        near = shapely.buffer(rings, most_mm - 2 * chord_mm - SLACK_MM, quad_segs=FEW)
+        sure[left] = shapely.covers(near, lines)
     return sure
-
-
-def _all_near(lines: Lines, rings: Lines, chord_mm: float, near_mm: float, some: slice) -> NDArray[np.bool_]:
-    """Whether some of the lines lie all along so near to their rings, of which fewer chords are taken if many do."""
-    fewer = shapely.simplify(rings[some], chord_mm)
-    near = shapely.buffer(fewer, near_mm, quad_segs=FEW)
-    return np.asarray(shapely.covers(near, lines[some]), dtype=np.bool_)
 
 
 def _not_too_fine(rings: Lines) -> Lines:
