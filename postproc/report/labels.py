@@ -48,9 +48,11 @@ def place_labels(
     part the holes' labels are placed before the outer contour's or after it, whichever leaves the smallest of them
     larger.
     """
-    holes = [h for p in nest.parts for h in p.holes if h.id in labels]
-    filled = _nested_metal(nest, tuple(h.id for h in holes))
-    areas = number_areas(nest, wanted_mm) if window is None else _Areas.of(nest.parts, holes, wanted_mm, window)
+    every = [h for p in nest.parts for h in p.holes]
+    holes = [h for h in every if h.id in labels]
+    filled = nested_metal(nest, tuple(h.id for h in holes))
+    whole = window is None and len(holes) == len(every)
+    areas = number_areas(nest, wanted_mm) if whole else _Areas.of(nest.parts, holes, wanted_mm, window)
     tried = _of_parts(nest.parts, labels, wanted_mm, areas, filled)
     size_mm, crowded = wanted_mm, [k for k, places in enumerate(tried) if _meet(places)]
     while crowded and size_mm > wanted_mm * _LEAST:
@@ -83,9 +85,7 @@ class _Areas:
 @kept_with_nest(most=1)
 def number_areas(nest: Nest, wanted_mm: float) -> _Areas:
     """Where numbers of a size may stand in a whole nest: it needs no plan, so it may be told before there is one."""
-    holes = [hole for part in nest.parts for hole in part.holes]
-    _nested_metal(nest, tuple(hole.id for hole in holes))
-    return _Areas.of(nest.parts, holes, wanted_mm, None)
+    return _Areas.of(nest.parts, [hole for part in nest.parts for hole in part.holes], wanted_mm, None)
 
 
 def _of_parts(
@@ -276,7 +276,7 @@ def _seen(areas: Sequence[shapely.Geometry], wanted_mm: float, window: shapely.P
 
 
 @kept_with_nest(most=1)
-def _nested_metal(nest: Nest, names: tuple[str, ...]) -> dict[str, shapely.Geometry]:
+def nested_metal(nest: Nest, names: tuple[str, ...]) -> dict[str, shapely.Geometry]:
     """The outlines of the parts that lie in each of these holes, by hole id; empty holes are left out."""
     if not names:
         return {}

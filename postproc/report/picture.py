@@ -25,7 +25,7 @@ from .cuts import (
     travel_layer,
 )
 from .known import expect_known
-from .labels import Label, number_areas, place_labels, place_names
+from .labels import Label, nested_metal, number_areas, place_labels, place_names
 from .legend import Clock, footer_layer, header_layer, nest_name
 from .metal import near_parts, out_layer, outlines_of_parts, part_layer, sheet_layer, zone_layer, zone_map
 from .scene import Scene, SceneLayer, TextLine
@@ -70,6 +70,7 @@ def prepare(nest: Nest, home: Point = (0.0, 0.0)) -> None:
     """Find out what a picture of any plan of a whole nest needs of the nest alone: `sketch` takes it from there."""
     view = View.of(_whole(nest, home), len(nest.contours), _used_mm2(nest))
     number_areas(nest, view.number_size * view.mm)
+    nested_metal(nest, tuple(hole.id for part in nest.parts for hole in part.holes))
     near_parts(nest)
     outlines_of_parts(nest, view)
 
