@@ -1,7 +1,7 @@
 """Whether limits hold: seconds by the clock that `kerfwise solve` takes, and what its process holds at the most.
 
 Usage: python benchmarks/limits.py [--plates 115:10 308:20 1000:30] [--memory GB] [--seed 1] [--processor]
-           > docs/limits.md
+           > docs/time-limits.md
 
 Made plates (examples/gen_sheet.py) under the default profile, cut zone after zone and without zones. Every plate is
 solved within so many seconds by the command itself, in a process of its own, once compiled kernels are kept. Prints the
@@ -29,7 +29,7 @@ import kerfwise
 from kerfwise.examples.gen_sheet import make_sheet
 
 PAGE = """\
-# Limits
+# Limits by the clock
 
 Made by `python benchmarks/limits.py --plates {plates} --memory {memory:g} --seed {seed}{processor}` with kerfwise
 {kerfwise}, Python {python}, {system}.

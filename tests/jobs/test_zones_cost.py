@@ -160,7 +160,7 @@ def test_zones_do_not_move_for_a_plan_that_is_not_asked_for_the_same(monkeypatch
     assert tried.program == stayed.program
 
 
-def test_the_readme_tells_the_limits() -> None:
-    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8").split())
-    assert f"within {zones_limits.SHARE:.0%}".replace("%", " % of the limit") in readme
-    assert f"With more than {cost_of_zones.MOST_MOVES} contours, that plan is not asked what its single moves" in readme
+def test_the_page_on_limits_tells_them() -> None:
+    page = " ".join((Path(__file__).parents[2] / "docs" / "limits.md").read_text(encoding="utf-8").split())
+    assert f"within {zones_limits.SHARE:.0%}".replace("%", " % of the limit") in page
+    assert f"With more than {cost_of_zones.MOST_MOVES} contours, that plan is not asked what its single moves" in page

@@ -33,7 +33,7 @@ from kerfwise.rules.profile.profile import Profile
 ROW = nest(600, 100, *(part(str(k), rect(10 + 100 * k, 10, 80, 80)) for k in range(6)))
 """Six plates in a row."""
 MOST_TIMES = 1.8
-"""Of the work, as the README says."""
+"""Of the work, as docs/limits.md says."""
 
 
 def planned(seconds: float, status: str = "optimal") -> Solution:
@@ -96,7 +96,7 @@ def _all_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("first", [0.5, 3.0, 6.0, 9.9, 10.0])
 @pytest.mark.parametrize("found", [True, False])
 def test_all_together_keep_to_what_is_documented(first: float, found: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever looks spends all that it is given: the work comes to no more than the README says."""
+    """Whoever looks spends all that it is given: the work comes to no more than docs/limits.md says."""
     profile, spent = load_profile(), [first]
     asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=first)
@@ -191,11 +191,11 @@ def test_zones_of_many_contours_move_and_the_check_agrees(monkeypatch: pytest.Mo
     assert moved.plan.to_json() == again.plan.to_json()
 
 
-def test_the_page_on_zones_and_the_readme_tell_the_limits() -> None:
+def test_the_pages_on_zones_and_on_limits_tell_them() -> None:
     root = Path(__file__).parents[2]
-    texts = ((root / page).read_text(encoding="utf-8") for page in ("README.md", "docs/scale.md"))
-    readme, scale = (" ".join(text.split()) for text in texts)
-    assert f"With more than {FEW} contours, that look has what two proofs leave" in readme
-    assert f"{MOST_TIMES} times the work at the most" in readme
+    texts = ((root / page).read_text(encoding="utf-8") for page in ("docs/limits.md", "docs/scale.md"))
+    page, scale = (" ".join(text.split()) for text in texts)
+    assert f"With more than {FEW} contours, that look has what two proofs leave" in page
+    assert f"{MOST_TIMES} times the work at the most" in page
     assert f"beyond {MOST_CONTOURS:,} contours" in scale
     assert zones_cost.MOST_CONTOURS == MOST_CONTOURS
