@@ -71,10 +71,14 @@ def _route(problem: Problem, arcs: ArcLiterals, v: Variables, solver: CpSolver) 
     return tuple(route)
 
 
-def _checked(problem: Problem, route: Sequence[int], cost: int) -> Incumbent:
-    """The route with its cost, if the plain reference agrees with the model."""
-    real = route_cost(problem, route)
+def _checked(problem: Problem, route: Sequence[int], most_um: int) -> Incumbent:
+    """The route at its real cost, which is at most what the model has for it.
+
+    Where nothing is proven yet, the solver may still pay for statements that its route keeps: literals of penalties are
+    only tied to what they pay for in one direction, and it is the objective that drives them down.
+    """
+    cost = route_cost(problem, route)
     said = [about.sentence for about in broken(problem, route)]
-    if said or real != cost:
-        raise AssertionError(f"CP-SAT found {route} for {cost} µm; it costs {real} µm and breaks {said}")
+    if said or cost > most_um:
+        raise AssertionError(f"CP-SAT found {route} for {most_um} µm; it costs {cost} µm and breaks {said}")
     return Incumbent(tuple(route), cost)
