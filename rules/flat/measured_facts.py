@@ -30,7 +30,10 @@ SIDES = ("left", "right", "bottom", "top")
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What facts hang on: how near is near, shares of a cut, and how long is long."""
+    """What facts hang on: how near is near, shares of a cut, and how long is long.
+
+    `orders_by` are the options of the rules whose pairs are facts, by the rule's id: those of the profile.
+    """
 
     web_mm: float = 25.0
     edge_band_mm: float = 25.0
@@ -38,6 +41,7 @@ class Limits:
     offcut_share: float = 0.15
     head_share: float = 0.25
     tail_share: float = 0.25
+    orders_by: tuple[tuple[str, Any], ...] = ()
 
 
 def missing(cuts: CutSequence, text: str) -> str | None:
@@ -65,7 +69,7 @@ def missing(cuts: CutSequence, text: str) -> str | None:
 def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> Fields:
     """Every field of `facts.mzn`, and of the cuts what `judged.mzn` reads; what the text does not name is empty."""
     n, contours, named = len(nest.contours), nest.contours, _words(text)
-    parent = _parents(nest, cuts)
+    parent = _parents(nest, cuts, limits)
     at, sheet = cuts.positions(), nest.sheet.polygon
     own = [cuts[at[c.id] - 1] if c.id in at else None for c in contours]
     known = measured(nest, cuts, limits.long_ratio, limits.web_mm)
@@ -80,7 +84,7 @@ def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> F
         ("start_side", str(SIDES.index(cuts.start_side or "left") + 1)),
         ("contains", _relation(_inside(parent), n)),
         *(
-            (fact, _relation(_pairs(nest, cuts, fact) if fact in named else (), n))
+            (fact, _relation(_pairs(nest, cuts, limits, fact) if fact in named else (), n))
             for fact in ("level_ahead", "in_hull")
         ),
         ("edge_gap", _table([edge_gaps_mm(nest, side) for side in SIDES], n)),
@@ -132,21 +136,22 @@ def _words(text: str) -> set[str]:
     return set(re.findall(r"[A-Za-z_]\w*", text))
 
 
-def _parents(nest: Nest, cuts: CutSequence) -> list[int]:
+def _parents(nest: Nest, cuts: CutSequence, limits: Limits) -> list[int]:
     """The contour immediately around each, -1 for none."""
     found = [-1] * len(nest.contours)
-    for inner, outer in _pairs(nest, cuts, "parent"):
+    for inner, outer in _pairs(nest, cuts, limits, "parent"):
         found[inner] = outer
     return found
 
 
-def _pairs(nest: Nest, cuts: CutSequence, fact: str) -> list[tuple[int, int]]:
+def _pairs(nest: Nest, cuts: CutSequence, limits: Limits, fact: str) -> list[tuple[int, int]]:
     """Pairs of contours of a fact, as the rule that judges by it measures them."""
+    given = dict(limits.orders_by)
     return [
         (nest.index[a], nest.index[b])
         for rule in RULES.values()
         if rule.pairs_are == fact
-        for a, b in rule.pairs(nest, cuts, rule.Options())
+        for a, b in rule.pairs(nest, cuts, given[rule.id] if rule.id in given else rule.Options())
     ]
 
 

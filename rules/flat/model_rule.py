@@ -354,7 +354,7 @@ def options_in_place(base: type) -> type:
 
 def _unset(base: type) -> list[tuple[str, type, Any]]:
     taken = {f.name for f in dataclasses.fields(base)}
-    return [(f.name, float, field(default=f.default)) for f in dataclasses.fields(Limits) if f.name not in taken]
+    return [(f.name, object, field(default=f.default)) for f in dataclasses.fields(Limits) if f.name not in taken]
 
 
 def _value(parameter: Parameter) -> object:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from .sections import Material
 
 T = TypeVar("T", bound="DataclassInstance")
+ORDERS_BY = "orders_by"
+"""The field of rules in model files that takes the options of the rules whose pairs are facts."""
 
 
 def known_plant(machine: Machine, material: Material, heat: Heat, locks: tuple[Lock, ...], cuts: Cuts) -> Plant:
@@ -55,9 +57,20 @@ def filled_in(options: T, plant: Plant, rules: Mapping[str, RuleSetting], known:
     unset = [f.name for f in fields if "kind" not in f.metadata]
     if not unset:
         return dataclasses.replace(options, **lengths)
-    of_plant = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)}
-    told = of_plant | shared(rules, known)
+    told = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)} | shared(rules, known)
+    if ORDERS_BY in unset:
+        told[ORDERS_BY] = _orders_by(plant, rules, known)
     return dataclasses.replace(options, **lengths, **{name: told[name] for name in unset})
+
+
+def _orders_by(plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]]) -> tuple[Any, ...]:
+    """Id and options of each rule of the catalogue whose pairs are a fact, without what a file in its place adds."""
+    found = []
+    for name, rule in RULES.items():
+        if rule.pairs_are:
+            given = {f.name: getattr(rules[name].options, f.name) for f in dataclasses.fields(rule.Options)}
+            found.append((name, filled_in(rule.Options(**given), plant, rules, known)))
+    return tuple(found)
 
 
 def shared(rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]] = RULES) -> dict[str, object]:
