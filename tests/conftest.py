@@ -14,7 +14,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 
 from kerfwise.encoder import still_going
 from kerfwise.encoder.nest import Nest
@@ -27,6 +26,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.coverage import Tabs
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import simulate
+from kerfwise.tests.tools.amount import register_profiles
 from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
@@ -34,17 +34,21 @@ ROOT = Path(__file__).parents[1]
 Made = list[tuple[Nest, Profile, str, str | None, Plan]]
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """Commands that tests run as processes of their own share what Python compiles, wherever else that is kept.
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--all` runs what takes long as well."""
+    parser.addoption("--all", action="store_true", dest="everything", help="run tests marked full, and all examples")
 
-    No example has a deadline, which would depend on the load of the machine. Kernels are compiled, whatever runs
-    first; how they run as plain Python has tests of its own.
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Tests and the commands that they run as processes share what Python compiles, and keep it.
+
+    Kernels are compiled, whatever runs first; how they run as plain Python has tests of its own.
     """
-    settings.register_profile("kerfwise", deadline=None)
-    settings.load_profile("kerfwise")
+    register_profiles(config.option.everything)
     take_plainly(0)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    os.environ.setdefault("PYTHONPYCACHEPREFIX", str(ROOT / ".pytest_cache" / "compiled"))
+    sys.dont_write_bytecode = False
+    sys.pycache_prefix = os.environ.setdefault("PYTHONPYCACHEPREFIX", str(ROOT / ".pytest_cache" / "compiled"))
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -53,8 +57,13 @@ def pytest_xdist_setupnodes() -> None:
     subprocess.run([sys.executable, "-m", "kerfwise.tests.tools.kernels"], cwd=ROOT.parent, check=False)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What installs and compiles in an empty environment takes minutes in one process: it is begun first."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave tests marked full out, unless somebody asks for them; begin with what takes longest in one process."""
+    named = any("::" in argument for argument in config.args)
+    if not (config.option.everything or named or "full" in config.option.markexpr):
+        left_out = [item for item in items if item.get_closest_marker("full") is not None]
+        items[:] = [item for item in items if item.get_closest_marker("full") is None]
+        config.hook.pytest_deselected(items=left_out)
     items.sort(key=lambda item: item.path.name != "test_installing.py")
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import combinations
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError, RulesConflict
@@ -22,12 +22,13 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.metal.clean import assert_clean
 from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.tools.amount import examples
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("profile_name", shipped_profiles())
 @given(nest=nests(), seed=st.integers(0, 3), budget_kj=st.sampled_from([None, 2.0, 20.0]))
-@settings(max_examples=12, deadline=None)
+@examples(12)
 def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, budget_kj: float | None) -> None:
     assume(nest.parts)
     profile = load_profile(profile_name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -19,11 +19,12 @@ from kerfwise.postproc.check import report
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 
 @pytest.mark.slow
 @given(nest=nests(), data=st.data())
-@settings(max_examples=15, deadline=None)
+@examples(15)
 def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.DataObject) -> None:
     assume(len(nest.parts) > 1)
     ids = [c.id for c in nest.contours]

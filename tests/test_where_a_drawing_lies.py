@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -30,6 +30,7 @@ from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
+from kerfwise.tests.tools.amount import examples
 
 
 def flange(x: float, y: float, bolts: int) -> Part:
@@ -89,7 +90,7 @@ def sequence(given_nest: Nest, profile: Profile, home: tuple[float, float]) -> t
 @pytest.mark.parametrize("name", SYMMETRIC)
 @given(dx=SHIFTS, dy=SHIFTS)
 @example(dx=0.0, dy=0.0)
-@settings(max_examples=6, deadline=None)
+@examples(6)
 def test_a_symmetric_nest_has_one_plan_wherever_it_lies(name: str, dx: float, dy: float) -> None:
     assert sequence(moved(SYMMETRIC[name], dx, dy), load_profile(), (dx, dy)) == as_drawn(name)
 
@@ -124,7 +125,7 @@ def _turned(given_nest: Nest) -> Nest:
 
 @pytest.mark.slow
 @given(given_nest=nests(), dx=SHIFTS, dy=SHIFTS)
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_plan_is_the_same_after_a_shift(given_nest: Nest, dx: float, dy: float) -> None:
     assume(given_nest.parts)
     profile = load_profile()
@@ -137,7 +138,7 @@ def test_plan_is_the_same_after_a_shift(given_nest: Nest, dx: float, dy: float) 
 
 @pytest.mark.slow
 @given(given_nest=nests(), dx=SHIFTS, dy=SHIFTS)
-@settings(max_examples=100, deadline=None)
+@examples(100)
 def test_planner_and_check_find_the_same_after_a_shift(given_nest: Nest, dx: float, dy: float) -> None:
     one = compute_facts(given_nest, FactOptions())
     shifted = moved(given_nest, dx, dy)
@@ -151,7 +152,7 @@ def test_planner_and_check_find_the_same_after_a_shift(given_nest: Nest, dx: flo
 
 @pytest.mark.slow
 @given(given_nest=nests(), dx=SHIFTS, dy=SHIFTS)
-@settings(max_examples=100, deadline=None)
+@examples(100)
 def test_the_side_is_mirrored_with_the_nest(given_nest: Nest, dx: float, dy: float) -> None:
     one, glass = compute_facts(given_nest, FactOptions()), moved(mirrored(given_nest), dx, dy)
     other = compute_facts(glass, FactOptions())

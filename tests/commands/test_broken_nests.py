@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
@@ -16,6 +16,7 @@ from kerfwise.encoder.readers.assemble import assemble
 from kerfwise.encoder.readers.drawing import DrawnCurve
 from kerfwise.encoder.validate import validated
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.tools.amount import examples
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="400mm" height="400mm" viewBox="0 0 400 400">{}</svg>'
 THREE = [(70, 20, 70, 80), (90, 80, 20, 70), (80, 60, 90, 60)]
@@ -30,7 +31,7 @@ def crossing(one: Curve, other: Curve) -> bool:
 @pytest.mark.slow
 @given(st.lists(st.tuples(tens, tens, tens, tens), min_size=2, max_size=6, unique=True))
 @example(THREE)
-@settings(max_examples=150, deadline=None)
+@examples(150)
 def test_rectangles_that_overlap_are_refused_in_words(given: list[tuple[int, int, int, int]]) -> None:
     """No two share an edge: a hole along an edge of its part leaves metal that another ring may miss."""
     corners = [(x + k, y + k, x + w + k, y + h + k) for k, (x, y, w, h) in enumerate(given)]

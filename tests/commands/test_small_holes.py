@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, rect
@@ -17,6 +17,7 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.tools.amount import examples
 
 Section = dict[str, object]
 
@@ -164,7 +165,7 @@ def refused(nest: Path, profile: Path) -> str | None:
 
 
 @pytest.mark.slow
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(tight())
 def test_every_option_that_is_said_to_free_all_does(
     tmp_path: Path, made: tuple[list[dict[str, object]], dict[str, Section]]
@@ -181,7 +182,7 @@ def test_every_option_that_is_said_to_free_all_does(
 
 
 @pytest.mark.slow
-@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(8, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(tight())
 def test_every_option_that_is_said_to_free_a_group_leaves_others_only(
     tmp_path: Path, made: tuple[list[dict[str, object]], dict[str, Section]]

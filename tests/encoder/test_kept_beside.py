@@ -9,7 +9,7 @@ from random import Random
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.compensation import compensate_together, compensated
@@ -19,6 +19,7 @@ from kerfwise.encoder.kept_beside import kept_beside
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.tests.tools.amount import examples
 
 HALF = 0.75
 MOST = HALF * math.sqrt(2) + 0.05
@@ -58,7 +59,7 @@ def spoilt(path: Curve, chance: Random) -> Curve:
     return Curve(rows)
 
 
-@settings(deadline=None, max_examples=250)
+@examples(250)
 @given(st.randoms(use_true_random=False), st.booleans(), st.sampled_from([-HALF, HALF]), st.sampled_from([0.8, MOST]))
 def test_what_is_surely_near_is_near_everywhere(chance: Random, arcs: bool, by_mm: float, most_mm: float) -> None:
     curve = star(chance, arcs)

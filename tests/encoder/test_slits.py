@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part
@@ -27,6 +27,7 @@ from kerfwise.tests.encoder.narrow_shapes import (
     round_slot,
     slot,
 )  # fmt: skip
+from kerfwise.tests.tools.amount import examples
 
 HALF = KERF_MM / 2
 HOLE = contour([(0, 0), (40, 0), (40, 14.5), (60, 14.5), (60, 15.5), (40, 15.5), (40, 30), (0, 30)], "hole")
@@ -107,7 +108,7 @@ def test_a_bend_relief_is_slit() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.floats(-50, 50), st.floats(0.2, 1.45), st.floats(1.5, 25), st.sampled_from(["outer", "hole"]))
 def test_a_slit_opens_all_of_its_slot_and_takes_no_more_than_it_says(
     angle_deg: float, width_mm: float, depth_mm: float, kind: str

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import permutations, product
 
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -24,6 +24,7 @@ from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.machine_section import Torches
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.tests.tools.amount import examples
 
 
 @st.composite
@@ -52,7 +53,7 @@ def plant(torches: Torches) -> Profile:
     return replace(profile, machine=replace(profile.machine, dialect="linuxcnc", torches=torches))
 
 
-@settings(max_examples=8, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(8, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(rows())
 def test_plans_of_random_rows_are_lawful(made: tuple[Nest, Torches]) -> None:
     """The simulation burns each program besides."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.already_cut import AlreadyCut
@@ -25,6 +25,7 @@ from kerfwise.tests.metal.common_nests import block, grid
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
+from kerfwise.tests.tools.amount import examples
 
 KERFS_MM = (0.2, 0.5, 1.5)
 
@@ -55,7 +56,7 @@ def test_a_block_is_cut_with_every_edge_once(seed: int, kerf_mm: float) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@examples(40, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), kerf_mm=st.sampled_from(KERFS_MM), parts=st.integers(2, 7))
 def test_no_program_of_any_block_makes_scrap(seed: int, kerf_mm: float, parts: int) -> None:
     made, found = burnt(seed, kerf_mm, parts)
@@ -113,7 +114,7 @@ def test_what_is_left_of_a_block_after_a_stop(seed: int, kerf_mm: float) -> None
 
 
 @pytest.mark.slow
-@settings(max_examples=15, suppress_health_check=list(HealthCheck))
+@examples(15, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), kerf_mm=st.sampled_from(KERFS_MM), parts=st.integers(2, 6))
 def test_no_block_makes_scrap_after_a_stop(seed: int, kerf_mm: float, parts: int) -> None:
     for sheet, rest, before in stopped(seed, kerf_mm, parts):

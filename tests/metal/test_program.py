@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.tests.metal.hand_made import CUTS, HEAD, TAIL, program
 from kerfwise.tests.metal.program import Program, UnreadableProgram, read_program
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.amount import examples
 
 GOLDEN = Path(__file__).parents[1] / "postproc" / "nc" / "golden"
 
@@ -88,7 +89,7 @@ def moves(draw: st.DrawFn) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.linuxcnc
 @given(moves())
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_any_row_of_lines_and_arcs_is_read_as_linuxcnc_reads_it(blocks: list[str]) -> None:
     agree("\n".join([*HEAD, "F1000", "M3 $0 S1", *blocks, "M5 $0", *TAIL]))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.tests.encoder.facts.random_nests import moved
@@ -13,6 +13,7 @@ from kerfwise.tests.metal.arcs import Point
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import CUTS, HALF, KERF_MM, Blocks, around, inside, program, sheet, with_cut
 from kerfwise.tests.metal.simulate import simulate
+from kerfwise.tests.tools.amount import examples
 
 BY_CUT = ("part-eroded", "pierce-over-void", "lead-over-void", "pierce-in-part", "off-sheet", "loose-part-burnt")
 """Kinds that a cut is charged with when it is made: what comes after changes nothing."""
@@ -40,7 +41,7 @@ def judged(made: list[tuple[str, Blocks]], **more: float) -> list[Finding]:
 
 @pytest.mark.slow
 @given(cuts(), st.integers(1, 3))
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_what_comes_later_changes_nothing_of_what_was_burnt(made: list[tuple[str, Blocks]], count: int) -> None:
     whole = [f for f in judged(made) if f.kind in BY_CUT and f.cut <= count]
     assert [f for f in judged(made[:count]) if f.kind in BY_CUT] == whole
@@ -48,7 +49,7 @@ def test_what_comes_later_changes_nothing_of_what_was_burnt(made: list[tuple[str
 
 @pytest.mark.slow
 @given(cuts())
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_more_cuts_leave_no_more_uncut(made: list[tuple[str, Blocks]]) -> None:
     before = {f.contours for f in judged(made[:-1]) if f.kind == "left-uncut"}
     assert {f.contours for f in judged(made) if f.kind == "left-uncut"} <= before
@@ -56,7 +57,7 @@ def test_more_cuts_leave_no_more_uncut(made: list[tuple[str, Blocks]]) -> None:
 
 @pytest.mark.slow
 @given(cuts(), st.floats(0, 3), st.floats(0, 3))
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_a_wider_splash_finds_no_less(made: list[tuple[str, Blocks]], one: float, other: float) -> None:
     def found(splash_mm: float) -> set[tuple[int, Point]]:
         return {(f.cut, f.place) for f in judged(made, splash_mm=splash_mm) if f.kind == "pierce-over-void"}
@@ -66,7 +67,7 @@ def test_a_wider_splash_finds_no_less(made: list[tuple[str, Blocks]], one: float
 
 @pytest.mark.slow
 @given(cuts(), st.integers(-5000, 5000), st.integers(-5000, 5000))
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_the_place_of_a_sheet_does_not_matter(made: list[tuple[str, Blocks]], dx: int, dy: int) -> None:
     here = judged(made)
     text = program(made)
@@ -85,7 +86,7 @@ def _shifted(text: str, dx: int, dy: int) -> str:
 
 
 @given(st.floats(0.08, 0.9))
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_the_depth_that_is_told_is_the_depth_that_was_burnt(depth_mm: float) -> None:
     found = simulate(sheet(), with_cut("A.outer", around(20, 20, 50, 50, (14, 45), HALF - round(depth_mm, 4))), KERF_MM)
     (eroded,) = [f for f in found if f.kind == "part-eroded"]

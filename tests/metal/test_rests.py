@@ -10,13 +10,14 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.simulate import simulate
+from kerfwise.tests.tools.amount import examples
 
 PROFILE = "plasma-carbon-steel"
 STREET_MM = 9.0
@@ -37,7 +38,7 @@ def plate(columns: int, rows: int, holes: list[bool]) -> str:
 
 @pytest.mark.slow
 @pytest.mark.scrap("judged here, by more than other tests")
-@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
+@examples(6, suppress_health_check=list(HealthCheck))
 @given(st.integers(1, 3), st.integers(1, 2), st.data())
 def test_the_rest_is_burnt_once_and_on_metal(
     tmp_path_factory: pytest.TempPathFactory, columns: int, rows: int, data: st.DataObject

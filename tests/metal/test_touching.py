@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 import shapely.affinity
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -30,6 +30,7 @@ from kerfwise.tests.metal.common_nests import block, grid
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.amount import examples
 
 ACCEPTED = Accepted(0.051, 20.0)
 _OFF_MM, _THIN_MM, _FILLET_MM, _CHORD_MM = 0.06, 0.005, 8.0, 0.0005
@@ -102,7 +103,7 @@ def test_blocks_of_touching_parts(seed: int, kerf_mm: float) -> None:
 
 @pytest.mark.slow
 @pytest.mark.linuxcnc
-@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@examples(25, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), kerf_mm=st.sampled_from((0.2, 0.5, 1.5)), parts=st.integers(2, 6))
 def test_any_block_of_touching_parts(seed: int, kerf_mm: float, parts: int) -> None:
     sheet = block(np.random.default_rng(seed), parts, 0.0, holes=True)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part
@@ -17,6 +17,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidity, PartRigidityOptions
 from kerfwise.rules.statements import AtLeast, Before
 from kerfwise.tests.rules.test_statements_agree import sheets
+from kerfwise.tests.tools.amount import examples
 
 RULE, OPTIONS = PartRigidity(), PartRigidityOptions(head_weight_mm=0.0)
 DISCS = nest(
@@ -31,7 +32,7 @@ def holds(statement: AtLeast, at: Sequence[int]) -> bool:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(st.one_of(st.just(DISCS), sheets()), st.data())
 def test_statements_and_geometry_agree(sheet: Nest, data: st.DataObject) -> None:
     outers = [sheet.index[p.outer.id] for p in sheet.parts]

@@ -11,7 +11,7 @@ from typing import Any
 import ezdxf
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.bridges.bridge import Bridge
@@ -20,6 +20,7 @@ from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
+from kerfwise.tests.tools.amount import examples
 
 A = {"id": "A", "outer": [[20, 20], [120, 20], [120, 120], [20, 120]], "holes": [[[50, 70, 1], [80, 70, 1]]]}
 B = {"id": "B", "outer": [[140, 70, 1], [220, 70, 1]], "marks": [[[170, 70], [190, 70]]]}
@@ -150,7 +151,7 @@ def test_units_are_those_of_the_nest(tmp_path: Path) -> None:
     round_one=st.booleans(),
     round_other=st.booleans(),
 )
-@settings(max_examples=60)
+@examples(60)
 def test_the_area_is_that_of_the_union(
     gap: float, turn_deg: float, width: float, shift: float, deep: float, round_one: bool, round_other: bool
 ) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import Rows, circle, rect
@@ -14,6 +14,7 @@ from kerfwise.encoder.candidates.joints import Outline, joints_at
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind
+from kerfwise.tests.tools.amount import examples
 
 ELL: Rows = [(0, 0), (20, 0), (20, 10), (10, 10), (10, 20), (0, 20)]
 
@@ -85,7 +86,7 @@ def contours(draw: st.DrawFn) -> tuple[list[float], list[int], list[float], int]
     return at_mm, ranks, draw(st.lists(whole, max_size=3)), draw(st.integers(0, 4))
 
 
-@settings(max_examples=150, deadline=None)
+@examples(150)
 @given(st.lists(contours(), min_size=1, max_size=4))
 def test_contours_side_by_side_choose_as_each_alone(
     drawn: list[tuple[list[float], list[int], list[float], int]],

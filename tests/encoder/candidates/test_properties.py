@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
@@ -16,6 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.narrow import lost_features
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
+from kerfwise.tests.tools.amount import examples
 
 CHORD_MM = 0.001
 
@@ -83,7 +84,7 @@ def joined_up(plate: Nest, options: LeadOptions, candidate: Candidate) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(lead_nests(), lead_options())
 def test_every_candidate_is_lawful(plate: Nest, options: LeadOptions) -> None:
     try:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -20,6 +20,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.tabs import TabOptions, tips
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.registry import RULES
+from kerfwise.tests.tools.amount import examples
 
 ASKED = TabOptions("all", 0.6, 2, 3.0, 60.0, "y", at_end=False)
 LEADS = LeadOptions(kerf_mm=0.4, lead_in_mm=4.0, tabs=ASKED)
@@ -107,7 +108,7 @@ def _offered(drawn: Nest, leads: LeadOptions) -> tuple[Candidate, ...]:
         return ()
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(
     st.lists(st.tuples(st.integers(12, 90), st.integers(12, 90)), min_size=1, max_size=5),
     st.booleans(),

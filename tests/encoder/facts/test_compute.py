@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -15,6 +15,7 @@ from kerfwise.encoder.facts.sides import OPPOSITE
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
+from kerfwise.tests.tools.amount import examples
 
 SWAPPED = [1, 0, 2, 3]
 """SIDES with left and right exchanged."""
@@ -46,7 +47,7 @@ def assert_same(one: Facts, other: Facts, sides: list[int]) -> None:
 
 
 @given(given_nest=nests(), side=st.sampled_from(["left", "right"]))
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_the_mirror_image_swaps_left_and_right(given_nest: Nest, side: Side) -> None:
     one = compute_facts(given_nest, FactOptions(start_side=side, zone_contours=3))
     other = compute_facts(mirrored(given_nest), FactOptions(start_side=OPPOSITE[side], zone_contours=3))
@@ -54,7 +55,7 @@ def test_the_mirror_image_swaps_left_and_right(given_nest: Nest, side: Side) -> 
 
 
 @given(given_nest=nests())
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_the_mirror_image_starts_at_the_other_side(given_nest: Nest) -> None:
     one, other = (compute_facts(n, FactOptions()) for n in (given_nest, mirrored(given_nest)))
     assert one.start_side_because == other.start_side_because
@@ -65,7 +66,7 @@ def test_the_mirror_image_starts_at_the_other_side(given_nest: Nest) -> None:
 
 
 @given(given_nest=nests(), dx=st.floats(-5000, 5000), dy=st.floats(-5000, 5000))
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_moving_the_sheet_changes_nothing(given_nest: Nest, dx: float, dy: float) -> None:
     options = FactOptions(zone_contours=3)
     one, other = compute_facts(given_nest, options), compute_facts(moved(given_nest, dx, dy), options)
@@ -74,7 +75,7 @@ def test_moving_the_sheet_changes_nothing(given_nest: Nest, dx: float, dy: float
 
 
 @given(nests())
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_what_a_contour_faces_adds_up_to_its_length(given_nest: Nest) -> None:
     facts = compute_facts(given_nest, FactOptions())
     near = np.bincount(facts.neighbours.row, weights=facts.neighbours.length_mm, minlength=facts.n)

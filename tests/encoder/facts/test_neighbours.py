@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -17,6 +17,7 @@ from kerfwise.encoder.facts.rays import NOTHING
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 
 def facts_of(given_nest: Nest, **options: float) -> Facts:
@@ -120,7 +121,7 @@ def test_cells_cover_every_outer_contour_once() -> None:
 
 
 @given(nests())
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_agrees_with_rays_cast_one_by_one(given_nest: Nest) -> None:
     """Each cell's normal is followed with shapely past every curve, and the nearest crossing must be what is faced."""
     outlines = outlines_of(given_nest)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -13,6 +13,7 @@ from kerfwise.encoder.facts.outlines import outlines_of
 from kerfwise.encoder.facts.shadows import level_ahead
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 DIRECTION = {"left": (1, 0), "right": (-1, 0), "bottom": (0, 1), "top": (0, -1)}
 
@@ -63,7 +64,7 @@ def test_only_parts_in_the_same_place_have_levels() -> None:
 
 
 @given(given_nest=nests(), side=st.sampled_from(SIDES))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_agrees_with_rays_cast_one_by_one(given_nest: Nest, side: Side) -> None:
     dx, dy = DIRECTION[side]
     outers = [p.outer for p in given_nest.parts]

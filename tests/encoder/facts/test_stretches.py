@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -11,6 +11,7 @@ from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import Stretch
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 
 def bare(given_nest: Nest, contour: int, entry_mm: float, direction: Direction) -> Candidate:
@@ -83,7 +84,7 @@ def test_candidates_are_found_by_contour() -> None:
 
 
 @given(given_nest=nests(), share=st.floats(0, 1), entry=st.floats(0, 1))
-@settings(max_examples=30, deadline=None)
+@examples(30)
 def test_lengths_add_up_and_the_tail_one_way_is_the_head_the_other_way(
     given_nest: Nest, share: float, entry: float
 ) -> None:

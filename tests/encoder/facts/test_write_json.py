@@ -8,7 +8,7 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
@@ -18,6 +18,7 @@ from kerfwise.encoder.facts.facts import LinkPath
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 SCHEMA = json.loads(files("kerfwise.encoder.facts").joinpath("facts.schema.json").read_text(encoding="utf-8"))
 CANDIDATE = Candidate(0, 80.0, (90.0, 10.0), "ccw", (95.0, 5.0), None, None, (90.0, 10.0), 325.5)
@@ -140,7 +141,7 @@ def test_the_schema_is_sound_and_says_what_every_field_is() -> None:
 
 @pytest.mark.slow
 @given(nests())
-@settings(max_examples=15, deadline=None)
+@examples(15)
 def test_every_text_follows_the_schema(given_nest: Nest) -> None:
     jsonschema.validate(json.loads(facts_json(compute_facts(given_nest, FactOptions()))), SCHEMA)
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from itertools import combinations, pairwise
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.facts.zone_borders import divisions
+from kerfwise.tests.tools.amount import examples
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.integers(1, 8), st.integers(0, 2**32 - 1), st.integers(1, 9))
 def test_no_other_zones_of_that_number_cost_less(count: int, seed: int, most: int) -> None:
     random = np.random.default_rng(seed)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -14,6 +14,7 @@ from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 CROSSED: dict[str, object] = {"zone_pairs": (("c.outer", "a.outer"), ("a.outer", "c.outer"))}
 """Orders of a and c that contradict each other."""
@@ -127,7 +128,7 @@ def test_a_budget_needs_the_heat_of_the_contours() -> None:
 
 
 @given(given_nest=nests(), side=st.sampled_from(SIDES), size=st.integers(1, 6), data=st.data())
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_only_a_part_alone_passes_the_budget(given_nest: Nest, side: str, size: int, data: st.DataObject) -> None:
     kj = {p.id: data.draw(st.floats(0.5, 40)) for p in given_nest.parts}
     budget_kj = data.draw(st.floats(1, 100))

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.facts.zone_joined import joined
 from kerfwise.encoder.facts.zone_sets import sets_within, units_of
+from kerfwise.tests.tools.amount import examples
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(
     st.lists(st.integers(0, 5), min_size=1, max_size=14), st.integers(0, 2**32 - 1), st.sampled_from([4.0, 12.0, 90.0])
 )

@@ -5,10 +5,11 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.facts.zone_sets import MOST_UNITS, sets_within, units_of
+from kerfwise.tests.tools.amount import examples
 
 
 def lawful_sets(part: list[int], pairs: list[tuple[int, int]]) -> int:
@@ -24,7 +25,7 @@ def lawful_sets(part: list[int], pairs: list[tuple[int, int]]) -> int:
     return count
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(st.lists(st.integers(0, 3), min_size=1, max_size=9), st.integers(0, 2**32 - 1))
 def test_as_many_as_a_count_of_all_sets(parts: list[int], seed: int) -> None:
     part = sorted(parts)

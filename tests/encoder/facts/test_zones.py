@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -15,6 +15,7 @@ from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.tools.amount import examples
 
 
 def grid(columns: int, rows: int) -> Nest:
@@ -185,7 +186,7 @@ def test_no_parts_no_zones() -> None:
 
 
 @given(given_nest=nests(), side=st.sampled_from(SIDES), size=st.integers(1, 6))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_zones_are_a_partition_that_no_pair_contradicts(given_nest: Nest, side: Side, size: int) -> None:
     facts = compute_facts(given_nest, FactOptions(start_side=side, zone_contours=size))
     zone = facts.zone.tolist()
@@ -196,7 +197,7 @@ def test_zones_are_a_partition_that_no_pair_contradicts(given_nest: Nest, side: 
 
 
 @given(given_nest=nests(), data=st.data())
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_one_fixed_part_is_honoured_and_contradicts_no_pair(given_nest: Nest, data: st.DataObject) -> None:
     roots = [p for p in given_nest.parts if not p.id.endswith("g")]
     if not roots:

@@ -6,12 +6,13 @@ import math
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, narrower_than, wider_than
+from kerfwise.tests.tools.amount import examples
 
 
 @pytest.mark.parametrize("pieces", [2, 3, 4, 7])
@@ -33,7 +34,7 @@ def test_the_middle_of_a_crescent_lies_outside_it() -> None:
     assert middle_of(Curve.of([(-20, 0, 1.0), (20, 0), (17, 0, -1.0), (-17, 0)]))[1] == 0
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(
     st.lists(st.tuples(st.floats(0, math.tau), st.floats(2, 20)), min_size=3, max_size=9, unique_by=lambda p: p[0]),
     st.floats(0.5, 20),
@@ -56,7 +57,7 @@ def test_a_wide_hole_is_told_at_a_glance() -> None:
     assert not wider_than(Curve.of(rect(0, 0, 100, 9)), 10)
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(
     st.lists(st.tuples(st.floats(0, math.tau), st.floats(2, 20)), min_size=3, max_size=9, unique_by=lambda p: p[0]),
     st.floats(0.5, 20),

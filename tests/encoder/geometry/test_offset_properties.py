@@ -7,18 +7,19 @@ import time
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
 from kerfwise.tests.encoder.geometry.rings import flattened_rings, hausdorff_mm, is_simple, star_rings, true_offset
+from kerfwise.tests.tools.amount import examples
 
 DISTANCES = st.sampled_from([0.1, -0.1, 0.75, -0.75, 2.0, -2.0])
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(st.one_of(star_rings(), flattened_rings()), DISTANCES)
 def test_an_offset_is_within_a_hundredth_of_the_true_one(drawn: Curve, distance_mm: float) -> None:
     assume(is_simple(drawn))
@@ -34,7 +35,7 @@ def test_an_offset_is_within_a_hundredth_of_the_true_one(drawn: Curve, distance_
     assert moved.polygon(0.0005).buffer(-0.001 * np.sign(distance_mm)).is_valid
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(star_rings(), DISTANCES)
 def test_lines_stay_lines_and_arcs_concentric_arcs(drawn: Curve, distance_mm: float) -> None:
     assume(is_simple(drawn))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats, Ints
@@ -12,9 +12,10 @@ from kerfwise.encoder.geometry import segment_arrays
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
 from kerfwise.tests.encoder.geometry.rings import star_rings
+from kerfwise.tests.tools.amount import examples
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(star_rings())
 def test_points_tangents_and_projections_are_those_of_the_curve(drawn: Curve) -> None:
     arrays = SegmentArrays.of(drawn)
@@ -31,7 +32,7 @@ def test_points_tangents_and_projections_are_those_of_the_curve(drawn: Curve) ->
         assert drawn.point_at(found_mm[k]) == pytest.approx(drawn.point_at(drawn.project(point)[0]), abs=1e-4)
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(star_rings())
 def test_far_segments_may_be_left_out(drawn: Curve) -> None:
     arrays = SegmentArrays.of(drawn)
@@ -43,7 +44,7 @@ def test_far_segments_may_be_left_out(drawn: Curve) -> None:
     assert [a.tolist() for a in near] == [a.tolist() for a in each]
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(st.lists(star_rings(), min_size=2, max_size=5), st.booleans())
 def test_several_curves_at_once_are_answered_as_each_alone(drawn: list[Curve], one_is_large: bool) -> None:
     random = np.random.default_rng(len(drawn))

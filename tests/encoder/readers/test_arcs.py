@@ -2,13 +2,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from shapely import LineString, hausdorff_distance
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.readers.arcs import FIT_MM, fit_arcs, fitted
+from kerfwise.tests.tools.amount import examples
 
 
 def arc(radius: float, start: float, end: float, n: int = 200) -> Floats:
@@ -48,7 +49,7 @@ def test_one_point_is_no_curve() -> None:
     assert fitted(np.array([[1.0, 2.0]])) is None
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @example([(0.0, 0.0), (0.0, 10.0), (0.0, -11.0), (2.0, 0.0)], 156)  # turns back past an end of its arc
 @given(st.lists(st.tuples(st.floats(-100, 100), st.floats(-100, 100)), min_size=4, max_size=4), st.integers(20, 200))
 def test_the_fit_stays_within_its_tolerance(control: list[tuple[float, float]], n: int) -> None:

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import ezdxf
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.tests.encoder.readers.drawings import lines, square
+from kerfwise.tests.tools.amount import examples
 
 SEEDS = st.binary(max_size=12) | st.sampled_from(
     [b"-", b"1e400", b"NaN", b"999999999", b"[", b"}", b"\n", b"\0", b"  0\n", b"EOF\n", b"LINE", b"null", b"<", b"&"]
@@ -85,7 +86,7 @@ def test_a_dxf_header_that_breaks_off_at_any_line() -> None:
         survives(b"".join(lines[:count]), ".dxf", repair=True)
 
 
-@settings(max_examples=150, deadline=None)
+@examples(150)
 @given(st.sampled_from([".json", ".dxf", ".svg"]), st.floats(0, 1), st.booleans(), st.booleans())
 def test_files_cut_short(suffix: str, share: float, closed: bool, repair: bool) -> None:
     data = small(suffix)[: int(share * len(small(suffix)))]
@@ -93,7 +94,7 @@ def test_files_cut_short(suffix: str, share: float, closed: bool, repair: bool) 
 
 
 @pytest.mark.slow
-@settings(max_examples=250, deadline=None)
+@examples(250)
 @given(
     st.sampled_from([".json", ".dxf", ".svg"]),
     st.lists(st.tuples(st.floats(0, 1), st.integers(0, 12), SEEDS), min_size=1, max_size=4),
@@ -108,7 +109,7 @@ def test_files_with_bytes_changed(suffix: str, changes: list[tuple[float, int, b
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(st.data(), st.booleans())
 def test_dxf_numbers_changed(data: st.DataObject, repair: bool) -> None:
     rows = small(".dxf").split(b"\n")
@@ -120,7 +121,7 @@ def test_dxf_numbers_changed(data: st.DataObject, repair: bool) -> None:
     survives(b"\n".join(rows), ".dxf", repair)
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(st.data(), st.booleans())
 def test_json_values_changed(data: st.DataObject, repair: bool) -> None:
     document = json.loads(small(".json"))

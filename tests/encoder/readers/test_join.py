@@ -2,11 +2,12 @@ import math
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.readers.join import join
 from kerfwise.tests.encoder.readers.drawings import pieces, segments, square
+from kerfwise.tests.tools.amount import examples
 
 Points = list[tuple[float, float]]
 
@@ -122,7 +123,7 @@ def test_nothing_joins_to_nothing() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(st.randoms(use_true_random=False), st.integers(1, 12))
 def test_separate_polygons_survive_any_order_direction_and_jitter(rnd: random.Random, count: int) -> None:
     drawn: list[Points] = []
@@ -141,7 +142,7 @@ def test_separate_polygons_survive_any_order_direction_and_jitter(rnd: random.Ra
     assert len(joined.rings) == count
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(st.randoms(use_true_random=False), st.integers(1, 4), st.integers(1, 4))
 def test_a_grid_of_parts_with_common_sides_is_found_cell_by_cell(rnd: random.Random, columns: int, rows: int) -> None:
     sides = {

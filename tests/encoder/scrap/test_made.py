@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -21,6 +21,7 @@ from kerfwise.encoder.scrap import remnant_of, with_scrap
 from kerfwise.encoder.scrap.made import LEAST_MM
 from kerfwise.encoder.scrap.rectangle import saved
 from kerfwise.encoder.validate import validated
+from kerfwise.tests.tools.amount import examples
 
 KERF_MM = 1.5
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")
@@ -46,7 +47,7 @@ def pieces(made: Nest) -> list[shapely.Polygon]:
     return [piece for piece in left if piece.area > KERF_MM**2]
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(st.integers(0, 10_000), st.sampled_from([150.0, 300.0, 500.0]))
 def test_no_piece_is_larger_than_the_grid(seed: int, grid_mm: float) -> None:
     made = with_scrap(plate(seed), KERF_MM, grid_mm, None)
@@ -57,7 +58,7 @@ def test_no_piece_is_larger_than_the_grid(seed: int, grid_mm: float) -> None:
     assert validated(made).scrap == made.scrap
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(st.integers(0, 10_000), st.sampled_from(SIDES))
 def test_a_remnant_lies_at_its_side_off_all_parts(seed: int, side: Side) -> None:
     drawn = plate(seed)
@@ -73,7 +74,7 @@ def test_a_remnant_lies_at_its_side_off_all_parts(seed: int, side: Side) -> None
     assert scrap_problems(made, KERF_MM) == []
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.lists(st.tuples(*[st.integers(0, 8)] * 4), max_size=5), st.sampled_from(SIDES))
 def test_the_rectangle_is_the_largest(rows: list[tuple[int, int, int, int]], side: Side) -> None:
     """All rectangles between whole numbers are tried."""

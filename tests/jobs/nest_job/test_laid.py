@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -21,6 +21,7 @@ from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.lock_text import read_lock
 from kerfwise.rules.profile.one_nest import read_setting
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.tests.tools.amount import examples
 
 PLATE = nest(
     600, 200,
@@ -170,7 +171,7 @@ KEYS = {"material.kerf": ("material", "kerf_mm"), "machine.travel": ("machine", 
 GIVEN = st.dictionaries(st.sampled_from(sorted(KEYS)), st.sampled_from([1, 1.25, 1.5, 2]))
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(of_job=GIVEN, of_line=GIVEN)
 def test_each_value_is_that_of_the_last_who_says_it(of_job: dict[str, float], of_line: dict[str, float]) -> None:
     text = "".join(f"\n  {key}: {value}" for key, value in of_job.items())
@@ -192,7 +193,7 @@ CHOICES = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(of_job=st.lists(CHOICES, max_size=3), asked=st.lists(CHOICES, max_size=3))
 def test_the_command_line_always_stands_and_nothing_stands_against_it(of_job: list[str], asked: list[str]) -> None:
     job = "locks:" + "".join(f"\n  - {one}" for one in of_job) + "\n"

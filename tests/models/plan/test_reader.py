@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.plan.reader import read_plan, validator
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
+from kerfwise.tests.tools.amount import examples
 
 PLATE = plate()
 TEXT = plan_of(PLATE, good_cuts(PLATE), profile()).to_json()
@@ -80,7 +81,7 @@ VALUES = st.sampled_from([None, True, -1, 0.5, 1e308, float("nan"), "", "x", [],
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None)
+@examples(300)
 @given(st.data())
 def test_any_value_in_any_place(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     plan = json.loads(TEXT)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.models.problem import evaluate
 from kerfwise.models.problem.evaluate import broken_orders
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.problems import problem, problems
+from kerfwise.tests.tools.amount import examples
 
 
 @given(problems(), st.randoms(use_true_random=False))
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_orders_hold_where_those_with_none_between_do(drawn: Problem, chance: object) -> None:
     order = list(range(drawn.n))
     chance.shuffle(order)  # type: ignore[attr-defined]

@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.successors import lawful_followers
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 
 def test_the_short_way_round_is_the_cheapest() -> None:
@@ -37,7 +38,7 @@ def test_scattered_problems_are_the_same_each_time() -> None:
 
 
 @given(problems())
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_who_may_follow_whom_is_the_same_however_often_it_is_asked(drawn: Problem) -> None:
     plainly = lawful_followers(drawn.before, drawn.block, drawn.apart()).whole()
     other = replace(drawn, lags=())
@@ -53,7 +54,7 @@ def test_what_is_changed_in_an_answer_stays_out_of_the_next() -> None:
 
 
 @given(problems())
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_a_drawn_problem_is_well_formed(drawn: Problem) -> None:
     assert drawn.first[-1] == drawn.m == len(drawn.end_um)
     assert not (drawn.before & drawn.before.T).any()

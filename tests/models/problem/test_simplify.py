@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -15,6 +15,7 @@ from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import AtLeast, Pick
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, problems
+from kerfwise.tests.tools.amount import examples
 
 TWICE = [[(10.0, 0.0), (10.0, 0.0)], [(20.0, 0.0)], [(30.0, 0.0)]]
 
@@ -88,7 +89,7 @@ def gathered(drawn: Problem) -> Problem:
 
 @pytest.mark.slow
 @given(problems())
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_the_optimum_stays_and_routes_cost_the_same(drawn: Problem) -> None:
     drawn = gathered(drawn)
     simple = simplify(drawn)

@@ -6,13 +6,14 @@ import math
 from itertools import pairwise, permutations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.routing import way
 from kerfwise.models.routing.way import way_through
+from kerfwise.tests.tools.amount import examples
 
 PLACE = st.tuples(st.integers(0, 60), st.integers(0, 60)).map(lambda at: (float(at[0]), float(at[1])))
 
@@ -22,7 +23,7 @@ def length_mm(points: list[Point], order: list[int], start: Point, end: Point) -
 
 
 @given(points=st.lists(PLACE, max_size=5, unique=True), start=PLACE, end=PLACE)
-@settings(max_examples=25)
+@examples(25)
 def test_it_is_the_shortest(points: list[Point], start: Point, end: Point) -> None:
     order = way_through(points, start, end, SolveOptions(work=0.1))
     assert sorted(order) == list(range(len(points)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check import check_program
@@ -11,6 +11,7 @@ from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.postproc.by_lines import Line, across, grid, program_of, upright
 from kerfwise.tests.postproc.check.test_common_cuts import PROFILE
 from kerfwise.tests.postproc.plans import KERF_MM
+from kerfwise.tests.tools.amount import examples
 
 GRID = grid(2, 2)
 LINES = [*(across(2, k) for k in range(3)), *(upright(2, k) for k in range(3))]
@@ -30,7 +31,7 @@ WAYS = ["as it is"] * 6 + ["turned"] * 3 + ["in two"] * 2 + ["left out", "cut sh
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None, derandomize=True)
+@examples(150, derandomize=True)
 @given(
     st.permutations(LINES),
     st.lists(st.sampled_from(WAYS), min_size=6, max_size=6),

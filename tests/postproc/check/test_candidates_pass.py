@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -16,6 +16,7 @@ from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.tests.postproc.plans import plan_of, plate, profile
+from kerfwise.tests.tools.amount import examples
 
 GEOMETRY = (
     "every-contour-once",
@@ -72,7 +73,7 @@ def sheets(draw: st.DrawFn) -> Nest:
 
 
 @pytest.mark.slow
-@settings(max_examples=20, deadline=None)
+@examples(20)
 @given(sheets(), st.sampled_from([0.0, 0.1, 0.7, 1.5, 3.0]), st.integers(0, 30))
 def test_on_any_row_of_parts(sheet: Nest, kerf_mm: float, choose: int) -> None:
     cuts = one_of_each(sheet, build_candidates(sheet, LeadOptions(kerf_mm=kerf_mm)), choose)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check import followed_contours
 from kerfwise.postproc.check.followed_contours import surely_beside
+from kerfwise.tests.tools.amount import examples
 
 from .test_followed_rings import ring
 
@@ -44,7 +45,7 @@ def beside(contour: Any, around: Any) -> bool:
     return bool((shapely.distance(around, points) <= REACH_MM + STRETCHED_MM).all())
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(st.integers(0, 10**6), st.integers(3, 30), st.sampled_from([0.0, 0.2, 0.5, 3.0]))
 def test_what_is_said_to_be_beside_is(seed: int, corners: int, off_mm: float) -> None:
     chance = Random(seed)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check import followed_rings
 from kerfwise.postproc.check.followed_rings import surely_cover
+from kerfwise.tests.tools.amount import examples
 
 WITHIN_MM = 0.05
 
@@ -42,7 +43,7 @@ def all_near(line: Any, of: Any) -> bool:
     return bool((shapely.distance(line, shapely.points(shapely.get_coordinates(of))) <= WITHIN_MM).all())
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(st.integers(0, 10**6), st.integers(4, 30), st.sampled_from([0.0, 0.04, 0.06, 3.0]))
 def test_what_is_said_to_be_near_is_near(seed: int, corners: int, off_mm: float) -> None:
     chance = Random(seed)

@@ -2,10 +2,11 @@
 
 import pytest
 import shapely
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check.loose_metal import Burnt
+from kerfwise.tests.tools.amount import examples
 
 KERF_MM = 0.5
 
@@ -38,7 +39,7 @@ def named(piece: shapely.Polygon) -> tuple[float, ...]:
     return tuple(round(value, 2) + 0.0 for value in (*piece.bounds, piece.area))
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(st.lists(st.one_of(lines, boxes), min_size=1, max_size=12))
 @example(INSIDE_FIRST)
 @example(INSIDE_FIRST[::-1])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
@@ -71,7 +71,6 @@ def split_plainly(path: Curve, round_mm: float) -> Pieces | None:
 places = st.tuples(st.integers(-8, 8), st.integers(-8, 8)).map(lambda xy: (xy[0] / 4, xy[1] / 4))
 
 
-@settings(deadline=None)
 @given(st.lists(places, min_size=2, max_size=30), st.integers(1, 160), st.sampled_from([0, 7, 1 << 18]))
 def test_near_pairs_looked_up_by_place_give_what_all_pairs_give(
     points: list[tuple[float, float]], length: int, compared: int
@@ -90,7 +89,6 @@ def test_near_pairs_looked_up_by_place_give_what_all_pairs_give(
         ]
 
 
-@settings(deadline=None)
 @given(
     st.lists(st.tuples(st.lists(places, min_size=1, max_size=12), st.integers(1, 160)), max_size=8),
     st.sampled_from([0, 7, 40, 1 << 18]),

@@ -6,7 +6,7 @@ import math
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -23,6 +23,7 @@ from kerfwise.postproc.check.uncut import features_lost
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, contour, slot
 from kerfwise.tests.postproc.plans import cut_of, profile
+from kerfwise.tests.tools.amount import examples
 
 
 def judged(drawn: Contour, kerf_mm: float = KERF_MM) -> list[Violation]:
@@ -69,7 +70,7 @@ def test_three_sides_cut_to_and_fro_leave_the_fourth(kerf_mm: float) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@examples(150)
 @given(
     st.lists(st.tuples(st.floats(12, 40), st.floats(0.6, 1.4)), min_size=4, max_size=14),
     st.sampled_from(["outer", "hole"]),

@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -27,6 +27,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects.reading import apart_mm
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile, with_tabs
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.amount import examples
 
 pytestmark = pytest.mark.linuxcnc
 
@@ -164,7 +165,7 @@ steps = st.one_of(st.floats(-300, 300), st.floats(-0.02, 0.02), st.just(0.0))
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(
     st.tuples(st.floats(-5000, 5000), st.floats(-5000, 5000)),
     st.lists(st.tuples(steps, steps, bulges), min_size=1, max_size=12),

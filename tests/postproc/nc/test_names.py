@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -17,6 +17,7 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.tests.fuzz import control as controls
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
+from kerfwise.tests.tools.amount import examples
 
 DIALECT = load_dialect("linuxcnc-qtplasmac")
 PROFILE = profile()
@@ -54,7 +55,7 @@ def test_others_are_replaced() -> None:
 names = st.text(st.characters(codec="utf-8") | st.sampled_from("();%=/\n\x0b\u2028 aA.-_"), min_size=1, max_size=40)
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(
     st.lists(names | st.sampled_from(["abort,", "o=0", "a" * 300, "A", "a", "NAME 1 a IS b"]), unique=True, max_size=6)
 )

@@ -16,7 +16,7 @@ import ezdxf
 import pytest
 import svgelements
 from ezdxf.document import Drawing
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import rect
@@ -30,6 +30,7 @@ from kerfwise.postproc.nc.reordered_dxf import reordered_dxf
 from kerfwise.postproc.nc.reordered_svg import reordered_svg
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
+from kerfwise.tests.tools.amount import examples
 
 
 def drawn() -> Drawing:
@@ -156,7 +157,7 @@ def test_a_dxf_keeps_all_that_it_holds_in_cutting_order() -> None:
     assert areas(again) == areas(nest)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=15, deadline=None)
+@examples(15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.randoms(use_true_random=False))
 def test_any_order_of_cuts_is_the_order_of_both_drawings(rnd: Any) -> None:
     plan, nest = planned("a.dxf", dxf())

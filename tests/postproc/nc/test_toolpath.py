@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, part, rect
@@ -20,6 +20,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
+from kerfwise.tests.tools.amount import examples
 
 DRAWN = part("A", rect(0, 0, 40, 40), [circle(20, 20, 5)], [[(2, 2), (9, 2, 0.2), (9, 9)]])
 
@@ -96,7 +97,7 @@ def test_a_closed_mark_is_followed_round_from_its_entry() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(lead_nests(), lead_options(), st.booleans())
 def test_the_round_keeps_half_a_kerf_off_its_contour(plate: Nest, options: LeadOptions, from_file: bool) -> None:
     try:

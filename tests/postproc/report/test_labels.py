@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 import shapely
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
@@ -16,6 +16,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report import asking, labels
 from kerfwise.postproc.report.labels import Label, place_labels
 from kerfwise.postproc.report.text_room import TextPlace
+from kerfwise.tests.tools.amount import examples
 
 
 def numbered(plate: Nest) -> dict[str, Label]:
@@ -102,7 +103,7 @@ def overlaps(places: Mapping[str, TextPlace]) -> list[tuple[str, str]]:
     return [(a, b) for n, (a, box) in enumerate(boxes) for b, other in boxes[:n] if box.intersection(other).area > 1e-9]
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @example(wide=20.0, high=26.0, radii=[], wanted_mm=23.0)
 @given(
     wide=st.floats(20, 300),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.report.text_room import Room, find_room, find_rooms
@@ -54,7 +54,6 @@ def test_no_area_no_place() -> None:
     assert find_room(shapely.GeometryCollection([shapely.Point(1, 1)]), "1", 5.0) is None
 
 
-@settings(deadline=None)
 @given(
     points=st.lists(
         st.tuples(st.floats(0, 100, width=32), st.floats(0, 100, width=32)), min_size=3, max_size=9, unique=True

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Nest
@@ -14,6 +14,7 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.catalogue.level_ahead import AWAY, GRAZE_MM, _ahead
 from kerfwise.tests.rules.test_statements_agree import sheets
+from kerfwise.tests.tools.amount import examples
 
 
 def by_rays(sheet: Nest, side: Side) -> set[tuple[str, str]]:
@@ -36,7 +37,7 @@ def by_rays(sheet: Nest, side: Side) -> set[tuple[str, str]]:
     return found
 
 
-@settings(deadline=None, max_examples=15)
+@examples(15)
 @given(sheets())
 def test_shadows_of_small_sheets(sheet: Nest) -> None:
     for side in AWAY if sheet.parts else ():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -16,6 +16,7 @@ from kerfwise.postproc.check.metal import gouges
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.rules.case import cut
 from kerfwise.rules.catalogue.shared_metal import SharedMetal, SharedMetalOptions
+from kerfwise.tests.tools.amount import examples
 
 RULE = SharedMetal()
 GAPS_MM = [round(0.1 * k, 1) for k in range(31)]
@@ -75,7 +76,7 @@ def test_a_kerf_that_reaches_through_a_thin_wall_burns_what_lies_behind_it() -> 
 
 
 @pytest.mark.slow
-@settings(max_examples=120, deadline=None)
+@examples(120)
 @given(rows(), st.sampled_from([0.25, 0.75, 1.55, 2.25]))
 def test_facts_geometry_and_burns_see_the_same_pairs(sheet: Nest, kerf_mm: float) -> None:
     """Gaps are whole tenths and kerfs are not, so that no gap lies on the line between what holds and what does not."""

@@ -6,11 +6,12 @@ import contextlib
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.charts import NoRow, look_up, read_chart
+from kerfwise.tests.tools.amount import examples
 
 WORDS = st.sampled_from(
     [
@@ -55,7 +56,7 @@ WORDS = st.sampled_from(
 TEXTS = st.one_of(st.lists(WORDS, max_size=40).map("".join), st.lists(WORDS, max_size=30).map(" ".join), st.text())
 
 
-@settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(300, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(TEXTS, st.sampled_from([".csv", ".yaml", ".cfg"]), st.floats(0.1, 100), st.booleans())
 def test_any_text(tmp_path: Path, text: str, ending: str, thickness_mm: float, interpolate: bool) -> None:
     file = tmp_path / f"chart{ending}"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest, part, rect
@@ -11,9 +11,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging import facing
 from kerfwise.rules.judging.facing import Facing, Spots, spots_along, spots_along_each
 from kerfwise.tests.rules.test_statements_agree import sheets
+from kerfwise.tests.tools.amount import examples
 
 
-@settings(deadline=None, max_examples=20)
+@examples(20)
 @given(sheets(), st.integers(1, 90))
 def test_spots_face_the_same_some_at_a_time(sheet: Nest, some: int) -> None:
     assume(sheet.parts)
@@ -29,7 +30,6 @@ def test_spots_face_the_same_some_at_a_time(sheet: Nest, some: int) -> None:
     assert outlines.faced(Spots.joined([])).tolist() == []
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(*[st.integers(-40, 40)] * 4), min_size=1, max_size=30))
 def test_looks_meet_the_chords_that_shapely_says(rays: list[tuple[int, int, int, int]]) -> None:
     """From whole millimetres to whole millimetres: many go through corners, or along outlines."""
@@ -44,7 +44,7 @@ def test_looks_meet_the_chords_that_shapely_says(rays: list[tuple[int, int, int,
     assert sorted(zip(*(of.tolist() for of in found), strict=True)) == sorted(zip(*told.tolist(), strict=True))
 
 
-@settings(deadline=None, max_examples=20)
+@examples(20)
 @given(sheets())
 def test_looks_out_of_convex_parts_need_not_be_held_against_these(sheet: Nest) -> None:
     assume(sheet.parts)
@@ -62,7 +62,7 @@ def test_a_channel_is_not_convex() -> None:
     assert Facing(plate, 25.0, 25.0).convex.tolist() == [False, True]
 
 
-@settings(deadline=None, max_examples=20)
+@examples(20)
 @given(sheets(), st.data())
 def test_spots_along_several_lines_are_those_along_each(sheet: Nest, data: st.DataObject) -> None:
     lines = [contour.line for contour in sheet.contours if contour.encloses]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Bools, Ints
@@ -30,6 +30,7 @@ from kerfwise.rules.judging.metal import ISLAND_STRIPS, Badly
 from kerfwise.rules.judging.strips import Strips
 from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
+from kerfwise.tests.tools.amount import examples
 
 RULE = NoNarrowStrips()
 CHANNEL = [(0, 0), (84, 0), (84, 10), (10, 10), (10, 76), (84, 76), (84, 86), (0, 86)]
@@ -73,7 +74,7 @@ def test_the_side_with_fewer_parts_is_left_behind() -> None:
     assert (wrong.out, wrong.left) == (("X.outer",), ("A.outer", "C.outer"))
 
 
-@settings(deadline=None, max_examples=20)
+@examples(20)
 @given(sheets(), st.sampled_from([60.0, 110.0, 160.0]))
 def test_a_no_good_holds_in_every_order_of_any_sheet(sheet: Nest, strip_mm: float) -> None:
     assume(len(sheet.parts) <= 4)
@@ -139,7 +140,7 @@ def plate(seed: int) -> Nest:
     return read_json(json.dumps(make_sheet(seed, 40, (2000.0, 900.0))).encode(), ReadOptions())
 
 
-@settings(deadline=None, max_examples=12)
+@examples(12)
 @given(st.integers(1, 3), st.randoms(use_true_random=False), st.booleans())
 def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance: Random, rows: bool) -> None:
     found = plate(seed)
@@ -226,7 +227,7 @@ def crowd(seed: int) -> Nest:
     return nest(1150, y + 12, *(part(f"P{k}", rect(*row)) for k, row in enumerate(rows)))
 
 
-@settings(deadline=None, max_examples=10)
+@examples(10)
 @given(st.integers(1, 4), st.randoms(use_true_random=False), st.sampled_from([40.0, 60.0, 110.0]), st.booleans())
 def test_a_plain_look_at_every_cut_tells_the_same(seed: int, chance: Random, strip_mm: float, at_random: bool) -> None:
     """Looks at one order after the other, of the same nest, tell what lies badly as one that knows nothing does."""
@@ -252,7 +253,7 @@ def test_the_plain_look_finds_strips_and_islands() -> None:
     }
 
 
-@settings(deadline=None, max_examples=12)
+@examples(12)
 @given(st.integers(1, 4), st.randoms(use_true_random=False), st.sampled_from([40.0, 60.0, 110.0]))
 def test_looks_at_many_orders_tell_what_a_first_look_does(seed: int, chance: Random, strip_mm: float) -> None:
     """What an order before has told of a part is taken only where the same parts around it are out."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.stating.cycles import components, contracted, path
+from kerfwise.tests.tools.amount import examples
 
 
 def test_links_off_the_cycle_are_none() -> None:
@@ -36,7 +37,7 @@ def test_path_is_the_shortest() -> None:
     assert path(links, range(4), 3, 0) is None
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), max_size=14), st.sets(st.integers(0, 5), max_size=3))
 def test_links_on_cycles_are_those_from_whose_end_one_comes_back(pairs: list[tuple[int, int]], run: set[int]) -> None:
     """By walks over single links: contours of a run count as one, but for orders among themselves."""

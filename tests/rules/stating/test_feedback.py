@@ -5,12 +5,13 @@ from __future__ import annotations
 from itertools import combinations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.stating import feedback
 from kerfwise.rules.stating.cycles import Link, components
 from kerfwise.rules.stating.feedback import Unbreakable, lightest_cut
+from kerfwise.tests.tools.amount import examples
 
 Graph = tuple[list[Link], list[int | None]]
 
@@ -40,7 +41,7 @@ def graphs(draw: st.DrawFn) -> Graph:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(graphs())
 def test_cut_is_the_lightest(graph: Graph) -> None:
     links, weights = graph
@@ -54,7 +55,7 @@ def test_cut_is_the_lightest(graph: Graph) -> None:
     assert weight_of(out, weights) == best
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(graphs())
 def test_greedy_cut_leaves_no_cycle_and_takes_nothing_in_vain(graph: Graph) -> None:
     links, weights = graph

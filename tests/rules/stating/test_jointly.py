@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import RulesConflict
@@ -14,6 +14,7 @@ from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Preced
 from kerfwise.rules.stating import places
 from kerfwise.rules.stating import state_rules as stating
 from kerfwise.rules.stating.state_rules import resolve
+from kerfwise.tests.tools.amount import examples
 
 N = 5
 GIVES_WAY = {"level-ahead": 1, "hull-before": 2, "inner-before-outer": 0, "locks": 0, "part-contiguous": 0}
@@ -93,7 +94,7 @@ def test_nothing_comes_between_two_positions_that_one_run_has() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(asked())
 def test_no_fewer_would_do(asked: Asked) -> None:
     least = asked.least()

@@ -7,7 +7,7 @@ from itertools import permutations
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.statements import (
@@ -25,6 +25,7 @@ from kerfwise.rules.statements import (
     Statement,
 )
 from kerfwise.rules.stating.remainder import OUT, Remainder, of_what_is_left
+from kerfwise.tests.tools.amount import examples
 
 N = 5
 ABOUT = About("r", (), "")
@@ -81,7 +82,7 @@ statements = st.one_of(pairs.map(lambda p: Precede(*p, ABOUT)), at_leasts(), set
 
 
 @pytest.mark.slow
-@settings(max_examples=400, deadline=None)
+@examples(400)
 @given(statements, st.permutations(range(2)), st.integers(1, 2))
 def test_what_is_left_asks_what_the_whole_does(s: Statement, order: list[int], made: int) -> None:
     """Contours 0 and 1 may be out; their only candidates are named by nobody, as what is out offers none."""

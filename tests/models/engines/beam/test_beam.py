@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Ints
@@ -24,6 +24,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 
 def within_reach(drawn: Problem) -> Problem:
@@ -32,7 +33,7 @@ def within_reach(drawn: Problem) -> Problem:
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems())
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     tiny = within_reach(drawn)
@@ -49,7 +50,7 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems())
 def test_same_optimum_with_every_bound(drawn: Problem) -> None:
     tiny = within_reach(drawn)
@@ -74,7 +75,7 @@ def test_walks_that_visit_everything_once_end_the_pricing() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems(), st.integers(1, 4))
 def test_a_narrow_beam_claims_no_more_than_it_knows(drawn: Problem, width: int) -> None:
     tiny = within_reach(drawn)
@@ -206,7 +207,7 @@ def test_no_contours_at_all() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems())
 def test_turned_round_the_routes_are_the_same_backwards(drawn: Problem) -> None:
     linked = replace(within_reach(drawn), crossings=Crossings())
@@ -218,7 +219,7 @@ def test_turned_round_the_routes_are_the_same_backwards(drawn: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems())
 def test_walks_bound_the_best_route(drawn: Problem) -> None:
     tiny = within_reach(drawn)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import flow_bound
@@ -14,10 +14,11 @@ from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import scattered
+from kerfwise.tests.tools.amount import examples
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(st.integers(0, 2**31 - 1), st.integers(0, 4))
 def test_orders_and_entries_are_proven_exactly_whatever_plan_is_known(seed: int, pairs: int) -> None:
     tiny = scattered(seed, contours=5, sites=2, pairs=pairs)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import Completion, complete
@@ -13,6 +13,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 
 def to_go(bound: Completion, tiny: Problem, route: tuple[int, ...], k: int) -> float:
@@ -30,7 +31,7 @@ def spent(tiny: Problem, route: tuple[int, ...], k: int) -> int:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems(contours=5), st.integers(0, 3))
 def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) -> None:
     best = cheapest(tiny)
@@ -48,7 +49,7 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) ->
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(problems(contours=4))
 def test_contours_for_all_their_sites_cost_no_more(tiny: Problem) -> None:
     best = cheapest(tiny)

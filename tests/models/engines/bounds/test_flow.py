@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Bools, Floats
@@ -29,6 +29,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 ROW = [[(10.0, 0.0)], [(20.0, 0.0)], [(30.0, 0.0)]]
 
@@ -40,7 +41,7 @@ def best_of(tiny: Problem) -> Incumbent:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems(contours=5))
 def test_no_plan_costs_less(tiny: Problem) -> None:
     best = cheapest(tiny)
@@ -50,7 +51,7 @@ def test_no_plan_costs_less(tiny: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems(contours=5))
 def test_moves_that_are_closed_for_a_known_plan_are_not_those_of_a_better_one(tiny: Problem) -> None:
     best = cheapest(tiny)
@@ -61,7 +62,7 @@ def test_moves_that_are_closed_for_a_known_plan_are_not_those_of_a_better_one(ti
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed: int) -> None:
     matrix = np.random.default_rng(seed).integers(0, 100_000, (tiny.m + 1, tiny.m + 1))
@@ -72,7 +73,7 @@ def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:
     routes = list(lawful(tiny))[:20]
@@ -102,7 +103,7 @@ def columns_of(tiny: Problem, demands: DemandColumns, route: tuple[int, ...]) ->
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems(contours=5))
 def test_what_a_route_pays_beside_its_moves_is_no_more_than_its_conditions_cost(tiny: Problem) -> None:
     """Where a column to pay with is left at 0, a cover of a route that meets the conditions still holds."""
@@ -243,7 +244,7 @@ def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, m
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_no_plan_costs_less_where_sites_rest(tiny: Problem, seed: int) -> None:
     """All that can rest do, and any moves cost what they will."""

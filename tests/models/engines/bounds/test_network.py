@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.engines.bounds.network import network_of
 from kerfwise.models.problem.conditions import Condition
@@ -13,13 +13,14 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import problem, problems
+from kerfwise.tests.tools.amount import examples
 
 ABOUT = About("held", (), "")
 PLACES = [[(10.0, 0.0)], [(20.0, 0.0)], [(30.0, 0.0), (30.0, 10.0)]]
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(problems(contours=5))
 def test_every_plan_goes_over_it_and_costs_no_more(tiny: Problem) -> None:
     for route in list(lawful(tiny))[:20]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 
 from kerfwise.models.engines.bounds.restricted_master import Anew, GoesOn, RestrictedMaster, restricted_master
+from kerfwise.tests.tools.amount import examples
 
 
 def test_the_installed_scipy_goes_on_from_its_last_basis() -> None:
@@ -16,7 +17,7 @@ def test_the_installed_scipy_goes_on_from_its_last_basis() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.integers(0, 2**32 - 1))
 def test_going_on_and_starting_anew_find_the_same_cost(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problems
+from kerfwise.tests.tools.amount import examples
 
 ENOUGH = SolveOptions(work=20.0)
 
 
 @pytest.mark.slow
 @given(problems())
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_same_optimum_as_by_trying_every_route(drawn: Problem) -> None:
     best = cheapest(drawn)
     outcome = solve_cpsat(drawn, ENOUGH, None)

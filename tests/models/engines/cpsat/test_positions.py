@@ -5,12 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.engines.cpsat.positions import distances, windows, windows_of_steps
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import lawful
 from kerfwise.tests.models.problems import problem, problems
+from kerfwise.tests.tools.amount import examples
 
 POINTS = [[(float(x), 0.0)] for x in range(5)]
 
@@ -28,7 +29,7 @@ def test_what_must_lie_between_keeps_apart() -> None:
 
 @pytest.mark.slow
 @given(problems())
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_every_lawful_order_keeps_them(drawn: Problem) -> None:
     first, last = windows(drawn)
     first_if, last_if = windows_of_steps(drawn)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.engines.cpsat.arcs import site_arcs
 from kerfwise.models.engines.cpsat.prices import NEVER, price_sites
@@ -12,6 +12,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 
 def priced_bound(given: Problem, target_um: int | None = None) -> int:
@@ -45,7 +46,7 @@ def test_contours_that_no_step_joins_have_no_assignment() -> None:
 
 @pytest.mark.slow
 @given(problems())
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_no_route_is_cheaper_than_the_bound(drawn: Problem) -> None:
     best = cheapest(drawn)
     if best is not None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.ideals import prove
@@ -24,6 +24,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
 
@@ -56,7 +57,7 @@ def still(ahead: list[Ahead], missed: list[int], tiny: Problem, route: tuple[int
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(in_zones())
 def test_no_plan_costs_less_from_any_state_on(tiny: Problem) -> None:
     best = cheapest(tiny)
@@ -82,7 +83,7 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(in_zones())
 def test_the_best_plan_zone_after_zone_is_found_with_bounds_and_without(tiny: Problem) -> None:
     free, best = prove(tiny, None, work=10), cheapest(tiny)
@@ -99,7 +100,7 @@ def test_the_best_plan_zone_after_zone_is_found_with_bounds_and_without(tiny: Pr
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(in_zones(), st.integers(1, 6))
 def test_where_the_budget_ends_at_a_limit_what_is_proven_is_a_bound(tiny: Problem, ends_at: int) -> None:
     best = cheapest(tiny)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.engines.ideals import STAGES, lattice, prove, sets, swept_by_arrays
 from kerfwise.models.engines.ideals.stretches import NARROW
@@ -19,6 +19,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import ABOUT, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 NEW_VALUES, LIVING = 16, 17
 """Which of its arguments a sweep writes to."""
@@ -67,7 +68,7 @@ def _judged(asked: Problem, known: Incumbent | None = None, stages: tuple[float,
     return proof.incumbent
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(problems())
 def test_whatever_a_problem_holds_layers_are_the_same(drawn: Problem) -> None:
     """With conditions, groups, crossings, links and blocks; once again with costs that need wide numbers."""

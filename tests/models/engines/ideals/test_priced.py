@@ -8,7 +8,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds.reduced import reduced
@@ -24,6 +24,7 @@ from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.engines.ideals.test_ahead import in_zones
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
 
@@ -60,7 +61,7 @@ def agrees(tiny: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(in_zones())
 def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
     tiny = replace(drawn, soft_groups=())
@@ -69,7 +70,7 @@ def test_the_best_plan_is_found_zone_after_zone(drawn: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(in_zones())
 def test_swept_backwards_to_the_end_stretches_promise_what_the_best_plan_costs(drawn: Problem) -> None:
     tiny = replace(drawn, crossings=Crossings(), soft_groups=())
@@ -87,7 +88,7 @@ def test_swept_backwards_to_the_end_stretches_promise_what_the_best_plan_costs(d
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(problems(contours=6))
 def test_the_best_plan_is_found_where_all_contours_are_one_stretch(drawn: Problem) -> None:
     tiny = replace(drawn, soft_groups=(), general=())
@@ -95,7 +96,7 @@ def test_the_best_plan_is_found_where_all_contours_are_one_stretch(drawn: Proble
     agrees(tiny)
 
 
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(problems(contours=6))
 def test_from_the_dearest_plan_on_programs_alone_prove_the_best(drawn: Problem) -> None:
     tiny = replace(drawn, soft_groups=(), general=())
@@ -157,7 +158,7 @@ def crossing(draw: st.DrawFn) -> Problem:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(crossing())
 def test_what_moves_cross_is_paid_for_where_it_is_out(tiny: Problem) -> None:
     agrees(tiny)
@@ -180,14 +181,14 @@ def test_the_way_home_is_paid_for_from_each_split_of_a_site() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(with_holes())
 def test_ways_through_holes_are_found_again(tiny: Problem) -> None:
     agrees(tiny)
 
 
 @pytest.mark.slow
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(with_holes())
 def test_multipliers_found_with_fewer_statements_hold_with_more(tiny: Problem) -> None:
     """Those of a stretch stay where it is as it was, and are found anew where it is not."""
@@ -206,7 +207,7 @@ def test_multipliers_found_with_fewer_statements_hold_with_more(tiny: Problem) -
     assert found.cost == best.cost
 
 
-@settings(max_examples=20, deadline=None)
+@examples(20)
 @given(with_holes())
 def test_no_plan_costs_less_than_the_bound_and_what_is_left_of_its_moves(tiny: Problem) -> None:
     best = cheapest(tiny)

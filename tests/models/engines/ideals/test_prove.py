@@ -8,7 +8,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 
 from kerfwise.models import kernels
 from kerfwise.models.engines.ideals import prove
@@ -25,10 +25,11 @@ from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@examples(150)
 @given(problems())
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
@@ -44,7 +45,7 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems())
 def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
@@ -60,7 +61,7 @@ def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(problems())
 def test_plans_that_cost_more_than_narrow_numbers_hold_are_found_too(drawn: Problem) -> None:
     assume(drawn.n > 0)
@@ -72,7 +73,7 @@ def test_plans_that_cost_more_than_narrow_numbers_hold_are_found_too(drawn: Prob
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems())
 def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=())
@@ -86,7 +87,7 @@ def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(problems())
 def test_with_and_without_the_bound_by_walks_it_finds_the_same(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=())

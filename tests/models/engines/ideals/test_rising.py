@@ -10,7 +10,7 @@ from math import exp
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import complete
@@ -20,6 +20,7 @@ from kerfwise.models.engines.ideals.rising import DEARER, ending, rising
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.routing import Instance, solve_instance
+from kerfwise.tests.tools.amount import examples
 
 WORK = (3e-5, 2e-4, 10.0)
 """Too little for most, enough for some, and plenty."""
@@ -94,7 +95,7 @@ def limits(least: float, known: int, rate: float, work: float = 1e4) -> Iterator
         spent.append(taken)
 
 
-@settings(max_examples=300, deadline=None)
+@examples(300)
 @example(200.0, 202, 1.0)
 @given(st.floats(1.0, 1e9), st.integers(1, 1 << 40), st.floats(1e-9, 1.0))
 def test_limits_rise_to_what_is_known(least: float, known: int, rate: float) -> None:

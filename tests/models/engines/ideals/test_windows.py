@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 
 from kerfwise.models.engines.ideals.prune import NOWHERE, LeastIn
 from kerfwise.models.engines.ideals.windows import polish
@@ -17,10 +17,11 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(problems())
 def test_a_window_over_the_whole_route_makes_it_the_best(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=())
@@ -78,7 +79,7 @@ def test_little_work_looks_at_few_of_many_contours(monkeypatch: pytest.MonkeyPat
     assert len(set(looked)) == len(looked)
 
 
-@settings(deadline=None, max_examples=30)
+@examples(30)
 @given(problems())
 def test_no_move_to_a_contour_costs_less_than_the_least(drawn: Problem) -> None:
     least, follows = LeastIn(drawn), drawn.successors()

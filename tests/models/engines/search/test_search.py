@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.engines.search import Searcher, legs, search
 from kerfwise.models.engines.solution import SolveOptions
@@ -14,13 +14,14 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.tools.amount import examples
 
 BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
 
 
 @pytest.mark.slow
 @given(problems())
-@settings(max_examples=150, deadline=None, derandomize=True)
+@examples(150, derandomize=True)
 def test_tiny_problems_are_solved_to_the_optimum(drawn: Problem) -> None:
     best = search(drawn, SolveOptions(work=0.015))
     expected = cheapest(drawn)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import nest
@@ -17,6 +17,7 @@ from kerfwise.models.physics.heat.physical import SheetSimulation, run_physical,
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.materials import MATERIALS
 from kerfwise.tests.models.physics.heat.paths import along, circle, rounds
+from kerfwise.tests.tools.amount import examples
 
 STEEL = MATERIALS["carbon-steel"]
 NO_LOSS = Heat(absorbed_power_w=1e6, loss_w_m2k=0.0, grid_mm=4.0)
@@ -80,7 +81,7 @@ def test_a_part_that_is_cut_free_keeps_its_heat() -> None:
     assert around_last == pytest.approx(around_later, rel=1e-4) == pytest.approx(around, rel=1e-4)
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(
     st.lists(st.tuples(st.floats(20, 180), st.floats(20, 180)), min_size=3, max_size=8),
     st.floats(0.5, 3.0),

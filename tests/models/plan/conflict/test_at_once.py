@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import permutations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.budget import Budget
@@ -24,6 +24,7 @@ from kerfwise.models.problem.evaluate import broken
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Pick, Precede
 from kerfwise.tests.models.plan.conflict.statements import can_hold, row, statements
+from kerfwise.tests.tools.amount import examples
 
 N = 5
 FACTS = row()
@@ -48,7 +49,7 @@ def _kept(links: Sequence[tuple[int, int]], runs: Sequence[tuple[int, ...]], pla
     return together and all(place[i] < place[j] for i, j in links)
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.lists(PAIRS, max_size=5), st.booleans())
 def test_no_cycle_is_shorter(links: list[tuple[int, int]], in_one_go: bool) -> None:
     runs = [(0, 3)] * in_one_go
@@ -99,7 +100,7 @@ def ordered(draw: st.DrawFn) -> list[CanClash]:
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@examples(150)
 @given(ordered())
 def test_what_is_named_is_minimal_by_trying_everything(asked: list[CanClash]) -> None:
     groups = hard_groups(asked)
@@ -114,7 +115,7 @@ def test_what_is_named_is_minimal_by_trying_everything(asked: list[CanClash]) ->
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.one_of(ordered(), statements()))
 def test_an_order_that_is_found_keeps_everything(asked: list[CanClash]) -> None:
     groups = hard_groups(asked)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from kerfwise.models.plan.conflict.core import Core, find_core
 from kerfwise.models.plan.conflict.group import CanClash, hard_groups
@@ -13,6 +13,7 @@ from kerfwise.models.plan.conflict.relax import Relaxation, find_relaxation
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
 from kerfwise.tests.models.plan.conflict.statements import can_hold, row, statements
+from kerfwise.tests.tools.amount import examples
 
 FACTS = row()
 
@@ -96,7 +97,7 @@ def test_what_may_never_give_way_leaves_no_way_out() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(statements())
 def test_found_where_there_is_one_and_minimal(asked: list[CanClash]) -> None:
     core = core_of(asked)
@@ -111,7 +112,7 @@ def test_found_where_there_is_one_and_minimal(asked: list[CanClash]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(statements(most=5))
 def test_the_way_out_is_the_cheapest(asked: list[CanClash]) -> None:
     """Every set of statements that may give way is tried."""

@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
@@ -25,6 +25,7 @@ from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.solved import QUIET, plant, proven_plan
+from kerfwise.tests.tools.amount import examples
 
 GOLDEN = Path(__file__).parent / "golden"
 PLATE = nest(
@@ -117,7 +118,7 @@ def plates(draw: st.DrawFn) -> Nest:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(plates(), st.sampled_from(["level-ahead", "zone-order"]), st.data())
 def test_every_difference_is_that_of_the_best_entries(plate: Nest, off: str, data: st.DataObject) -> None:
     profile = plant(off=(*QUIET, off))

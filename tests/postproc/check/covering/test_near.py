@@ -3,18 +3,19 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.postproc.check.covering.chords import chords_of_lines, chords_of_paths
 from kerfwise.postproc.check.covering.near import near
+from kerfwise.tests.tools.amount import examples
 
 PLACE = st.integers(-40, 40).map(lambda k: k / 4)
 CHORD = st.tuples(PLACE, PLACE, PLACE, PLACE).filter(lambda c: c[:2] != c[2:])
 
 
-@settings(max_examples=300, deadline=None)
+@examples(300)
 @given(CHORD, CHORD, st.sampled_from([0.05, 0.3, 1.0, 3.0]))
 def test_a_stretch_is_what_many_points_say(one: tuple[float, ...], other: tuple[float, ...], within_mm: float) -> None:
     line = shapely.LineString([one[:2], one[2:]])

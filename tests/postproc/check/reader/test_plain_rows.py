@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
@@ -14,6 +14,7 @@ from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.plain_rows import PlainRows
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.check.reader.words import block_of, plain_move
+from kerfwise.tests.tools.amount import examples
 
 NUMBERS = st.one_of(
     st.floats(-2e6, 2e6).map(lambda x: f"{x:.4f}"),
@@ -116,7 +117,7 @@ def told(program: str, control: str) -> str:
 
 
 @given(st.sampled_from(sorted(SWITCHES)), st.lists(STEPS, max_size=25), st.sampled_from([0, 0, 0, 1]))
-@settings(max_examples=300)
+@examples(300)
 def test_plain_rows_do_what_their_blocks_do(
     control: str, steps: list[tuple[str, float, float, int]], said: int
 ) -> None:

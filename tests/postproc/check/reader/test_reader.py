@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check.reader.program import NcProgram, at_holes
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.amount import examples
 
 
 def test_a_square_with_times() -> None:
@@ -103,7 +104,7 @@ def programs(draw: st.DrawFn) -> str:
 
 
 @pytest.mark.linuxcnc
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(programs())
 def test_reads_as_linuxcnc_does(text: str) -> None:
     ours, theirs = read_nc(text), canon.run(text)
