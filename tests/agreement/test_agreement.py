@@ -27,6 +27,7 @@ from kerfwise.tests.agreement.orders import (
     order_disagreements,
 )
 from kerfwise.tests.agreement.trial import Trial
+from kerfwise.tests.tools.amount import few, full
 
 SEEDS = (3, 5, 6, 7, 13, 18, 20)
 ONCE_WRONG = {
@@ -37,8 +38,13 @@ ONCE_WRONG = {
 """Seeds of nests on which the two sides once differed, and over what."""
 IGNORED = 0
 """Seed of a nest with drawn options on which it matters how many cuts heat-lag asks for."""
-SLOW = {1, 3, 5, 6, 7, 9, 13, 111}
-BY_SEED = [pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else []) for k in (*SEEDS, *ONCE_WRONG)]
+SLOW = {1, 5, 7, 111}
+"""Seeds that take some seconds."""
+VERY_SLOW = {3, 6, 9, 13}
+BY_SEED = [
+    full(k) if k in VERY_SLOW else pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else [])
+    for k in (*SEEDS, *ONCE_WRONG)
+]
 
 
 @pytest.mark.minizinc
@@ -50,7 +56,7 @@ def test_the_engines_and_the_check_agree(seed: int) -> None:
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", [0, 8, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 4, 12))])
+@pytest.mark.parametrize("seed", few([0, 8, 2, 4, 12], 2))
 def test_they_agree_on_nests_with_slits(seed: int) -> None:
     assert any(c.kind == "slit" for c in judged_case(seed, "slits").facts.nest.contours)
     found = agreement(seed, "slits")
@@ -59,7 +65,7 @@ def test_they_agree_on_nests_with_slits(seed: int) -> None:
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", [0, 5, 7, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 4, 6))])
+@pytest.mark.parametrize("seed", few([0, 5, 7, 2, 4, 6], 3))
 def test_they_agree_on_nests_with_links(seed: int) -> None:
     found = agreement(seed, "links")
     assert found.outcome in ("solved", "infeasible")
@@ -77,7 +83,7 @@ def test_links_are_offered_and_taken() -> None:
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", [2, 6, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 3, 4, 5, 7))])
+@pytest.mark.parametrize("seed", few([2, 6, 1, 3, 4, 5, 7], 2))
 def test_they_agree_on_nests_with_scrap_lines(seed: int) -> None:
     assert judged_case(seed, "scrap").facts.nest.scrap
     found = agreement(seed, "scrap")
@@ -86,7 +92,7 @@ def test_they_agree_on_nests_with_scrap_lines(seed: int) -> None:
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", [5, 8, 11])
+@pytest.mark.parametrize("seed", few([8, 5, 11]))
 def test_they_agree_on_nests_with_common_edges(seed: int) -> None:
     assert any(cut.span is not None for own in Trial.of(judged_case(seed, "common")).ways for cut in own)
     found = agreement(seed, "common")
@@ -109,7 +115,7 @@ def test_of_eight_nests_two_have_links_two_scrap_lines_and_one_common_edges() ->
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", [2, *(pytest.param(k, marks=pytest.mark.slow) for k in (0, 4, 10))])
+@pytest.mark.parametrize("seed", few([2, 0, 4, 10]))
 def test_they_agree_whatever_the_options(seed: int) -> None:
     """Each option of each rule is drawn from what it declares: a new one is drawn by itself."""
     found = agreement(seed, "options")
@@ -127,7 +133,7 @@ SIDES: dict[str, tuple[type, str]] = {
 
 @pytest.mark.slow
 @pytest.mark.minizinc
-@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("side", few(SIDES))
 def test_an_option_that_one_side_ignores_is_noticed(side: str, monkeypatch: pytest.MonkeyPatch) -> None:
     owner, name = SIDES[side]
     rightly = getattr(owner, name)

@@ -18,6 +18,7 @@ from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import default_pipeline
 from kerfwise.tests.models.engines.minizinc.agree import disagreements
 from kerfwise.tests.models.engines.minizinc.cases import Case, linked_case
+from kerfwise.tests.tools.amount import few
 
 LINKED = (0, 1, 3, 5, 12, 16)
 """Seeds of nests whose best plan takes a link."""
@@ -35,14 +36,14 @@ def taken(case: Case, route: tuple[int, ...]) -> int:
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", LINKED)
+@pytest.mark.parametrize("seed", few(LINKED, 2))
 def test_every_plan_the_proofs_and_minizinc_agree(seed: int) -> None:
     assert disagreements(linked_case(seed)) == ("solved", [])
 
 
 @pytest.mark.minizinc
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", OTHERS)
+@pytest.mark.parametrize("seed", few(OTHERS))
 def test_they_agree_where_no_link_is_taken(seed: int) -> None:
     assert disagreements(linked_case(seed))[1] == []
 
@@ -74,7 +75,7 @@ def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
         assert found.cost == proof.incumbent.cost
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_plan_is_proven_of_which_geometry_finds_three_times_what_is_wrong() -> None:
     """Each round ends with a proof by CP-SAT, and the rounds before leave enough for the next."""
     case = judged_case(25, "links")

@@ -10,11 +10,13 @@ import pytest
 
 from kerfwise.tests.page.conftest import Open
 from kerfwise.tests.page.seen import Seen
+from kerfwise.tests.tools.amount import few
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 WIDTHS = pytest.mark.parametrize("wide", [1400, 390])
-SIZES = pytest.mark.parametrize("name", ["16", "115"])
+MOUSE_FIRST = pytest.mark.parametrize("wide", few([1400, 390]))
+SIZES = pytest.mark.parametrize("name", few(["16", "115"]))
 OUTER = "part#8.outer"
 
 
@@ -149,7 +151,7 @@ def test_search_by_number_id_and_part(look: Open, name: str) -> None:
     assert "nothing found" in seen.page.locator("#found").inner_text()
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_a_rule_shows_its_places(look: Open, wide: int) -> None:
     seen = look("16", wide)
     show(seen, "rules")
@@ -166,7 +168,7 @@ def test_a_rule_shows_its_places(look: Open, wide: int) -> None:
     assert seen.state("marked") == []
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_it_plays_in_true_time_with_the_program(look: Open, wide: int) -> None:
     seen = look("16", wide)
     show(seen, "nc")
@@ -220,7 +222,7 @@ def test_heat_of_a_moment(look: Open) -> None:
     assert "hottest now" in seen.page.locator("#heat-scale").inner_text()
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_two_plans_under_one_cursor(look: Open, wide: int) -> None:
     seen = look("compared", wide)
     assert seen.page.locator("#stages canvas").count() == 2
@@ -262,7 +264,7 @@ def test_it_fits_a_phone_in_both_looks(look: Open, scheme: str) -> None:
     assert [b.inner_text() for b in low if "link" not in (b.get_attribute("class") or "")] == []
 
 
-@pytest.mark.parametrize("name", ["308", "1000"])
+@pytest.mark.parametrize("name", few(["308", "1000"]))
 def test_a_large_nest(look: Open, name: str) -> None:
     seen = look(name)
     rows = seen.page.locator("#orders .row")

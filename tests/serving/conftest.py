@@ -14,10 +14,16 @@ from playwright.sync_api import Browser
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.serving.at_page import AtPage
 from kerfwise.tests.serving.served import SMALL, TOKEN, WAIT_S, Open, Served, Tab, serving
+from kerfwise.tests.tools.amount import few
 from kerfwise.tests.tools.browser import launched
 
 Look = Callable[..., AtPage]
 WIDTHS = pytest.mark.parametrize("wide", [1400, 390])
+"""By mouse and by touch."""
+MOUSE_FIRST = pytest.mark.parametrize("wide", few([1400, 390]))
+"""By mouse; by touch as well with `--all`, where both go the same way."""
+TOUCH_FIRST = pytest.mark.parametrize("wide", few([390, 1400]))
+"""By touch; by mouse as well with `--all`."""
 FIRST = ["A.hole1", "A.outer", "B.outer", "C.outer"]
 
 

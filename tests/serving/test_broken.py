@@ -20,6 +20,7 @@ from kerfwise.serving.child import as_told
 from kerfwise.serving.desk import Desk
 from kerfwise.serving.wanted import Wanted
 from kerfwise.tests.serving.at_page import drop
+from kerfwise.tests.serving.conftest import TOUCH_FIRST
 from kerfwise.tests.serving.served import TOKEN, Served
 
 CROSSED = [[200, 20], [300, 20], [300, 100], [201, 100], [199, 98], [200, 100]]
@@ -120,7 +121,7 @@ def middle(page: Page, of: str) -> tuple[float, float]:
 
 @pytest.mark.slow
 @pytest.mark.browser
-@pytest.mark.parametrize("wide", [1400, 390])
+@TOUCH_FIRST
 def test_marks_stay_where_the_problems_are_and_repair_opens_the_drawing(
     browser: Browser, served: Served, tmp_path: Path, wide: int
 ) -> None:

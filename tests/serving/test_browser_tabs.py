@@ -8,7 +8,7 @@ import httpx
 import pytest
 
 from kerfwise.tests.serving.at_page import drop
-from kerfwise.tests.serving.conftest import FIRST, WIDTHS, Look
+from kerfwise.tests.serving.conftest import FIRST, MOUSE_FIRST, Look
 from kerfwise.tests.serving.served import SMALL, Open, Served, Tab
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -73,7 +73,7 @@ def test_a_browser_that_was_closed_finds_its_plans_again(look: Look, opened: Ope
 EVIL = "<img src=x onerror='window.evil=1'>"
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_names_that_are_scripts_are_names(look: Look, opened: Open, wide: int) -> None:
     tab = opened(SMALL.replace('"B"', f'"{EVIL}"').replace('"C"', '"C & <b> C"'))
     at = look(tab, wide)

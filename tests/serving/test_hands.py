@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Route
 
-from kerfwise.tests.serving.conftest import FIRST, WIDTHS, Look
+from kerfwise.tests.serving.conftest import FIRST, MOUSE_FIRST, TOUCH_FIRST, WIDTHS, Look
 from kerfwise.tests.serving.served import Open, Served, Tab
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -44,7 +44,7 @@ def test_a_row_is_dragged_and_the_nest_planned_again(look: Look, opened: Open, w
     assert at.page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
 
 
-@WIDTHS
+@TOUCH_FIRST
 def test_a_page_that_begins_with_a_plan_has_grips(look: Look, planned: Tab, wide: int) -> None:
     """They are what a finger drags a row by."""
     at = look(planned, wide)
@@ -52,7 +52,7 @@ def test_a_page_that_begins_with_a_plan_has_grips(look: Look, planned: Tab, wide
     assert at.ask(f"{rows}.map(row => row.querySelectorAll('.grip').length)") == [1] * len(FIRST)
 
 
-@WIDTHS
+@TOUCH_FIRST
 def test_a_drag_is_given_up_with_escape(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     at.panel("order")
@@ -128,7 +128,7 @@ def test_two_fingers_zoom_after_a_part_was_dragged(look: Look, planned: Tab) -> 
     assert at.ask("app.stages[0].camera.scale") == pytest.approx(scale)  # one finger is one finger
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_buttons_of_the_chosen_contour(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     for contour, title, lock in (
@@ -157,7 +157,7 @@ def test_buttons_of_the_chosen_contour(look: Look, planned: Tab, wide: int) -> N
     assert f"B.outer {'ccw' if way == 'cw' else 'cw'}" in planned.state()["locked"]
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_cut_up_to_here(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     at.choose("A.outer")

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from kerfwise.tests.serving.at_page import AtPage
-from kerfwise.tests.serving.conftest import WIDTHS, Look
+from kerfwise.tests.serving.conftest import MOUSE_FIRST, Look
 from kerfwise.tests.serving.served import Tab
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     page = at.page
@@ -48,7 +48,7 @@ def lock_in_words(at: AtPage, *lines: str) -> None:
         at.page.wait_for_selector(f"#hands-locks li:has-text('{line[:7]}')")
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_two_alternatives_under_one_cursor(look: Look, planned: Tab, wide: int) -> None:
     planned.edit({"lock": "C.outer first"})
     planned.solved()
