@@ -27,10 +27,15 @@ def register_profiles(everything: bool) -> None:
     settings.load_profile("all" if everything else "few")
 
 
+def share_of(count: int) -> int:
+    """`count` with `--all`, and a fifth of it otherwise."""
+    share = settings.get_profile("all").max_examples // settings().max_examples
+    return max(count // share, min(count, FEWEST))
+
+
 def examples(count: int, **more: Any) -> settings:
     """Settings of a property that draws `count` examples with `--all`, and a fifth of them otherwise."""
-    share = settings.get_profile("all").max_examples // settings().max_examples
-    return settings(max_examples=max(count // share, min(count, FEWEST)), **more)
+    return settings(max_examples=share_of(count), **more)
 
 
 def full(*values: Any) -> Any:

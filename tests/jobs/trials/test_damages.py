@@ -19,6 +19,7 @@ from kerfwise.rules.pages.new_rule import new_outside_rule
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.run_cases import cases_of
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.tools.amount import full
 
 NAME = "long-parts-last"
 WITH_ENGINES = ("[fine]",)
@@ -176,11 +177,12 @@ OF_A_PLANT = {
 }  # fmt: skip
 
 
-SLOW = [pytest.param(name, marks=pytest.mark.slow if f"[{name}]" in WITH_ENGINES else ()) for name in OF_A_PLANT]
+LONG = ("fine", "idle")
+"""Everything is tried of these, with all engines and options; the tests above try it of a rule in Python."""
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("damage", SLOW)
+@pytest.mark.parametrize("damage", [full(name) if name in LONG else name for name in OF_A_PLANT])
 def test_a_damage_in_a_model_file_of_a_plant(damage: str, tmp_path: Path) -> None:
     instead, where, message = OF_A_PLANT[damage]
     path = new_outside_rule(NAME, "mzn", tmp_path)

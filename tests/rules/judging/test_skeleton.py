@@ -13,6 +13,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.rules.case import in_order
 from kerfwise.rules.judging.skeleton import bounding, cut_loose
+from kerfwise.tests.tools.amount import few
 
 KERF_MM = 1.5
 
@@ -43,7 +44,7 @@ def orders(ids: list[str], framed: set[str], pairs: set[tuple[str, str]], rng: n
     return found
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 30))])
+@pytest.mark.parametrize("seed", few(range(30), 5))
 def test_orders_that_are_stated_cut_nothing_loose(seed: int) -> None:
     made = gridded(seed)
     framed, pairs = bounding(made, KERF_MM)
