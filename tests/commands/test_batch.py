@@ -17,6 +17,7 @@ from kerfwise.encoder.contents import contents
 from kerfwise.jobs.batch.store import held
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.jobs.batch.nests import write_nests
+from kerfwise.tests.tools.amount import full
 from kerfwise.tests.tools.killing import COUNTED
 
 BATCH = ("batch", "in", "-o", "out", "--work", "0.2", "-p", "a=plasma-carbon-steel", "-p", "b=laser-amg3m-1mm")
@@ -105,16 +106,20 @@ def made() -> dict[str, bytes]:
     return {str(path): contents(path) for path in found}
 
 
+MOMENTS = ((KILLED_IN_WRITING, 12), (KILLED, 6), (KILLED, 2), (KILLED, 7), (KILLED_IN_WRITING, 3))
+"""The second is between the two PDFs, the fourth before the index."""
+
+
+@pytest.mark.parametrize("moments", [MOMENTS[:1], full(MOMENTS[1:])], ids=["one", "others"])
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
-def test_killed_at_five_moments_and_started_again() -> None:
+def test_killed_at_some_moment_and_started_again(moments: tuple[tuple[str, int], ...]) -> None:
     write_nests(Path("in"), ("one", "off the sheet"))
     sheets = (*BATCH, "--sheets")
     assert kerfwise(*sheets).code == 1
     whole = made()
     assert len(whole) == 2 * 5 + 2 + 2 * 2 + 3 + 1
-    moments = ((KILLED, 2), (KILLED, 6), (KILLED, 7), (KILLED_IN_WRITING, 3), (KILLED_IN_WRITING, 12))
-    for program, moment in moments:  # the second between the two PDFs, the third before the index
+    for program, moment in moments:
         shutil.rmtree("out")
         command = [sys.executable, "-c", program, str(moment), *sheets]
         assert subprocess.run(command, capture_output=True, check=False).returncode == -signal.SIGKILL

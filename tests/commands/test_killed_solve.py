@@ -19,6 +19,7 @@ from kerfwise.encoder import swap
 from kerfwise.encoder.contents import contents
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_boundary import PLAIN
+from kerfwise.tests.tools.amount import full
 from kerfwise.tests.tools.killing import COUNTED
 
 OUT = ("plain.nc", "plain.plan.json", "plain.svg")
@@ -62,9 +63,10 @@ def origin_of_all() -> str:
     return str(plan)
 
 
-def test_killed_at_some_moments_of_the_writing(folder: Path) -> None:
+@pytest.mark.parametrize("moments", [(10, 20), full((1, 14, 17, 99))], ids=["two", "others"])
+def test_killed_at_some_moments_of_the_writing(folder: Path, moments: tuple[int, ...]) -> None:
     found = []
-    for moment in (1, 10, 14, 17, 20, 99):
+    for moment in moments:
         assert kerfwise(*SOLVE, ORIGINS[0]).code == 0
         command = [sys.executable, "-c", KILLED, str(moment), *SOLVE, ORIGINS[1]]
         ended = subprocess.run(command, capture_output=True, text=True, check=False)

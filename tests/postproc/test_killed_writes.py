@@ -16,6 +16,7 @@ from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.files import write_files
 from kerfwise.tests.postproc.test_files import NAMES, WRITER, folder_with_old
+from kerfwise.tests.tools.amount import few
 
 ALONE = f"import sys\nsys.executable = ''\n{WRITER}"
 """Writes as `WRITER` does, with no process beside it that would go on: a kill ends all, as a power cut does."""
@@ -171,7 +172,7 @@ for k in range(5):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("moment", range(12))
+@pytest.mark.parametrize("moment", few(sorted(range(12), key=lambda moment: moment % 6), 2))
 def test_two_runs_at_once_leave_the_files_of_one(moment: int, tmp_path: Path) -> None:
     """One of them starts later, by a little more each time."""
     folder = folder_with_old(tmp_path / "two")
