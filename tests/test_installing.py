@@ -1,4 +1,8 @@
-"""What a user gets: source distribution and wheel are built, and each is installed in an empty environment."""
+"""What a user gets: source distribution and wheel are built, and each is installed in an empty environment.
+
+What kerfwise needs is fetched into that environment with `--all` only. Otherwise the environment borrows it from the
+one that the tests run in, which shows all but a dependency that nobody has declared: `test_packaging.py` does.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tarfile
 import zipfile
 from dataclasses import dataclass
@@ -15,6 +20,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise
+from kerfwise.tests.tools.amount import full
 
 pytestmark = pytest.mark.slow
 
@@ -27,10 +33,16 @@ ENVIRONMENT["PIP_NO_COMPILE"] = "1"  # Python compiles what is imported, a small
 ENVIRONMENT["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 
 
-def run(command: str | list[str], cwd: Path) -> str:
+RULE = "level-ahead"
+"""One of many: its cases come with the wheel."""
+OWN = ("__pycache__", "_distutils_hack", "kerfwise*", "__editable__*", "pip", "pip-*", "setuptools", "setuptools-*")
+"""What an environment has by itself, or is to have; and files in which a folder of packages names others."""
+
+
+def run(command: str | list[str], cwd: Path, **more: str) -> str:
     """What a command says that must end well, with no kerfwise but the one that it has installed itself."""
     shell = isinstance(command, str)
-    ended = subprocess.run(command, shell=shell, cwd=cwd, env=ENVIRONMENT, capture_output=True, text=True)
+    ended = subprocess.run(command, shell=shell, cwd=cwd, env=ENVIRONMENT | more, capture_output=True, text=True)
     assert ended.returncode == 0, (command, ended.stdout, ended.stderr)
     return ended.stdout
 
@@ -95,37 +107,70 @@ def test_the_source_distribution_is_the_checkout(built: Built) -> None:
     assert {"LICENSE", "README.md", "pyproject.toml", "py.typed"} <= built.sources
 
 
-@pytest.fixture(scope="module")
-def said(built: Built) -> str:
-    """What the first command of the README says, which makes an environment with what kerfwise needs and no more."""
-    command = re.search(r"^python3 -m venv .+$", (built.unpacked / "README.md").read_text(encoding="utf-8"), re.M)
+@dataclass(frozen=True)
+class Installed:
+    """The sources after the first command of the README, which makes an environment in them, and what it said."""
+
+    folder: Path
+    borrowed: dict[str, str]
+    said: str
+
+    def run(self, command: str, *words: object, cwd: Path) -> str:
+        """What one of the environment's commands says."""
+        commands = self.folder / ".venv" / ("Scripts" if os.name == "nt" else "bin")
+        return run([str(commands / command), *map(str, words)], cwd, **self.borrowed)
+
+
+def lent(folder: Path) -> dict[str, str]:
+    """What the environment of the tests has besides kerfwise, for another one that fetches nothing."""
+    folder.mkdir()
+    for place in {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}:
+        own = shutil.ignore_patterns(*OWN, "*.pth")(place, os.listdir(place))
+        for name in {*os.listdir(place)} - {*own}:
+            (folder / name).symlink_to(Path(place, name))
+    return {"PIP_NO_DEPS": "1", "PYTHONPATH": str(folder)}
+
+
+@pytest.fixture(scope="module", params=["borrowed", full("fetched")])
+def installed(request: pytest.FixtureRequest, built: Built, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """The environment of the README's first command: with what kerfwise needs and no more, where that is fetched."""
+    text = (built.unpacked / "README.md").read_text(encoding="utf-8")
+    command = re.search(r"^python3 -m venv .+$", text, re.M)
     assert command is not None
-    return run(command[0], built.unpacked)
+    work = tmp_path_factory.mktemp(request.param)
+    folder = work / built.unpacked.name
+    shutil.copytree(built.unpacked, folder)
+    borrowed = lent(work / "lent") if request.param == "borrowed" else {}
+    return Installed(folder, borrowed, run(command[0], folder, **borrowed))
 
 
-def test_the_first_command_of_the_readme(built: Built, said: str) -> None:
-    assert "ok: every hard rule holds" in said
-    assert "written: e1x_6.nc, e1x_6.plan.json, e1x_6.svg" in said
-    assert all((built.unpacked / name).stat().st_size > 1000 for name in ("e1x_6.nc", "e1x_6.plan.json", "e1x_6.svg"))
+def test_the_first_command_of_the_readme(installed: Installed) -> None:
+    assert "ok: every hard rule holds" in installed.said
+    assert "written: e1x_6.nc, e1x_6.plan.json, e1x_6.svg" in installed.said
+    assert all((installed.folder / name).stat().st_size > 1000 for name in ("e1x_6.nc", "e1x_6.plan.json", "e1x_6.svg"))
 
 
-def test_the_wheel_in_an_environment_with_what_it_needs(built: Built, said: str, tmp_path: Path) -> None:
+def test_the_wheel_in_an_environment_with_what_it_needs(built: Built, installed: Installed, tmp_path: Path) -> None:
     """That of the README's command, where kerfwise came from the sources; nothing is fetched for the wheel."""
-    commands = built.unpacked / ".venv" / ("Scripts" if os.name == "nt" else "bin")
-    run([str(commands / "pip"), "uninstall", "-q", "-y", "kerfwise"], tmp_path)
-    run([str(commands / "pip"), "install", "-q", "--no-index", str(built.wheel)], tmp_path)
-    where = run([str(commands / "python"), "-c", "import kerfwise; print(kerfwise.__file__)"], tmp_path)
-    assert where.startswith(str(built.unpacked / ".venv"))
-    kerfwise_ = str(commands / "kerfwise")
-    assert run([kerfwise_, "--version"], tmp_path) == f"kerfwise, version {kerfwise.__version__}\n"
-    assert run([kerfwise_, "rules", "test", "--cases"], tmp_path).endswith(" 0 failed\n")
-    run([kerfwise_, "rules", "new", "bars-last", "--python"], tmp_path)
-    assert run([kerfwise_, "rules", "test", "bars_last.py"], tmp_path).endswith(" 0 failed\n")
-    run([kerfwise_, "rules", "hull-before", "--picture", "rule.svg"], tmp_path)
-    nest = str(built.unpacked / "examples" / "nests" / "e1x_6.dxf")
-    assert "ok: every hard rule holds" in run([kerfwise_, "solve", nest], tmp_path)
-    assert "ok: every hard rule holds" in run([kerfwise_, "check", nest, "e1x_6.nc"], tmp_path)
+
+    def says(command: str, *words: object) -> str:
+        return installed.run(command, *words, cwd=tmp_path)
+
+    says("pip", "uninstall", "-q", "-y", "kerfwise")
+    says("pip", "install", "-q", "--no-index", built.wheel)
+    where = says("python", "-c", "import kerfwise; print(kerfwise.__file__)")
+    assert where.startswith(str(installed.folder / ".venv"))
+    assert says("kerfwise", "--version") == f"kerfwise, version {kerfwise.__version__}\n"
+    says("kerfwise", "rules", "new", "bars-last", "--python")
+    assert says("kerfwise", "rules", "test", "bars_last.py", "--cases").endswith(" 0 failed\n")
+    says("kerfwise", "rules", "hull-before", "--picture", "rule.svg")
+    nest = installed.folder / "examples" / "nests" / "e1x_6.dxf"
+    assert "ok: every hard rule holds" in says("kerfwise", "solve", nest)
+    assert "ok: every hard rule holds" in says("kerfwise", "check", nest, "e1x_6.nc")
     look = "from importlib import util; print(util.find_spec('kerfwise.tests'))"
-    assert run([str(commands / "python"), "-c", look], tmp_path) == "None\n"
-    more = run([str(commands / "pip"), "install", "--dry-run", f"{built.wheel}[serve,cluster,nest]"], tmp_path)
-    assert all(f" {name}-" in more for name in ("starlette", "uvicorn", "distributed", "spyrrow"))
+    assert says("python", "-c", look) == "None\n"
+    assert says("kerfwise", "rules", "test", *([RULE] if installed.borrowed else []), "--cases").endswith(" 0 failed\n")
+    if not installed.borrowed:
+        assert says("kerfwise", "rules", "test", "bars_last.py").endswith(" 0 failed\n")
+        more = says("pip", "install", "--dry-run", f"{built.wheel}[serve,cluster,nest]")
+        assert all(f" {name}-" in more for name in ("starlette", "uvicorn", "distributed", "spyrrow"))

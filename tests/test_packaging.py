@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
 import pkgutil
+import re
 import shutil
+import sys
 import tomllib
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
@@ -50,6 +54,28 @@ def test_nothing_that_is_shipped_needs_the_tests() -> None:
     texts = [*shipped("*.py"), *shipped("*.txt")]
     assert len(texts) > 300
     assert [str(path) for path in texts if "kerfwise.tests" in path.read_text(encoding="utf-8")] == []
+
+
+UNDECLARED = {"pandas", "anyio", "_typeshed"}
+"""Taken where it is there; what starlette is built on; what type checkers alone know."""
+
+
+def test_whatever_is_imported_is_declared() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    asked = [*project["dependencies"], *(line for name in ("cluster", "nest", "serve") for line in extras[name])]
+    declared = {re.split(r"[\[<>=!~ ]", line)[0].lower() for line in asked} | UNDECLARED
+    by_module = packages_distributions()
+    undeclared = set()
+    for path in shipped("*.py"):
+        for node in ast.walk(ast.parse(path.read_bytes())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and node.level == 0:
+                names = [str(node.module)]
+            for name in {name.split(".")[0] for name in names} - sys.stdlib_module_names - {"kerfwise"}:
+                if not declared & {one.lower() for one in by_module.get(name, [name])}:
+                    undeclared.add((name, str(path.relative_to(ROOT))))
+    assert undeclared == set()
 
 
 @pytest.fixture(scope="module")
