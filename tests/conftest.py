@@ -40,7 +40,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Tests and the commands that they run as processes share what Python compiles, and keep it.
+    """What Python compiles is kept, for the next run too and for the commands that tests run as processes.
 
     Kernels are compiled, whatever runs first; how they run as plain Python has tests of its own.
     """
@@ -48,13 +48,13 @@ def pytest_configure(config: pytest.Config) -> None:
     take_plainly(0)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
-    sys.pycache_prefix = os.environ.setdefault("PYTHONPYCACHEPREFIX", str(ROOT / ".pytest_cache" / "compiled"))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes() -> None:
     """Kernels are compiled once, before the processes that run the tests start: each would compile all of them."""
-    subprocess.run([sys.executable, "-m", "kerfwise.tests.tools.kernels"], cwd=ROOT.parent, check=False)
+    if "KERNELS_ARE_COMPILED" not in os.environ:
+        subprocess.run([sys.executable, "-m", "kerfwise.tests.tools.kernels"], cwd=ROOT.parent, check=False)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -6,6 +6,8 @@ import gc
 import weakref
 from dataclasses import replace
 
+import pytest
+
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
@@ -36,6 +38,7 @@ def planned(k: int) -> weakref.ref[Nest]:
     return weakref.ref(made)
 
 
+@pytest.mark.slow
 def test_no_nest_outlives_its_plan(programs_made: list[object]) -> None:
     nests = [planned(k) for k in range(4)]
     programs_made.clear()  # what every test keeps to simulate it
@@ -43,6 +46,7 @@ def test_no_nest_outlives_its_plan(programs_made: list[object]) -> None:
     assert [k for k, of in enumerate(nests) if of() is not None] == []
 
 
+@pytest.mark.slow
 def test_no_facts_outlive_the_model_files_that_read_them() -> None:
     facts = facts_of(nest(400, 200, part("A", rect(20, 20, 80, 80))), load_profile())
     assert facts_data(facts) is facts_data(facts)
@@ -52,6 +56,7 @@ def test_no_facts_outlive_the_model_files_that_read_them() -> None:
     assert of() is None
 
 
+@pytest.mark.slow
 def test_answers_are_kept_with_each_nest() -> None:
     asked: list[tuple[int, int]] = []
 

@@ -144,6 +144,7 @@ def _mode(node: ast.Call, called: str, owner: str) -> str | None:
     return str(stated.value) if isinstance(stated, ast.Constant) else None
 
 
+@pytest.mark.slow
 def test_nothing_that_another_system_lacks() -> None:
     found = [
         (path.relative_to(ROOT).as_posix(), line, what)

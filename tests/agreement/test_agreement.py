@@ -64,6 +64,7 @@ def test_they_agree_on_nests_with_slits(seed: int) -> None:
     assert found.differ == ()
 
 
+@pytest.mark.slow
 @pytest.mark.minizinc
 @pytest.mark.parametrize("seed", few([0, 5, 7, 2, 4, 6], 3))
 def test_they_agree_on_nests_with_links(seed: int) -> None:

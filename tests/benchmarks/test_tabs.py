@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from kerfwise.benchmarks.tabs import CHOICES, HEAD, Row, row
 from kerfwise.encoder.by_hand import nest, part, rect
 
@@ -29,6 +31,7 @@ def test_a_row_stands_under_its_heads() -> None:
     assert len(told) == len(HEAD)
 
 
+@pytest.mark.slow
 def test_tabs_of_a_laser_add_time_and_no_pierce() -> None:
     none, tipping, every = (row(SHEET, "laser-st10kp-2mm", choice, 0.2) for choice in CHOICES)
     assert [(one.held, one.tabs, one.pierces) for one in (none, tipping, every)] == [(0, 0, 3), (2, 4, 3), (3, 6, 3)]

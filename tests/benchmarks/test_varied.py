@@ -41,6 +41,7 @@ def test_what_is_written_is_read_as_it_was_meant(tmp_path: Path, monkeypatch: py
         assert np.array_equal(read.cost, np.where(each.cost < 0, dearest, each.cost))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", range(3))
 def test_a_proven_cost_is_the_least_of_all_tours(which: int, tmp_path: Path) -> None:
     path = tmp_path / "each.pcglns"

@@ -58,6 +58,7 @@ print(len(heard))
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_heard_after_cp_sat_has_chosen_sheets() -> None:
     ended = subprocess.run([sys.executable, "-c", _PRESSED_AFTER_NESTING], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout.split()) == (0, ["1"]), ended.stderr

@@ -84,6 +84,7 @@ def test_a_folder(jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert Path("new/rows.nc").read_text() == READ["rows"] or float(parts[1][-6]) > float(parts[1][-5])
 
 
+@pytest.mark.slow
 def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from kerfwise.jobs import archive_runs as job
 

@@ -80,6 +80,7 @@ def test_what_stands_on_it(plan: Path) -> None:
     assert right < page.size[0]
 
 
+@pytest.mark.slow
 def test_settings_of_another_profile_are_not_taken_for_those_of_the_plan(plan: Path) -> None:
     Path("shop.yaml").write_text("based_on: plasma-carbon-steel\nmaterial: {amps: 65 A, gas: air}\n")
     ended = kerfwise("sheet", "sheet.json", plan, "-p", "shop.yaml", "--program", "a.nc", "-o", "b.pdf")
@@ -100,6 +101,7 @@ def test_without_the_program_it_is_the_one_that_solve_writes(plan: Path) -> None
     assert Path("one.pdf").read_bytes() != Path("two.pdf").read_bytes(), "the program's name is printed"
 
 
+@pytest.mark.slow
 def test_the_job_file_of_the_nest_is_on_it(plan: Path) -> None:
     Path("sheet.job.yaml").write_text("order: A-77\ndue: 2026-12-24\nquantity: 4\nlocks: [P1.outer first]\n")
     assert kerfwise("solve", "sheet.json", "--work", 1, "-o", "j.nc", "--plan", "j.plan.json").code == 0
@@ -209,6 +211,7 @@ def test_a_plan_of_another_nest_is_one_message(plan: Path) -> None:
     assert ended.err.splitlines()[-1].startswith("kerfwise: other.json: the plan was made from another nest")
 
 
+@pytest.mark.slow
 def test_plot_and_compare_print_too(plan: Path) -> None:
     assert kerfwise("plot", "sheet.json", plan, "-o", "plan.pdf").code == 0
     assert "P2" not in pages_of("plan.pdf")[0].text

@@ -316,6 +316,7 @@ def test_what_does_not_go_together_is_refused(tmp_path: Path, profile: dict[str,
     assert not (tmp_path / "nest.nc").exists()
 
 
+@pytest.mark.slow
 def test_commands_that_know_one_torch_say_so(tmp_path: Path) -> None:
     planned(tmp_path)
     nest, where = tmp_path / "nest.json", ("-p", tmp_path / "plant.yaml")

@@ -32,6 +32,7 @@ def test_what_is_switched_off_stays_off() -> None:
     assert gc.get_threshold()[0] == 0
 
 
+@pytest.mark.slow
 def test_circles_of_a_block_are_found_afterwards() -> None:
     class Circle:
         own: Circle
@@ -56,6 +57,7 @@ def circles() -> int:
     return sum(isinstance(found, Circle) for found in gc.get_objects())
 
 
+@pytest.mark.slow
 def test_blocks_that_make_little_leave_it_to_the_usual_looks() -> None:
     gc.collect()
     before = circles()

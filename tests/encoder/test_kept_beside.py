@@ -86,6 +86,7 @@ def test_small_arcs_are_near_only_where_their_points_are(radius_mm: float, turne
             assert farthest_mm(curve, path) <= most_mm + 1e-3
 
 
+@pytest.mark.slow
 def test_contours_of_plates_are_seen_to_be_near() -> None:
     nest = read_json(json.dumps(make_sheet(1, 300)).encode(), ReadOptions())
     compensate_together(nest.contours, 2 * HALF)

@@ -175,6 +175,7 @@ def test_where_no_wait_helps_the_least_temperature_is_told() -> None:
     assert re.match(r"no wait helps: the least temperature that was reached is \d\d\.\d °C", found.value.reasons[1])
 
 
+@pytest.mark.slow
 def test_something_else_is_cut_while_metal_cools() -> None:
     free, found = made(TRIO, _from_above(COOL)), made(TRIO, _from_above(plant(88.4)))
     assert (order(free), order(found)) == (["A", "B", "C"], ["A", "C", "B"])

@@ -56,6 +56,7 @@ def planned() -> tuple[Finished, Plan]:
     return finished(before.append), before[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".svg", ".PNG", ".pdf"])
 def test_it_is_the_picture_that_is_drawn_afterwards(planned: tuple[Finished, Plan], suffix: str) -> None:
     done, before = planned
@@ -151,6 +152,7 @@ def test_a_nest_is_handed_on_without_what_was_found_out_about_it(planned: tuple[
     assert set(nest.__getstate__()) < set(vars(nest))
 
 
+@pytest.mark.slow
 def test_solve_writes_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: dict[int, dict[str, bytes]] = {}
     begun: list[Plan] = []

@@ -116,6 +116,7 @@ def test_a_profile_without_links_names_them_and_moves_them_all_the_same(tmp_path
     assert made.after.idle_mm < made.before.idle_mm
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tabs", "tabs, grbl"])
 def test_tabs_that_the_profile_knows_nothing_of_are_never_guessed(name: str, tmp_path: Path) -> None:
     plain = dataclasses.replace(CASES[name], rules=load_profile("plasma-carbon-steel").rules)

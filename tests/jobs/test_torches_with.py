@@ -54,6 +54,7 @@ def together(found: Produced) -> dict[str, str]:
     return {planned.cut.contour: planned.cut.together for planned in found.plan.cuts if planned.cut.torch > 1}
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_scrap_lines_are_cut_by_the_first_torch_alone(tmp_path: Path) -> None:
     sheet, profile, found = made(tmp_path, "cuts: {scrap: {grid: 200 mm}}\n")

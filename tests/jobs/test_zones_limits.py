@@ -154,6 +154,7 @@ def zoned(contours: int) -> Profile:
     return replace(profile, rules={**profile.rules, "zone-order": changed})
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_all_are_many")
 @pytest.mark.parametrize(("work", "told"), [(1e-4, False), (5.0, True)])
 def test_with_little_work_nothing_is_looked_for(work: float, told: bool, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -101,6 +101,7 @@ def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, Produ
             continue
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "kerf_mm"), [(4, 0.5), (15, 1.5)])
 def test_what_is_left_of_a_block_after_a_stop(seed: int, kerf_mm: float) -> None:
     """Both judges take what the program says is cut, and find every edge that is left burnt once."""
@@ -122,6 +123,7 @@ def test_no_block_makes_scrap_after_a_stop(seed: int, kerf_mm: float, parts: int
         assert simulate(sheet, rest.program, before=before, **plant(laser(kerf_mm))) == []
 
 
+@pytest.mark.slow
 def test_a_neighbour_that_is_not_told_to_be_out_is_missed() -> None:
     """Without it nobody has cut the edge that both share."""
     *_, (sheet, rest, _) = stopped(15, 1.5, 5)

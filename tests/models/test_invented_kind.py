@@ -176,6 +176,7 @@ def test_each_file_that_tells_kinds_apart_is_tried() -> None:
     assert not set(REFUSES) - found, "these no longer tell kinds apart"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("heading", "kind", "found"),
     [

@@ -53,6 +53,7 @@ def test_parts_that_tabs_of_the_profile_hold_form_no_blocks(pitch_mm: float, mos
     assert next(size for _, size in Shapes(kinds, 2.2, COMMON).ways(0, blocks=True)) == most
 
 
+@pytest.mark.slow
 def test_all_copies_of_a_block_hang_together() -> None:
     """Two pairs that meet at their tips alone are no block of four: nothing there is cut once."""
     asked, spacing = random_order(10)

@@ -23,6 +23,7 @@ WANTED = Wanted(TYPES, (Stock("s", Sheet.rectangle(300, 200)),))
 SPACING = Spacing(4.0, 5.0)
 
 
+@pytest.mark.slow
 def test_what_sparrow_packs_passes_the_check_and_is_never_worse() -> None:
     first = best_layout(WANTED, SPACING, Effort(1))
     told: list[str] = []

@@ -90,6 +90,7 @@ def test_lines_that_do_not_close_are_drawn_too(tmp_path: Path, keep_folder: None
     assert said == [([], None, False), (["open1"], (20.0, 20.0), True), (["open2"], (130.0, 20.0), False)]
 
 
+@pytest.mark.slow
 def test_thousands_of_open_lines_are_told_in_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
     def line(x: float) -> Any:
         vertices = np.array([[x, 0, 0], [x, 9.5, 0]])

@@ -41,6 +41,7 @@ def made(curve: Curve, distance_mm: float) -> bytes | str:
         return str(error)
 
 
+@pytest.mark.slow
 def test_what_neighbours_tell_is_what_areas_give(monkeypatch: pytest.MonkeyPatch) -> None:
     told = 0
     for seed in range(30):

@@ -60,6 +60,7 @@ def test_a_long_list_is_cut_short() -> None:
     assert error.details[-1] == "… and 800 more"
 
 
+@pytest.mark.slow
 def test_thousands_of_contours_take_seconds() -> None:
     parts = [
         part(f"P{k}", rect(12 * (k % 50), 12 * (k // 50), 10, 10), [circle(12 * (k % 50) + 5, 12 * (k // 50) + 5, 3)])

@@ -8,6 +8,7 @@ import pytest
 from kerfwise.jobs.bench.memory import peak_mb
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems tell no peak of a process alone")
 def test_a_process_does_not_take_over_the_peak_of_its_parent() -> None:
     held = bytearray(b"1" * (300 << 20))

@@ -29,6 +29,7 @@ def found(given: Problem, member: Member | None = None, work: float = 0.5) -> Kn
     return run_portfolio(given, options, Watch(options))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("member", [None, "search", "ideals", "beam", "cp-sat"])
 def test_every_member_finds_the_best_of_a_small_problem(member: Member | None) -> None:
     six = scattered(2, contours=6, sites=2, pairs=3)
@@ -175,6 +176,7 @@ def test_nothing_is_said_to_be_proven_where_programs_of_stretches_come_to_no_bou
     assert not note or note in known.notes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sites", "note"),
     [
@@ -211,6 +213,7 @@ def test_what_a_bound_has_reached_in_another_thread_is_told_with_the_next_news()
     assert told == [("search", 100, 70)]
 
 
+@pytest.mark.slow
 def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_are(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 
 import numpy as np
+import pytest
 
 from kerfwise.arrays import Bools
 from kerfwise.models.problem.last import LastOf
@@ -41,6 +42,7 @@ def test_another_question_about_the_same_array_takes_the_place_of_its_answer() -
     assert last.known(large, b"other") == "2"
 
 
+@pytest.mark.slow
 def test_an_answer_goes_with_its_array() -> None:
     last, large, small = LastOf[list[int]](), orders(5), orders(2)
     last.keep(large, b"", [1])

@@ -109,6 +109,7 @@ SCENE = Scene(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_same_scene_gives_the_same_bytes_without_a_date() -> None:
     made = pdf_bytes([SCENE, SCENE], "two")
     assert made == pdf_bytes([SCENE, SCENE], "two")

@@ -85,6 +85,7 @@ def test_empty_file_is_all_defaults(tmp_path: Path) -> None:
     assert replace(loaded, rules=of_the_catalogue, further_rules={}) == Profile("bare")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [*shipped_profiles(), "own"])
 def test_what_show_prints_loads_as_the_same_profile(given: str, tmp_path: Path) -> None:
     profile = load_profile(write(tmp_path, PLANT) if given == "own" else given)

@@ -134,6 +134,7 @@ def test_large_problems_by_contours(monkeypatch: pytest.MonkeyPatch) -> None:
     assert 0 < flow_bound(seen, best, 5.0).bound <= by_sites <= best.cost
 
 
+@pytest.mark.slow
 def test_where_a_first_bound_takes_longer_than_there_is_work_contours_stand_for_their_sites(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -151,6 +152,7 @@ def test_where_a_first_bound_takes_longer_than_there_is_work_contours_stand_for_
     assert sizes == [6, 12]
 
 
+@pytest.mark.slow
 def test_what_is_stopped_says_nothing_or_what_was_proven_so_far() -> None:
     seen = scattered(4, 6, 2)
     best = best_of(seen)
@@ -161,6 +163,7 @@ def test_what_is_stopped_says_nothing_or_what_was_proven_so_far() -> None:
         assert 0 <= flow_bound(seen, best, 5.0, lambda *_: next(asked, None) is not None).bound <= whole  # noqa: B023
 
 
+@pytest.mark.slow
 def test_a_limit_by_the_clock_breaks_the_program_off() -> None:
     seen = scattered(4, 6, 2)
     best = best_of(seen)
@@ -223,6 +226,7 @@ def test_an_excuse_is_in_the_bound() -> None:
     assert flow_bound(dear, best, 5.0).bound in (best.cost - 1, best.cost)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = scattered(seed, 6, 2, pairs=seed)

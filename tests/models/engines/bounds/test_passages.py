@@ -55,6 +55,7 @@ def test_the_cheapest_way_through_a_block(seed: int) -> None:
             assert found[k, end - 6] == min(cost) + (100, 200)[end - 6]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_no_plan_is_cheaper_for_it_and_the_best_costs_the_same(seed: int) -> None:
     """The best way over the last contours, by trying all, costs what the best plan of the whole problem does."""

@@ -54,6 +54,7 @@ def nothing_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module.bounds, "complete", forgetful)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("nothing_remembered")
 @pytest.mark.parametrize("sites", [1, 2, 3])
 def test_without_orders_the_proof_is_the_best_of_every_order(sites: int) -> None:

@@ -67,6 +67,7 @@ def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     assert [about.rule for about in conflict.relax] == ["locks"]
 
 
+@pytest.mark.slow
 def test_twelve_ways_round_that_no_rule_offers_are_all_let_go() -> None:
     names = [f"P{k}.outer" for k in range(1, 13)]
     facts, profile = locked(*(Lock(contour=name, direction="ccw") for name in names))
