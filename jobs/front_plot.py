@@ -1,13 +1,56 @@
-"""The trade-off of idle travel against overheats as a plot."""
+"""Plans of one nest with their idle travel and overheats: which no other beats, and all as a plot."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from .trade_off import Trade, front
+from kerfwise.models.plan.plan import Plan
+
+from .produce import Produced
 
 _FRONT, _OTHER = "#c8442c", "#868e96"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Trade:
+    """One plan: the price of an overheat that it was made at, mm of idle travel, what it has of both, and its peak."""
+
+    price_mm: float
+    made: Produced
+    overheats: int
+    peak_c: float
+
+    @property
+    def plan(self) -> Plan:
+        """The plan itself."""
+        return self.made.plan
+
+    @property
+    def idle_mm(self) -> float:
+        """Its idle travel."""
+        return self.plan.totals.idle_mm
+
+    @property
+    def lawful(self) -> bool:
+        """Whether the check takes it."""
+        return self.made.verdict.ok
+
+    def beats(self, other: Trade) -> bool:
+        """Whether it is no worse in either and better in one."""
+        mine, theirs = (self.overheats, self.idle_mm), (other.overheats, other.idle_mm)
+        return mine != theirs and mine[0] <= theirs[0] and mine[1] <= theirs[1]
+
+
+def front(trades: Sequence[Trade]) -> list[Trade]:
+    """Those lawful ones that no other beats, by idle travel; of equal ones the first."""
+    kept: list[Trade] = []
+    lawful = [trade for trade in trades if trade.lawful]
+    for trade in sorted(lawful, key=lambda t: (t.idle_mm, t.overheats, t.price_mm)):
+        if not kept or trade.overheats < kept[-1].overheats:
+            kept.append(trade)
+    return kept
 
 
 def front_png(trades: Sequence[Trade], limit_c: float, name: str = "") -> bytes:

@@ -12,52 +12,22 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.solution import Progress, SolveOptions
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.rules.profile.profile import Profile
 
 from .ask import ask, facts_of
+from .front_plot import Trade, front, front_png
 from .given import Given
 from .listening import Listener
 from .one_torch import expect_one_torch
 from .picture import Picture
 from .priced_heat import cooler_orders
-from .produce import Produced, produce
+from .produce import produce
 from .stopped import again_first
 from .table import data_frame
 
 if TYPE_CHECKING:
     import pandas
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Trade:
-    """One plan: the price of an overheat that it was made at, mm of idle travel, what it has of both, and its peak."""
-
-    price_mm: float
-    made: Produced
-    overheats: int
-    peak_c: float
-
-    @property
-    def plan(self) -> Plan:
-        """The plan itself."""
-        return self.made.plan
-
-    @property
-    def idle_mm(self) -> float:
-        """Its idle travel."""
-        return self.plan.totals.idle_mm
-
-    @property
-    def lawful(self) -> bool:
-        """Whether the check takes it."""
-        return self.made.verdict.ok
-
-    def beats(self, other: Trade) -> bool:
-        """Whether it is no worse in either and better in one."""
-        mine, theirs = (self.overheats, self.idle_mm), (other.overheats, other.idle_mm)
-        return mine != theirs and mine[0] <= theirs[0] and mine[1] <= theirs[1]
 
 
 class TradeOff:
@@ -105,16 +75,6 @@ class TradeOff:
         path = path_of_plan(made.plan, facts.nest, profile)
         found = simulate(facts.nest, path, profile.heat, profile.material.thickness_mm)
         return Trade(price_mm, made, found.overheats, found.peak_c)
-
-
-def front(trades: Sequence[Trade]) -> list[Trade]:
-    """Those lawful ones that no other beats, by idle travel; of equal ones the first."""
-    kept: list[Trade] = []
-    lawful = [trade for trade in trades if trade.lawful]
-    for trade in sorted(lawful, key=lambda t: (t.idle_mm, t.overheats, t.price_mm)):
-        if not kept or trade.overheats < kept[-1].overheats:
-            kept.append(trade)
-    return kept
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -173,8 +133,6 @@ class Offer:
 
     def picture(self) -> Picture:
         """A PNG of every plan as a point; those on the front are joined by steps."""
-        from .front_plot import front_png
-
         return Picture(front_png(self.trades, self.limit_c, self.name), "png")
 
     def to_frame(self) -> pandas.DataFrame:

@@ -12,6 +12,7 @@ import hashlib
 import pickle
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from functools import cache, cached_property
 from pathlib import Path
 from types import CodeType
@@ -27,7 +28,6 @@ from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
 
 from .kernel_code import code_of_kernels
-from .kernels import Kernel, compiling, note_compiled
 
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
@@ -35,11 +35,20 @@ COMPILED_BY = tuple(str(Path(__file__).with_name(name)) for name in ("kernel_cod
 """What says how numba compiles a kernel here."""
 
 
-def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], keep: bool) -> Any:
+def dispatcher_of(
+    function: Callable[..., object],
+    options: Mapping[str, Any],
+    keep: bool,
+    kernel: type,
+    compiling: Callable[[], AbstractContextManager[None]],
+    note_compiled: Callable[[], None],
+) -> Any:
     """What numba makes of a function: it compiles for each kind of arguments, or loads what is kept for it.
 
-    Where nothing can be kept, it is compiled in each run anew, and that is said once.
+    Where nothing can be kept, it is compiled in each run anew, and that is said once. It is done within `compiling`,
+    and `note_compiled` is called where something was compiled. Functions that it calls may be of the class `kernel`.
     """
+    _take(kernel)
     dispatcher: Any = numba.njit(**options)(function)
     if keep:
         dispatcher._cache = _cache_of(function)
@@ -58,12 +67,10 @@ def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], k
     return dispatcher
 
 
-def _type_of(kernel: Kernel, _: object) -> Any:
-    """A kernel that another one calls."""
-    return cast(Any, types).Dispatcher(kernel.dispatcher)
-
-
-_numba.typeof_impl.register(Kernel)(_type_of)
+@cache
+def _take(kernel: type) -> None:
+    """Have numba take objects of a class for the dispatcher that they have, where a kernel calls them."""
+    _numba.typeof_impl.register(kernel)(lambda value, _: cast(Any, types).Dispatcher(value.dispatcher))
 
 
 def _cache_of(function: Any) -> Any:

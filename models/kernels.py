@@ -82,7 +82,7 @@ class Kernel:
             from .kernel_files import dispatcher_of
 
             _process.made = True
-            return dispatcher_of(self.py_func, self._options, self._keep)
+            return dispatcher_of(self.py_func, self._options, self._keep, Kernel, compiling, note_compiled)
 
 
 def kept(**options: Any) -> Callable[[F], F]:

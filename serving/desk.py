@@ -23,7 +23,7 @@ from kerfwise.models.plan.reader import plan_in
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.lock_text import lines_of
 
-from .child import Answers, Asking
+from .asking import Answers, Asking
 from .edits import against, edited
 from .job_text import JobText, settings_of
 from .kept import Kept

@@ -22,7 +22,7 @@ from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 
-from .child import Answers, Asking
+from .asking import Answers, Asking
 from .conflicts import conflict_told, first_told
 from .edits import edited
 from .effect import Effects

@@ -24,7 +24,7 @@ from kerfwise.rules.profile.rule_text import RuleValue, with_rule_values
 from kerfwise.rules.rule import Rule, RuleSetting
 from kerfwise.rules.run_cases import cases_of
 
-from .child import Answers
+from .asking import Answers
 from .wanted import Wanted, job_in, stand_beside
 
 _NEW = re.compile(r"[^\W_][\w.-]{0,60}\.ya?ml")

@@ -16,7 +16,7 @@ from kerfwise.encoder.nest import Nest
 
 from .again import again_as_it_was
 from .approaches import Approaches
-from .candidate import IN_PROFILE, Candidate, LeadOptions
+from .candidate import Candidate, LeadOptions
 from .common_edges import CommonEdges
 from .common_ways import common_ways, with_neighbours_in
 from .joints import Joints, Outline
@@ -25,6 +25,7 @@ from .lead_in import least_clearance_mm
 from .lead_out import lead_outs
 from .marks import mark_candidates
 from .older_kerfs import OlderKerfs, older_kerfs
+from .profile_keys import IN_PROFILE
 from .refusal import cannot_be_cut, refusal
 from .scrap import scrap_problems
 from .surroundings import Surroundings

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cut import Cut, Direction, Span, Tab
@@ -14,28 +14,13 @@ from kerfwise.encoder.nest import KINDS, Contour, Kind
 from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.encoder.tabs import TabOptions
 
-if TYPE_CHECKING:
-    from .tab_places import TabPlaces
+from .tab_places import TabPlaces
 
 LeadKind = Literal["line", "arc", "none"]
 Narrow = Literal["refuse", "slit"]
 
 LEAST_WASTE_MM = 0.01
 """Waste between the kerf of a pierce and every contour, at the least."""
-
-
-IN_PROFILE = {
-    "kerf_mm": "material.kerf",
-    "lead_in_mm": "leads.lead_in",
-    "lead_in_min_mm": "leads.lead_in_min",
-    "pierce_clearance_mm": "rules.pierce.clearance",
-    "under": "small_holes.under",
-    "least_mm": "small_holes.min_hole",
-    "splash_mm": "rules.pierce.splash",
-    "tabs": "rules.hold-small-parts",
-    "common": "cuts.common",
-}
-"""What the people who read messages know these options as."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,11 @@ import numpy as np
 from kerfwise.arrays import Floats
 
 from .approaches import ways
-from .candidate import IN_PROFILE, LeadOptions
+from .candidate import LeadOptions
 from .joints import Joints, Outline
 from .lead_in import lead_ins, least_clearance_mm, shapes
 from .lead_shapes import shaped
+from .profile_keys import IN_PROFILE
 from .search import dense, longest_lead_mm
 from .surroundings import Surroundings
 from .tried import TriedLeads

@@ -15,9 +15,10 @@ import numpy as np
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under, diameter_under, kept_because
 
-from .candidate import IN_PROFILE, LEAST_WASTE_MM, LeadOptions
+from .candidate import LEAST_WASTE_MM, LeadOptions
 from .lead_in import least_clearance_mm
 from .no_room import Reason
+from .profile_keys import IN_PROFILE
 from .surroundings import Surroundings
 from .tried import TriedLeads, try_options
 

@@ -17,10 +17,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.tabs import TabOptions, off_mm, unlit
 
 from .approaches import Ways
-from .candidate import IN_PROFILE
 from .entries import ANYWHERE, MIDDLE, Ranks, shorter_way_mm
 from .joints import Outline
 from .lead_shapes import Leads
+from .profile_keys import IN_PROFILE
 from .tab_room import Neighbours, Room, from_lead_mm, no_room, spread, wrong_places
 
 SAME_MM = 0.05

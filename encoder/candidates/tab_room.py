@@ -16,8 +16,8 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.scrap.whole import skeleton
 from kerfwise.encoder.tabs import TabOptions, off_mm
 
-from .candidate import IN_PROFILE
 from .entries import shorter_way_mm
+from .profile_keys import IN_PROFILE
 
 BENT_RAD = np.radians(40)
 """Where a contour turns by more, a tab and what is beside it do not lie on a straight."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -13,16 +13,23 @@ from kerfwise.encoder.ranges import laid_out
 
 from .segment import Segment
 
-if TYPE_CHECKING:
-    from .curve import Curve
-
 SHORT_MM = 1e-8
 """Lines and arcs are surely not left out where their ends are farther apart."""
 SHORTEST_MM = 1e-9
 """`Curve.segments` leaves out what is no longer."""
 
 
-def flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
+class Bulged(Protocol):
+    """A `Curve`, as far as it is looked at here: vertices (m, 3) with bulges, in order."""
+
+    @property
+    def vertices(self) -> Floats: ...
+
+    @property
+    def closed(self) -> bool: ...
+
+
+def flattened_together(curves: Sequence[Bulged], tolerance_mm: float) -> Iterator[Floats]:
     """Array (m, 2) of points a curve, whose chords stay within `tolerance_mm`; a closed one does not repeat its first.
 
     They are views of one array, or of the vertices of curves that are nothing but lines; not to be changed.
@@ -32,7 +39,7 @@ def flattened_together(curves: Sequence[Curve], tolerance_mm: float) -> Iterator
     return (curve.vertices[:, :2] if known else next(bent) for curve, known in zip(curves, straight, strict=True))
 
 
-def _surely_straight(curves: Sequence[Curve]) -> list[bool]:
+def _surely_straight(curves: Sequence[Bulged]) -> list[bool]:
     """Whether curves have no arcs, and no lines so short that they are left out."""
     if not curves:
         return []
@@ -51,7 +58,7 @@ class _Rows:
     `open_end` are those behind which an open curve ends.
     """
 
-    def __init__(self, curves: Sequence[Curve]) -> None:
+    def __init__(self, curves: Sequence[Bulged]) -> None:
         vertices = np.concatenate([curve.vertices for curve in curves])
         self.begin, self.bulge = np.ascontiguousarray(vertices[:, :2]), vertices[:, 2]
         self.sizes: Ints = np.array([len(curve.vertices) for curve in curves])
@@ -74,7 +81,7 @@ class _Rows:
         return np.flatnonzero(found)
 
 
-def _with_lines(curves: Sequence[Curve], tolerance_mm: float) -> Iterator[Floats]:
+def _with_lines(curves: Sequence[Bulged], tolerance_mm: float) -> Iterator[Floats]:
     """See `flattened_together`; of curves that may have arcs."""
     if not curves:
         return

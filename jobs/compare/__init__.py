@@ -1,6 +1,6 @@
 """Two ways to cut one nest, side by side."""
 
-from .comparison import Comparison, compare
+from .files import Comparison, compare
 from .pair import expect_two, pair_of
 from .side import Side, SideAsked, side_of
 

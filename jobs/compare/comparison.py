@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from kerfwise.jobs.picture import Picture, PictureKind
-from kerfwise.postproc.check.result import Judgement
-from kerfwise.postproc.files import write_files
+from kerfwise.postproc.check.judgement import Judgement
 
-from .figures import Figure, figures
-from .moved import CutPair, cut_pairs
+from .figures import Figure
+from .moved import CutPair
 from .side import Side
 
 FORMAT = "kerfwise-comparison/1"
@@ -58,8 +55,8 @@ NOT_ASKED = RulePays("-", "not judged", 0, 0, 0.0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Comparison:
-    """Two sides, A and B; `print` says what `kerfwise compare` prints.
+class Compared:
+    """Two sides, A and B, and what differs.
 
     Attributes
     ----------
@@ -118,37 +115,6 @@ class Comparison:
             "rules": [{"id": name, "a": a.as_json(), "b": b.as_json()} for name, a, b in self.rules],
             "changed": [pair.as_json() for pair in self.changed],
         }
-
-    def picture(self, kind: PictureKind = "svg") -> Picture:
-        """Both routes, cuts that differ in red; "html" is the page with the tables."""
-        from .files import content_of
-
-        made = content_of(self, f".{kind}")
-        return Picture(made.encode("utf-8") if isinstance(made, str) else made, kind)
-
-    def save(self, *paths: str | Path) -> tuple[Path, ...]:
-        """Write it as .svg, .png, .html or .pdf, by the ends of the names: all files or none.
-
-        Raises
-        ------
-        InputError
-            If a name ends otherwise, or a file cannot be written.
-        """
-        from .files import content_of, expect_kinds
-
-        expect_kinds(paths)
-        write_files({Path(path): content_of(self, Path(path).suffix.lower()) for path in paths})
-        return tuple(map(Path, paths))
-
-    def __str__(self) -> str:
-        from .text import text
-
-        return text(self)
-
-
-def compare(a: Side, b: Side, *, notes: tuple[str, ...] = ()) -> Comparison:
-    """Put two sides of one nest next to each other."""
-    return Comparison(a, b, figures(a, b), rules_of(a, b), cut_pairs(a.cuts, b.cuts), notes)
 
 
 def rules_of(a: Side, b: Side) -> tuple[tuple[str, RulePays, RulePays], ...]:

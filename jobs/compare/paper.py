@@ -5,12 +5,12 @@ from __future__ import annotations
 from kerfwise.postproc.report.paper import Paper
 from kerfwise.postproc.report.pdf import pdf_bytes
 
-from .comparison import Comparison
+from .comparison import Compared
 from .picture import picture_scene, title_of
 from .text import cut_row, figure_rows, proofs, rule_rows, sides, summary_of
 
 
-def paper(made: Comparison) -> bytes:
+def paper(made: Compared) -> bytes:
     """The comparison as a PDF; the same one gives the same bytes."""
     sheet = Paper(title_of(made))
     sheet.heading(title_of(made))

@@ -11,29 +11,29 @@ from kerfwise.encoder.shown import shown
 from kerfwise.postproc.report.burns import Panel, burns_scene, draw_burns
 from kerfwise.postproc.report.scene import Scene
 
-from .comparison import Comparison
+from .comparison import Compared
 from .side import Side
 
 _SAME_S = 1e-3
 """Plans write times to milliseconds."""
 
 
-def picture(made: Comparison, suffix: str) -> str | bytes:
+def picture(made: Compared, suffix: str) -> str | bytes:
     """The picture as SVG text or as PNG bytes."""
     return draw_burns(_panels(made), suffix, title_of(made))
 
 
-def picture_scene(made: Comparison) -> Scene:
+def picture_scene(made: Compared) -> Scene:
     """The picture, to be set on a page."""
     return burns_scene(_panels(made), title_of(made))
 
 
-def title_of(made: Comparison) -> str:
+def title_of(made: Compared) -> str:
     """What a picture or page of the comparison is called."""
     return f"{shown(Path(made.a.given.nest.file or 'nest').name)} compared"
 
 
-def _panels(made: Comparison) -> list[Panel]:
+def _panels(made: Compared) -> list[Panel]:
     changed = {pair.contour for pair in made.changed}
     return [_panel(letter, side, changed) for letter, side in (("A", made.a), ("B", made.b))]
 

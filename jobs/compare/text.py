@@ -8,14 +8,14 @@ from kerfwise.encoder.shown import shown
 from kerfwise.jobs.aligned import aligned
 from kerfwise.postproc.report.legend import counted
 
-from .comparison import Comparison
+from .comparison import Compared
 from .moved import CutPair
 from .side import Side
 
 _TOLD = 20
 
 
-def text(made: Comparison) -> str:
+def text(made: Compared) -> str:
     """Both sides by name, the figures, the rules, the cuts that differ, and what may be claimed."""
     lines = [*sides(made), ""]
     lines += aligned([("", "A", "B", ""), *figure_rows(made)])
@@ -33,17 +33,17 @@ def text(made: Comparison) -> str:
     return "\n".join([*lines, "", *proofs(made)])
 
 
-def sides(made: Comparison) -> list[str]:
+def sides(made: Compared) -> list[str]:
     """Both sides by name."""
     return [f"A: {_named(made.a)}", f"B: {_named(made.b)}"]
 
 
-def figure_rows(made: Comparison) -> list[tuple[str, str, str, str]]:
+def figure_rows(made: Compared) -> list[tuple[str, str, str, str]]:
     """Label, both values, and the change."""
     return [(figure.label, *figure.texts) for figure in made.figures]
 
 
-def rule_rows(made: Comparison) -> list[tuple[str, str, str, str]]:
+def rule_rows(made: Compared) -> list[tuple[str, str, str, str]]:
     """Id, what the rule is on both sides, and whether that differs."""
     return [(name, a.told, b.told, "" if a == b or "-" in (a.told, b.told) else "changed") for name, a, b in made.rules]
 
@@ -54,7 +54,7 @@ def cut_row(pair: CutPair) -> tuple[str, str, str, str]:
     return shown(pair.contour), a, b, pair.told
 
 
-def proofs(made: Comparison) -> list[str]:
+def proofs(made: Compared) -> list[str]:
     """What is proven of each side, whether the check passes it, and what the difference may be taken for."""
     lines = [f"{letter}: {side.proof}" for letter, side in (("A", made.a), ("B", made.b))]
     lines += [

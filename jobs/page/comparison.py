@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from kerfwise.jobs.compare import Comparison
+from kerfwise.jobs.compare.comparison import Compared
 from kerfwise.jobs.compare.text import figure_rows, proofs, rule_rows, sides, summary_of
 from kerfwise.postproc.report.page_data import Data
 
 
-def comparison_data(made: Comparison) -> Data:
+def comparison_data(made: Compared) -> Data:
     """Figures, rules and cuts of both sides, in the words that `kerfwise compare` prints."""
     index = made.a.given.nest.index
     return {

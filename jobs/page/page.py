@@ -6,7 +6,8 @@ from pathlib import Path
 
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.checking import check_made
-from kerfwise.jobs.compare import Comparison, Side
+from kerfwise.jobs.compare.comparison import Compared
+from kerfwise.jobs.compare.side import Side
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.one_torch import expect_one_torch
 from kerfwise.models.plan.plan import Plan
@@ -64,7 +65,7 @@ def page_data(
     return page_of(given.nest, [side], nest_name(given.nest, plan))
 
 
-def compared_data(made: Comparison) -> Data:
+def compared_data(made: Compared) -> Data:
     """The page of two plans or programs, with what differs."""
     sides = [
         _compared(side) | {"name": f"{letter}: {shown(side.name)}"} for letter, side in (("A", made.a), ("B", made.b))

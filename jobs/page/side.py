@@ -5,7 +5,7 @@ from __future__ import annotations
 from kerfwise.encoder.corner_feed import paced
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.compare import Side
+from kerfwise.jobs.compare.side import Side
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.summary import proof_of, summary_lines
 from kerfwise.models.plan.plan import Plan, PlannedCut

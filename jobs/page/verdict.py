@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from kerfwise.postproc.check import CheckResult
-from kerfwise.postproc.check.result import Judgement
+from kerfwise.postproc.check.judgement import Judgement
 from kerfwise.postproc.report.page_data import Data, short
 from kerfwise.rules.profile.profile import Profile
 

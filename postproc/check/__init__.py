@@ -3,10 +3,10 @@
 from .check import check_cuts, check_program
 from .heating import Heating, Thermometer
 from .judged_cuts import JudgedCuts
+from .judgement import Excused, Judgement
 from .planned import Planned
 from .relaxed import Relaxed
-from .report import report
-from .result import CheckResult, Excused, Judgement, Measured
+from .result import CheckResult, Measured, report
 from .totals import Claims
 
 __all__ = [

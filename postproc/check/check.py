@@ -24,6 +24,7 @@ from .edge_starts import edge_starts, run_up_mm
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .judged_cuts import JudgedCuts
+from .judgement import Judgement
 from .links import bad_links
 from .loose_metal import burnt_loose
 from .loose_skeleton import off_the_frame
@@ -33,7 +34,7 @@ from .planned import Planned, strays_from
 from .program_rules import in_steps_of, judgement, tolerance_mm
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
-from .result import CheckResult, Judgement, Measured
+from .result import CheckResult, Measured
 from .resumed import burnt_by
 from .running import judge_running
 from .runs_from_cuts import runs_from_cuts, unlit_tabs

@@ -24,8 +24,8 @@ from kerfwise.rules.stating.feedback import EXACT_LINKS
 
 from .forcing import Forcing
 from .hard_orders import HardOrders
+from .judgement import Excused, Judgement
 from .places import Room
-from .result import Excused, Judgement
 
 
 def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement]) -> list[Judgement]:

@@ -10,8 +10,8 @@ from kerfwise.rules.profile.profile import Profile
 
 from .each_torch import asked_of, torch_of_each
 from .excuses import excuse
+from .judgement import Judgement
 from .relaxed import Relaxed, excuse_relaxed
-from .result import Judgement
 
 
 def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Relaxed] = ()) -> list[Judgement]:

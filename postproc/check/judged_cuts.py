@@ -13,8 +13,8 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 
+from .judgement import Judgement
 from .relaxed import Relaxed
-from .result import Judgement
 
 SAME = 1e-3
 """Millimetres and seconds that two cuts may differ by and be the same: what a program's decimals make of a plan's."""

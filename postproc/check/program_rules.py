@@ -10,7 +10,7 @@ from kerfwise.encoder.tolerance import TOLERANCE_MM as TOLERANCE_MM
 from kerfwise.encoder.tolerance import tolerance_mm as _tolerance_mm
 from kerfwise.rules.rule import Violation
 
-from .result import Judgement
+from .judgement import Judgement
 
 _STEP_MM: ContextVar[float] = ContextVar("step_mm", default=0.0)
 

@@ -16,8 +16,8 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Ids, Violation
 from kerfwise.rules.stating.cycles import path
 
+from .judgement import Excused, Judgement
 from .names import folded, ids_by_name
-from .result import Excused, Judgement
 
 WHY = "relaxed: the hard rules cannot all hold"
 _RELAXED = re.compile(r"RELAXED (?P<number>\d+) (?P<rule>\S+) (?P<contours>.+)", re.IGNORECASE)

@@ -1,56 +1,17 @@
-"""What a check finds: a judgement on every rule, and whether any hard one is broken."""
+"""What a check finds: a judgement on every rule, and whether any hard one is broken; and the same as text."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
 
-from kerfwise.rules.rule import Strength, Violation
+from kerfwise.encoder.shown import shown
 
-if TYPE_CHECKING:
-    from .judged_cuts import JudgedCuts
+from .judged_cuts import JudgedCuts
+from .judgement import Judgement
 
-Verdict = Literal["holds", "broken", "excused", "not judged", "off"]
-
-
-@dataclass(frozen=True, slots=True)
-class Excused:
-    """A violation that may stand, and why."""
-
-    violation: Violation
-    why: str
-
-
-@dataclass(frozen=True, slots=True)
-class Judgement:
-    """One rule against one plan or program; one that is off is not judged at all.
-
-    `unjudged` says why nothing can be said, where that is so. A rule that `must_be_judged` does not hold then.
-    """
-
-    id: str
-    strength: Strength
-    sentence: str
-    violations: tuple[Violation, ...] = ()
-    excused: tuple[Excused, ...] = ()
-    unjudged: str | None = None
-    must_be_judged: bool = False
-
-    @property
-    def holds(self) -> bool:
-        """Whether nothing breaks the rule but what is excused, as far as it has to be known."""
-        return not self.violations and not (self.must_be_judged and self.unjudged is not None)
-
-    @property
-    def verdict(self) -> Verdict:
-        """The judgement in a word or two."""
-        if self.strength == "off":
-            return "off"
-        if self.violations:
-            return "broken"
-        if self.unjudged is not None:
-            return "not judged"
-        return "excused" if self.excused else "holds"
+MOST = 20
+MOST_SOFT = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +49,45 @@ class CheckResult:
         return tuple(j.id for j in self.rules if j.strength == "hard" and not j.holds)
 
     def __str__(self) -> str:
-        from .report import report
-
         return report(self)
+
+
+def report(result: CheckResult, most: int = MOST) -> str:
+    """Every rule a line, what breaks it below; the last line says how it ends.
+
+    At most `most` sentences a rule are told, and at most `MOST_SOFT` where the rule is soft and breaking it but costs.
+    """
+    width = max((len(j.id) for j in result.rules), default=0)
+    lines = [line for judgement in result.rules for line in _lines(judgement, width, most)]
+    lines += [f"warning: {shown(text)}" for text in result.warnings[:most]]
+    if len(result.warnings) > most:
+        lines.append(f"... and {len(result.warnings) - most} more warnings")
+    measured = result.measured
+    lines.append(f"measured: {measured.paths} paths, {measured.on_mm:.1f} mm torch on, {measured.idle_mm:.1f} mm idle")
+    lines.append("ok: every hard rule holds" if result.ok else f"FAILED: {_failed(result)}")
+    return "\n".join(lines)
+
+
+def _failed(result: CheckResult) -> str:
+    """The hard rules that fail, in words: those that are broken, and those that could not be judged."""
+    failed = [result.rule(name) for name in result.broken()]
+    broken = [judgement.id for judgement in failed if judgement.violations]
+    unknown = [judgement.id for judgement in failed if not judgement.violations]
+    told = [f"{len(broken)} hard rules broken: {', '.join(broken)}"] if broken else []
+    told += [f"{len(unknown)} hard rules cannot be judged: {', '.join(unknown)}"] if unknown else []
+    return "; ".join(told)
+
+
+def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
+    yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {shown(judgement.sentence)}"
+    if judgement.unjudged is not None:
+        yield f"    {shown(judgement.unjudged)}"
+    told = most if judgement.strength == "hard" else min(most, MOST_SOFT)
+    for violation in judgement.violations[:told]:
+        yield f"    {shown(violation.text)}"
+    if len(judgement.violations) > told:
+        yield f"    ... and {len(judgement.violations) - told} more"
+    for excused in judgement.excused[:most]:
+        yield f"    excused: {shown(excused.violation.text)} ({shown(excused.why)})"
+    if len(judgement.excused) > most:
+        yield f"    ... and {len(judgement.excused) - most} more excused"

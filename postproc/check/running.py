@@ -19,8 +19,8 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
 from .corners import slow_at_corners, wrong_at_corners
+from .judgement import Judgement
 from .program_rules import judgement, tolerance_mm
-from .result import Judgement
 from .small_holes import Shares
 from .torch_run import TorchRun
 

@@ -16,9 +16,9 @@ from kerfwise.rules.profile.machine_section import Torches
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .judgement import Judgement
 from .planned import Planned
 from .program_rules import tolerance_mm
-from .result import Judgement
 
 _RULE = "torches"
 _TIME_S = 0.01

@@ -14,8 +14,8 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
+from .judgement import Judgement
 from .program_rules import tolerance_mm
-from .result import Judgement
 from .torch_run import TorchRun
 
 _IDLE_MM, _LENGTH_MM, _LENGTH_SHARE, _TIME_S = 0.1, 0.1, 0.001, 0.01

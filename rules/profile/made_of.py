@@ -5,20 +5,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.contents import contents, is_file
 from kerfwise.rules.flat.model_file import read_model_file
-from kerfwise.rules.flat.model_rule import options_class, read_model_rule
+from kerfwise.rules.flat.model_rule import options_class
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.own import Own, OwnFile, as_rule
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.own import OwnFile
 
 from .dialect_kind import is_own_dialect
-
-if TYPE_CHECKING:
-    from .profile import Profile
+from .profile import Profile
+from .profile_sections import of_own
 
 
 def files_of(profile: Profile) -> tuple[Path, ...]:
@@ -60,16 +57,3 @@ def parameters_of(path: Path) -> dict[str, OptionKind]:
         If the file is no rule.
     """
     return {o.key: o.kind for o in options_of(options_class(read_model_file(path).parameters))}
-
-
-def options_of_own(own: OwnFile) -> Any:
-    """The options of the rule that an entry's file makes, with the parameters that the entry sets."""
-    made, given = of_own(own).Options, dict(own.parameters)
-    return made(**{o.name: given[o.key] for o in options_of(made) if o.key in given})
-
-
-def of_own(own: Own) -> Rule[Any]:
-    """The rule that an entry of `own_rules` makes: one in a file is a model rule like those of `models`."""
-    if isinstance(own, OwnFile):
-        return read_model_rule(own.path, rule_id=own.id, sentence=own.why).with_strength(own.strength)
-    return as_rule(own)

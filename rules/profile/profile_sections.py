@@ -7,10 +7,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from kerfwise.rules.flat.model_rule import ModelRule
+from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.option import options_of
 from kerfwise.rules.outside import PythonFile
-from kerfwise.rules.own import Own, OwnFile, Thresholds
+from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, Strength
@@ -23,7 +24,6 @@ from .cuts_section import Cuts
 from .filling import T, filled_in, known_plant
 from .for_one_nest import ForOneNest
 from .heat_section import Heat
-from .made_of import of_own, options_of_own
 from .models_section import ModelSource
 from .nesting_section import Nesting
 from .prices_section import Prices
@@ -144,3 +144,16 @@ class ProfileSections:
 
     def _thresholds(self) -> Thresholds:
         return self._filled_in(Thresholds())
+
+
+def options_of_own(own: OwnFile) -> Any:
+    """The options of the rule that an entry's file makes, with the parameters that the entry sets."""
+    made, given = of_own(own).Options, dict(own.parameters)
+    return made(**{o.name: given[o.key] for o in options_of(made) if o.key in given})
+
+
+def of_own(own: Own) -> Rule[Any]:
+    """The rule that an entry of `own_rules` makes: one in a file is a model rule like those of `models`."""
+    if isinstance(own, OwnFile):
+        return read_model_rule(own.path, rule_id=own.id, sentence=own.why).with_strength(own.strength)
+    return as_rule(own)

@@ -7,8 +7,8 @@ from typing import cast
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.jobs.front_plot import Trade, front
 from kerfwise.jobs.produce import Produced
-from kerfwise.jobs.trade_off import Trade, front
 from kerfwise.models.plan.plan import Totals
 
 

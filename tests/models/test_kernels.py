@@ -319,7 +319,7 @@ def test_the_clock_of_commands_stands_still_while_something_is_compiled_and_coun
 
 def test_a_kernel_that_is_kept_is_loaded_and_one_that_is_not_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
-    monkeypatch.setattr(kernel_files, "note_compiled", lambda: told.append("compiled"))
+    monkeypatch.setattr(kernels, "note_compiled", lambda: told.append("compiled"))
     run()
     assert told == ["compiled"] * 2
     run()

@@ -9,6 +9,7 @@ over all moves, so that it holds however good they are.
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,11 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Bools
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
 from .between import Between
-from .branching import MOST_BRANCHED, branch
+from .branching import split
 from .costs import Stopped
 from .demands import DemandColumns
 from .flow_program import FlowProgram
@@ -47,6 +49,10 @@ BYTES_A_MOVE = 14.0
 """What is kept of every move, and needed while they are gone through."""
 SETTING_OUT = 0.75
 """Share of the work that may go before the first bound; where it takes more, contours stand for all of their sites."""
+ROUNDS, GAIN = 3, 3e-4
+"""A case is split again once so many rounds of cuts have gained less than this share."""
+MOST_BRANCHED, MOST_CASES = 1200, 1000
+"""Sites from which on cases take too long; and cases that are kept at the most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,3 +188,27 @@ class CutLoop:
 def _whole(bound: float) -> int:
     """Costs are whole; multipliers are sums of doubles, so a little less than the next whole number is not enough."""
     return int(np.ceil(bound - 1e-9 * abs(bound) - 1e-3))
+
+
+def branch(loop: CutLoop) -> float:
+    """What every plan costs at least by all cases together; the case with the lowest bound is split first."""
+    flow = loop.flow
+    goal, known = float(flow.plan_um - 1), float(flow.plan_um)
+    cases: list[tuple[float, int, Bools]] = []
+    number, reached, done = 0, loop.best, known
+    while True:
+        parts = split(flow.allowed, flow.contours_used(), flow.sites_used(), flow.owner) if reached <= goal else []
+        if reached <= goal and not parts:
+            done = min(done, reached)
+        for part in parts:
+            number += 1
+            heapq.heappush(cases, (reached, number, part))
+        if not cases:
+            return done
+        if cases[0][0] > goal or len(cases) > MOST_CASES or not loop.go():
+            return min(done, cases[0][0])
+        bound, _, allowed = heapq.heappop(cases)
+        flow.restrict(allowed)
+        reached = max(bound, loop.run(ROUNDS, GAIN))
+        if not loop.stalled and reached <= goal:  # not looked at to its end
+            return min(done, reached, *(case[0] for case in cases))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+from functools import cache
 from typing import Any
 
 from numba import extending
 from numba.core import cgutils, types
 from numba.core.typing.templates import AttributeTemplate
 from numba.np.numpy_support import from_dtype
-
-from .structs import Struct
 
 WHOLE, FLOAT = types.int64, types.float64
 
@@ -27,6 +26,12 @@ class StructType(types.Type):
         self.fields = fields
         digest = hashlib.sha256(repr(fields).encode()).hexdigest()[:8]
         super().__init__(name=f"{label}_{digest}")
+
+
+@cache
+def take(kind: type) -> None:
+    """Have numba take objects of a class, a `Struct`, for what their `kind` says."""
+    _compiler.typeof_impl.register(kind)(lambda value, _: value.kind)
 
 
 def _type_of_field(_: object, struct: StructType, name: str) -> types.Type | None:
@@ -53,7 +58,6 @@ def _load(context: Any, builder: Any, struct: StructType, pointer: Any, name: st
 _compiler: Any = extending
 _compiler_tools: Any = cgutils
 _compiler.register_model(StructType)(_compiler.models.OpaqueModel)
-_compiler.typeof_impl.register(Struct)(lambda value, _: value.kind)
 _compiler.unbox(StructType)(_unbox)
 _compiler.infer_getattr(type("Fields", (AttributeTemplate,), {"key": StructType, "generic_resolve": _type_of_field}))
 _compiler.lower_getattr_generic(StructType)(_load)

@@ -35,6 +35,8 @@ class Struct:
         with compiling():
             from . import struct_types
 
+            struct_types.take(Struct)
+
         self._types: Any = struct_types
         words: list[int] = []
         kinds: list[tuple[str, Any, int]] = []

@@ -1,10 +1,10 @@
 """Why a contour of a plan is cut where it is, then, and so."""
 
 from .along import Along
-from .explain import Explanation, expect_planned, explain, explained
+from .explain import expect_planned, explain, explained
 from .lawful import TriedOrder, try_order
 from .setting import Setting, make_setting
-from .words import as_text, explanation_as_json
+from .words import Explanation, as_text, explanation_as_json
 
 __all__ = [
     "Along",

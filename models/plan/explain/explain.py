@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.slits import slit_because
@@ -13,59 +11,15 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.tabs import tabs_because
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import About
 from kerfwise.rules.stating.state_rules import Stated
 
 from .along import Along
-from .entry import Entry, explain_entry
-from .heat_prices import HeatPrice, heat_prices
-from .holding import Hold, chain, holds, others
-from .moves import Relocation, explain_moves
+from .entry import explain_entry
+from .heat_prices import heat_prices
+from .holding import chain, holds, others
+from .moves import explain_moves
 from .setting import Setting, make_setting
-
-
-@dataclass(frozen=True, slots=True)
-class Explanation:
-    """What there is to say of one contour; places count from 1.
-
-    `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
-    it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
-    `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
-    and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
-    says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
-    torch stays on before it, and why, `tabs` why tabs hold the part, `common` which neighbours have cut some of it.
-    """
-
-    contour: str
-    place: int
-    of: int
-    zone: int
-    previous: str
-    following: str
-    earlier: tuple[Hold, ...]
-    later: tuple[Hold, ...]
-    earlier_chain: tuple[Hold, ...]
-    later_chain: tuple[Hold, ...]
-    also: tuple[About, ...]
-    entry: Entry
-    moves: tuple[Relocation, ...]
-    notes: tuple[str, ...]
-    heat: tuple[HeatPrice, ...] = ()
-    dwell_s: float = 0.0
-    waits_because: str = ""
-    zone_heat_kj: float | None = None
-    zone_budget_kj: float | None = None
-    small: str = ""
-    slit: str = ""
-    linked: str = ""
-    tabs: str = ""
-    pierced: str = ""
-    common: str = ""
-
-    def __str__(self) -> str:
-        from .words import as_text
-
-        return as_text(self)
+from .words import Explanation
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:

@@ -4,21 +4,63 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.listed import listed
-from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.rules.statements import EXEMPTION_MM, About
 
 from .entry import Entry, OtherEntry
-from .explain import Explanation
+from .heat_prices import HeatPrice
 from .holding import Hold
 from .moves import Relocation
 
 FEW = 3
 EXEMPTION_UM = round(EXEMPTION_MM * UM_PER_MM)
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What there is to say of one contour; places count from 1.
+
+    `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
+    it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
+    `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
+    and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
+    says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
+    torch stays on before it, and why, `tabs` why tabs hold the part, `common` which neighbours have cut some of it.
+    """
+
+    contour: str
+    place: int
+    of: int
+    zone: int
+    previous: str
+    following: str
+    earlier: tuple[Hold, ...]
+    later: tuple[Hold, ...]
+    earlier_chain: tuple[Hold, ...]
+    later_chain: tuple[Hold, ...]
+    also: tuple[About, ...]
+    entry: Entry
+    moves: tuple[Relocation, ...]
+    notes: tuple[str, ...]
+    heat: tuple[HeatPrice, ...] = ()
+    dwell_s: float = 0.0
+    waits_because: str = ""
+    zone_heat_kj: float | None = None
+    zone_budget_kj: float | None = None
+    small: str = ""
+    slit: str = ""
+    linked: str = ""
+    tabs: str = ""
+    pierced: str = ""
+    common: str = ""
+
+    def __str__(self) -> str:
+        return as_text(self)
 
 
 def as_text(explanation: Explanation, everything: bool = False) -> str:

@@ -10,7 +10,7 @@ import pytest
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates, remedies
-from kerfwise.encoder.candidates.candidate import IN_PROFILE
+from kerfwise.encoder.candidates.profile_keys import IN_PROFILE
 from kerfwise.encoder.candidates.surroundings import Surroundings
 from kerfwise.encoder.candidates.tried import TriedLeads
 from kerfwise.encoder.errors import InputError

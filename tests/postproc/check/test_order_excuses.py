@@ -13,8 +13,8 @@ from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.check.judge import judge
+from kerfwise.postproc.check.judgement import Judgement
 from kerfwise.postproc.check.relaxed import Relaxed
-from kerfwise.postproc.check.result import Judgement
 from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.case import cut
 from kerfwise.rules.lock import Lock
