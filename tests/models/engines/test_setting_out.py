@@ -9,10 +9,7 @@ import pytest
 
 from kerfwise.models.engines import cpsat, setting_out
 from kerfwise.models.engines.ideals import Count
-from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.portfolio.preview import Preview
-from kerfwise.models.engines.portfolio.run import Run
-from kerfwise.models.engines.portfolio.sweeping import Sweeping
+from kerfwise.models.engines.portfolio import Run, run_portfolio, swept_at_once
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.problem.crossings import Crossings
@@ -66,6 +63,5 @@ def test_a_sweep_of_many_contours_may_take_longer_before_any_search(
     longest: int, entries: float, at_once: bool
 ) -> None:
     run = Run(scattered(1, contours=8, sites=1), SolveOptions(work=30.0), Watch(SolveOptions()))
-    sweeping = Sweeping(run, Preview(run))
-    sweeping.count = Count(1, longest, 10**6, int(entries), 10**6, 0.0, True)
-    assert sweeping.at_once() == at_once
+    run.count = Count(1, longest, 10**6, int(entries), 10**6, 0.0, True)
+    assert swept_at_once(run) == at_once

@@ -1,0 +1,521 @@
+"""The portfolio: search finds plans, the ideals prove where sets are few, flows bound, CP-SAT carries the rest.
+
+Its members share incumbents and bounds and run one after the other, in the order of `STEPS`, until the best plan is
+proven or the limit is reached; each may use every core. Shares are of what is then left (`shares.py`):
+
+| step | when it suits | what it gets |
+|---|---|---|
+| ideals: sweep at once | all sets are counted, fit into memory and are swept soon | all |
+| search: first look | nothing is proven yet | 3 %, at least 0.9 s; all where it runs alone |
+| ideals: proof | a bound may make the sets few, or the sweep surely ends | 45 to 90 %; most take next to nothing |
+| ideals: multipliers | a small nest whose conditions and lags linear programs hold | 60 % |
+| beam | a state holds all that a step costs | 50 % where orders are dense, else 10 % |
+| search, windows, flows | nothing is proven yet; by kind of problem, see `improve_and_bound` | nearly all |
+| CP-SAT | nothing is proven yet, and its model is made in time | the rest |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import replace
+from math import inf
+from threading import Event
+from typing import TYPE_CHECKING, NamedTuple
+
+from kerfwise.models.engines import beam, bounds, cpsat, ideals, setting_out, shares
+from kerfwise.models.engines.ideals.series import series
+from kerfwise.models.engines.ideals.windows import polish
+from kerfwise.models.engines.known import Known
+from kerfwise.models.engines.names import Member
+from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions, table_bytes
+from kerfwise.models.engines.watch import Watch
+from kerfwise.models.kernels import running_s
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.search import Searcher
+
+NOT_BEGUN = "{}: not begun, its tables alone take longer than what is left for it"
+
+
+def run_portfolio(
+    problem: Problem,
+    options: SolveOptions,
+    watch: Watch,
+    start: tuple[int, ...] | None = None,
+    earlier: Known | None = None,
+) -> Known:
+    """Everything that can be found out about a problem within the limits, by all members or by the one asked for.
+
+    Parameters
+    ----------
+    start
+        A lawful route to go on from, where one is known.
+    earlier
+        What is known of the problem with fewer statements: its bound holds here, too.
+    """
+    run = Run(problem, options, watch)
+    if start is not None:
+        run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
+    if earlier is not None:
+        run.known.priced = earlier.priced
+        if earlier.proved_by:
+            run.known.raise_bound(earlier.bound_um, earlier.proved_by)
+    count_sets(run)
+    for step in STEPS:
+        if step.suits(run):
+            step.work(run, step.share(run))
+    run.known.offer(run.preview, "search")  # what was shown is not lost, where the work was ended early
+    return run.known
+
+
+class Run:
+    """One problem, its limits and what is known so far; members read it and write to `known`.
+
+    `count` is how many sets there are, as far as they were counted, `swept` whether a sweep of all of them was tried.
+    `preview` is a plan that was `shown` meanwhile and that no member goes on from, `searcher` the search that is gone
+    on with.
+    """
+
+    def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
+        self.problem, self.options, self.watch = problem, options, watch
+        self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
+        self.most_bytes = table_bytes(options.memory_gb, setting_out.crossed_bytes(problem))
+        self.known = Known()
+        self.count: ideals.Count | None = None
+        self.swept = self.shown = False
+        self.preview: Incumbent | None = None
+        self.searcher: Searcher | None = None
+        self._began_s = watch.seconds
+
+    def left(self) -> float:
+        """Seconds of work that are left, or by the clock where that is limited."""
+        if self.options.time_s is None:
+            return max(0.0, self.options.work - self.known.work)
+        return max(0.0, self.options.time_s - (self.watch.seconds - self._began_s))
+
+    def over(self) -> bool:
+        """Whether no further member is to begin."""
+        late = self.options.time_s is not None and self.known.incumbent is not None and self.left() < shares.SET_OUT_S
+        return self.known.proven or self.watch.stopped or late
+
+    def takes(self, member: Member, why: str) -> bool:
+        """Whether a member may run; it is noted why."""
+        forced = self.options.member
+        if forced is not None and forced != member:
+            return False
+        self.known.notes.append(f"{member}: {why if forced is None else 'asked for'}")
+        return True
+
+    def can(self, member: Member, unfit: str) -> bool:
+        """Whether nothing, as `unfit` says, keeps a member from the problem; what does is noted."""
+        if unfit:
+            self.known.notes.append(f"{member}: left out, {unfit}")
+            self.known.unable = unfit if self.options.member == member else ""
+        return not unfit
+
+    def sets_out(self, took_s: float, share: float) -> bool:
+        """Whether a member has time for more than its tables; where there is no plan yet, or it was asked for, so."""
+        return self.options.member is not None or self.known.incumbent is None or took_s <= share
+
+    def limit_s(self, share: float) -> float | None:
+        """A share by the clock, where that is limited."""
+        return None if self.options.time_s is None else share
+
+    def ends_s(self, share: float) -> float:
+        """When so many seconds will be over, by `running_s`; never where no seconds are counted."""
+        return inf if self.options.time_s is None else running_s() + share
+
+    def within(self, share: float, asked: Progress | None = None) -> Progress:
+        """To be asked whether to go on, no longer than so many seconds where seconds are counted."""
+        limited, until_s = self.options.time_s is not None, self.watch.seconds + share
+        asked = asked or self.watch
+
+        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+            return asked(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
+
+        return going
+
+
+# What kind of problem it is
+
+
+def density(problem: Problem) -> float:
+    """Share of the pairs of contours that hard orders decide."""
+    return float(problem.before.sum()) / max(1, problem.n * (problem.n - 1) // 2)
+
+
+def carried(problem: Problem) -> bool:
+    """Whether CP-SAT alone can hold all that is asked."""
+    return problem.further_back is not None
+
+
+def bounded_well(problem: Problem) -> bool:
+    """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
+    return problem.m <= bounds.MOST_SITES and bool(problem.conditions or problem.lags)
+
+
+def bounded_beside(run: Run) -> bool:
+    """Whether the bound by flows is looked for at the same time as a better plan."""
+    many = run.problem.n > shares.FLOW_FEW
+    return many and bounded_well(run.problem) and not carried(run.problem) and run.options.gap is None
+
+
+def stretches_short(run: Run, count: ideals.Count) -> bool:
+    """Whether stretches are so short that a bound may make the sets few."""
+    longest = count.longest
+    return longest <= shares.LONGEST or (longest <= shares.LONGEST_ZONE and longest <= run.problem.n / 2)
+
+
+def sweep_ends(run: Run) -> bool:
+    """Whether a sweep over all sets fits well into what is left."""
+    count = run.count
+    return count is not None and count.fits(run.most_bytes) and count.seconds <= shares.SURE * run.left()
+
+
+# Ideals
+
+
+def count_sets(run: Run) -> None:
+    """Count the sets that can occur, as far as there is a use for it."""
+    if run.options.member not in (None, "ideals") or not run.can("ideals", ideals.unfit(run.of_sets)):
+        return
+
+    def going(entries: int) -> bool:
+        few = entries < shares.PREVIEW_AFTER_ENTRIES or run.problem.n > shares.PREVIEW_MOST_CONTOURS
+        if not (few or run.shown or run.options.member):
+            show_preview(run)
+        return run.watch("ideals", None, None)
+
+    most = shares.COUNTED_FEW if run.problem.n <= shares.LONGEST else shares.COUNTED
+    alone = run.options.member is not None and run.problem.n > shares.COUNTED_ALONE_CONTOURS
+    most *= min(1.0, run.left() / (shares.COUNTED_ALONE_S if alone else shares.COUNTED_S))
+    run.count = ideals.count_sets(run.of_sets, most, going)
+    run.known.work += run.count.work
+
+
+def swept_at_once(run: Run) -> bool:
+    """Whether all sets are swept before anything else; it is noted so."""
+    count = run.count
+    if count is None or not count.fits(run.most_bytes):
+        return False
+    longest_s = shares.AT_ONCE_S if stretches_short(run, count) else shares.AT_ONCE_MANY_S
+    if not (run.options.member or count.seconds <= min(longest_s, shares.AT_ONCE * run.left())):
+        return False
+    run.known.notes.append(f"ideals: {'swept at once' if run.options.member is None else 'asked for'}, {count}")
+    run.swept = True
+    return True
+
+
+def proof_suits(run: Run) -> bool:
+    """Whether a proof is worth its share; it is noted so."""
+    if run.over() or run.count is None or run.swept:
+        return False
+    if run.options.member or sweep_ends(run) or stretches_short(run, run.count):
+        run.known.notes.append(f"ideals: {run.count}")
+        return True
+    run.known.notes.append(f"ideals: left to the others, {run.count}")
+    return False
+
+
+def proof_share(run: Run) -> float:
+    """Seconds for the proof."""
+    if run.options.member:
+        return run.left()
+    small = run.problem.n <= shares.LONGEST
+    return run.left() * (shares.PROOF_SMALL if small else shares.PROOF_ZONES if _zones(run) else shares.PROOF)
+
+
+def prove(run: Run, share: float) -> None:
+    """The ideals, bounded by walks in stages; of a large nest with zones walks take no more, linear programs do."""
+    if run.options.member or run.problem.n <= shares.LONGEST or not _zones(run):
+        sweep(run, share)
+    else:
+        sweep(run, share, tuple(shares.PROOF / shares.PROOF_ZONES * stage for stage in ideals.STAGES))
+
+
+def _zones(run: Run) -> bool:
+    return len(series(run.of_sets)) > 1 and ideals.priceable(run.of_sets)
+
+
+def sweep(run: Run, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
+    """A proof by sweeps, with a bound by walks in so many stages."""
+    known, before = run.known, run.known.work
+    stages = stages[:1] if sweep_ends(run) else stages
+    going = run.within(max(share, run.left()))
+    proof = ideals.prove(
+        run.of_sets, known.incumbent, share, going, stages, run.limit_s(share), run.most_bytes, known.priced
+    )
+    known.work = before + (share if proof is None else proof.work)
+    known.priced = known.priced if proof is None else proof.priced
+    take_proof(run, proof)
+
+
+def priced_suits(run: Run) -> bool:
+    """Whether a nest is so small that the ideals with multipliers of the flow come near its best plan at once."""
+    problem = run.problem
+    if run.over() or run.options.member is not None or problem.n > shares.FLOW_FEW or not bounded_well(problem):
+        return False
+    return ideals.priceable(problem) and ideals.sets_out(problem, run.left() * shares.PRICED)
+
+
+def sweep_priced(run: Run, share: float) -> None:
+    """The ideals with multipliers of the flow: few sets are left near a good bound."""
+    if (plan := run.known.incumbent) is not None:
+        going, limit_s = run.within(share), run.limit_s(share)
+        proof = ideals.prove_priced(run.problem, plan, share, going, limit_s, run.most_bytes)
+        run.known.work += share if proof is None else proof.work
+        take_proof(run, proof)
+
+
+def take_proof(run: Run, proof: ideals.Proof | None) -> None:
+    """Note the plan and the bound of a proof, or that there is none."""
+    known, problem = run.known, run.problem
+    if proof is not None and proof.better is not None and not broken(problem, proof.better.route):
+        route = proof.better.route
+        known.offer(Incumbent(route, route_cost(problem, route)), "ideals")
+    if proof is None:
+        known.notes.append("ideals: too many sets for the limit, nothing is proven")
+    elif proof.least is not None:
+        known.notes.append("ideals: too many sets for the limit, a bound is proven")
+        known.raise_bound(proof.least, "ideals")
+    elif (best := proof.incumbent) is None:
+        known.infeasible = True
+    else:  # the best route without what sets cannot tell: a bound, and the answer if it breaks nothing else
+        if not broken(problem, best.route):
+            known.offer(Incumbent(best.route, route_cost(problem, best.route)), "ideals")
+        else:
+            known.notes.append("ideals: the best plan breaks what a set cannot tell, it is a bound only")
+            if run.options.member is not None:
+                known.unable = "what its best plan breaks, a set of contours and the last cut cannot tell"
+        known.raise_bound(best.cost, "ideals")
+
+
+# Search
+
+
+def show_preview(run: Run) -> None:
+    """A first plan to be shown while sets are counted; it is no part of what a plan takes."""
+    from kerfwise.models.engines.search import Searcher
+
+    searcher, run.shown = Searcher(run.problem, run.options.seed), True
+    searcher.run(shares.PREVIEW_WORK, run.options.time_s and shares.PREVIEW_WORK, run.watch.preview)
+    run.preview = searcher.best
+
+
+def search_suits(run: Run) -> bool:
+    """Whether there is no plan at all, or time for a better one."""
+    known = run.known
+    wanting = not known.proven and (known.incumbent is None or not run.watch.stopped)
+    return wanting and run.takes("search", "it finds the first plan")
+
+
+def look_share(run: Run) -> float:
+    """Seconds for the first look."""
+    left = run.left()
+    return left if run.options.member else min(shares.FIRST_MOST * left, max(shares.FIRST * left, shares.FIRST_S))
+
+
+def look(run: Run, share: float) -> None:
+    """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
+    few = run.options.member is None and run.problem.n <= shares.LONGEST
+    looks = shares.LOOKS if few else 1
+    best: Searcher | None = None
+    for number in range(looks):
+        known = run.known.incumbent
+        search(run, share / looks, run.options.seed + number * shares.SEEDS_APART if number else None)
+        if best is None or run.known.incumbent is not known:
+            best = run.searcher
+        if run.over():
+            break
+    run.searcher = best
+
+
+def search(run: Run, share: float, seed: int | None = None) -> None:
+    """Search from where it stands, or from the plan of another member if that is the best; anew with a `seed`."""
+    from kerfwise.models.engines.search import Searcher  # what most small nests are proven without
+
+    known, first = run.known, run.searcher is None
+    if run.searcher is None or seed is not None:
+        run.searcher = Searcher(run.problem, run.options.seed if seed is None else seed)
+    if known.incumbent is not None and (first or known.found_by != "search"):
+        run.searcher.stand_on(known.incumbent.route)
+    run.searcher.run(share, run.options.time_s and share, run.watch)
+    known.offer(run.searcher.best, "search")
+    known.work += share
+
+
+def windows(run: Run, share: float) -> None:
+    """Windows of the best plan in their best order."""
+    known = run.known
+    if known.incumbent is None or run.over() or setting_out.windows_s(run.problem) > share:
+        return
+    polished = polish(run.problem, known.incumbent, share, run.within(share), shares.WINDOWS_BYTES * run.most_bytes)
+    known.offer(polished.incumbent, "windows")
+    known.work += polished.work
+
+
+# Beam
+
+
+def beam_suits(run: Run) -> bool:
+    """Whether the beam may run; it is noted why, or why not."""
+    if run.over() or run.options.member not in (None, "beam") or not run.can("beam", beam.unfit(run.problem)):
+        return False
+    return run.takes("beam", f"hard orders decide {density(run.problem):.0%} of the pairs")
+
+
+def beam_share(run: Run) -> float:
+    """Seconds for the beam."""
+    if run.options.member:
+        return run.left()
+    dense = density(run.problem) >= shares.DENSE and not bounded_beside(run)
+    return run.left() * (shares.BEAM_DENSE if dense else shares.BEAM_SPARSE)
+
+
+def widen_beam(run: Run, share: float) -> None:
+    """Beams, each wider than the last."""
+    known = run.known
+    if not run.sets_out(setting_out.beam_s(run.problem), share):
+        known.notes.append(NOT_BEGUN.format("beam"))
+        return
+    outcome = beam.beam(run.problem, known.incumbent, share, run.limit_s(share), run.watch, most_bytes=run.most_bytes)
+    known.offer(outcome.incumbent, "beam")
+    known.work += outcome.work
+    if outcome.proven and outcome.incumbent is None:
+        known.infeasible = True
+    elif outcome.bound is not None:
+        known.raise_bound(outcome.bound, "beam")
+
+
+# Better plans and higher bounds by turns, or at the same time
+
+
+def improve_and_bound(run: Run, _: float) -> None:
+    """A better plan and a higher bound, where nothing is proven yet."""
+    if run.known.priced:
+        search(run, run.left() * shares.SEARCH_PRICED)
+        windows(run, run.left())
+        return
+    if bounded_beside(run):
+        search(run, run.left() * shares.SEARCH_ALONE)
+        if not run.over() and run.known.incumbent is not None:
+            improve_while_bounded(run)
+        return
+    bounded, held = bounded_well(run.problem), carried(run.problem)
+    well = bounded and not held
+    few = shares.FLOW_FIRST if run.problem.n <= shares.FLOW_FEW else 0.0
+    bound_by_flows(run, run.left() * (few if well else shares.FLOW_CARRIED if bounded else shares.FLOW_PLAIN))
+    if not run.over():
+        share = shares.SEARCH_NEST if well else shares.SEARCH if held else shares.SEARCH_PLAIN
+        polishing = shares.WINDOWS_NEST if well else shares.WINDOWS
+        if not (well or model_sets_out(run, run.left() * (1.0 - share) * (1.0 - polishing))):
+            share, polishing = shares.SEARCH_LAST, 1.0
+        search(run, run.left() * share)
+        windows(run, run.left() * polishing)
+    if well and not run.over():
+        bound_by_flows(run, run.left() * shares.FLOW)
+
+
+def bound_by_flows(run: Run, share: float) -> None:
+    """A bound by linear programming, where there is a plan."""
+    if run.known.incumbent is None or share <= 0.0:
+        return
+    within, ends_s = run.within(share), run.ends_s(share)
+    found = bounds.flow_bound(run.problem, run.known.incumbent, share, within, run.most_bytes, ends_s)
+    run.known.work += found.work
+    take_flow(run, found.bound)
+
+
+def take_flow(run: Run, bound_um: int) -> None:
+    """Note a bound by flows, if there is one."""
+    if bound_um > 0:
+        run.known.notes.append("flow: a bound by linear programming")
+        run.known.raise_bound(bound_um, "flow")
+
+
+def improve_while_bounded(run: Run) -> None:
+    """A better plan, and at the same time a higher bound by a thread of its own that knows today's plan alone.
+
+    So neither depends on how far the other has come. A gap that is enough would: then one follows the other.
+    """
+    plan, left, began = run.known.incumbent, run.left(), run.known.work
+    assert plan is not None
+    share = shares.FLOW_BESIDE * left
+    reached, within = Event(), run.within(share, lambda *_: not run.watch.stopped)
+
+    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        run.watch.overhear(bound_um)
+        return not reached.is_set() and within(engine, cost_um, bound_um)
+
+    def bound() -> ideals.Proof | bounds.FlowBound:
+        """By flows, and by the ideals with their multipliers where these hold all that is asked."""
+        most_bytes = (1.0 - shares.WINDOWS_BYTES) * run.most_bytes
+        if ideals.priceable(run.problem) and ideals.sets_out(run.problem, shares.FIRST_BOUNDS * share):
+            proof = ideals.prove_priced(run.problem, plan, share, going, run.limit_s(share), most_bytes)
+            return bounds.FlowBound(0, share) if proof is None else proof
+        return bounds.flow_bound(run.problem, plan, share, going, most_bytes, run.ends_s(share))
+
+    with ThreadPoolExecutor(1) as thread:
+        bounding = thread.submit(bound)
+        try:
+            search(run, shares.SEARCH_BESIDE * left)
+            windows(run, shares.WINDOWS_BESIDE * left)
+            while not wait([bounding], shares.NEWS_S).done:
+                if not run.watch("bound", plan.cost, None):
+                    reached.set()
+        finally:
+            reached.set()
+    found = bounding.result()
+    run.known.work = began + max(found.work, run.known.work - began + found.work / 2)
+    if isinstance(found, ideals.Proof):
+        take_proof(run, found)
+    else:
+        take_flow(run, found.bound)
+
+
+# CP-SAT
+
+
+def model_sets_out(run: Run, share: float) -> bool:
+    """Whether CP-SAT has time for more than its model."""
+    return run.sets_out(setting_out.cpsat_s(run.problem), share)
+
+
+def solve_model(run: Run, share: float) -> None:
+    """Constraint programming, from the best plan and the bound that are known."""
+    known = run.known
+    if not model_sets_out(run, share):
+        known.notes.append(NOT_BEGUN.format("cp-sat"))
+        return
+    if not run.takes("cp-sat", "nothing is proven yet"):
+        return
+    limits = replace(run.options, work=share, time_s=run.options.time_s and share)
+    outcome = cpsat.solve_cpsat(run.problem, limits, known.incumbent, known.bound_um, run.watch)
+    known.offer(outcome.incumbent, "cp-sat")
+    known.infeasible = outcome.infeasible
+    if outcome.bound is not None:
+        known.raise_bound(outcome.bound, "cp-sat")
+    known.work += min(share, outcome.work) if known.proven else share  # a proof leaves the rest to others
+
+
+class Step(NamedTuple):
+    """A member, when it suits, how many seconds it has, and what it does with them."""
+
+    suits: Callable[[Run], bool]
+    share: Callable[[Run], float]
+    work: Callable[[Run, float], None]
+
+
+STEPS = (
+    Step(swept_at_once, Run.left, sweep),
+    Step(search_suits, look_share, look),
+    Step(proof_suits, proof_share, prove),
+    Step(priced_suits, lambda run: run.left() * shares.PRICED, sweep_priced),
+    Step(beam_suits, beam_share, widen_beam),
+    Step(lambda run: not run.over() and run.options.member is None, Run.left, improve_and_bound),
+    Step(lambda run: not run.over(), Run.left, solve_model),
+)
+"""In the order in which they run (see the table above)."""
