@@ -15,7 +15,6 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.facts.remaining import loose_in, remaining
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.still_going import long_job, so_much
@@ -59,7 +58,6 @@ def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, 
 
 
 @long_job(_measuring)
-@few_collections()
 def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
@@ -136,7 +134,6 @@ def _left(facts: Facts, already: AlreadyCut) -> Facts:
     return remaining(facts, already) if already else facts
 
 
-@few_collections()
 def ask(
     facts: Facts,
     profile: Profile,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import remnant_of
 from kerfwise.models.physics.timing.cost import Cost, Spent, cost_of
@@ -13,7 +12,6 @@ from kerfwise.rules.profile.profile import Profile
 _M3_PER_MM3 = 1e-9
 
 
-@few_collections()
 def cost_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Cost | None:
     """What one sheet of a plan costs: machine, gas, power, consumables, the sheet less its remnant, and the total.
 

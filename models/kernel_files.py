@@ -24,7 +24,6 @@ from numba import extending
 from numba.core import caching, serialize, types
 
 from kerfwise.encoder.errors import Advice
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
 
 from .kernel_code import code_of_kernels
@@ -55,7 +54,7 @@ def dispatcher_of(
     make = dispatcher._compile_for_args
 
     def make_off_the_clock(*given: Any, **named: Any) -> Any:
-        with compiling(), few_collections(), code_of_kernels():
+        with compiling(), code_of_kernels():
             not_kept = sum(dispatcher.stats.cache_misses.values())
             try:
                 return make(*given, **named)

@@ -18,7 +18,6 @@ from multiprocessing.context import SpawnProcess
 from types import TracebackType
 from typing import Self
 
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.processes import ENDED_S, end_with_parent, start_quietly
@@ -129,7 +128,6 @@ def _pickled(given: object) -> bytes:
         return b""
 
 
-@few_collections()
 def _draw(way: Connection) -> None:
     """What the process does; where it cannot, it says nothing."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers

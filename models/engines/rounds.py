@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -159,7 +158,6 @@ def _solution(problem: Problem, known: Known, spent: float) -> Solution:
     )
 
 
-@few_collections()
 def _judged_anew(problem: Problem, route: list[int], missing: tuple[Statement, ...]) -> Incumbent:
     """The route at hand at the price of what was found missing last, when there is no time left to solve again."""
     if broken(problem, route):

@@ -11,7 +11,6 @@ from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
@@ -33,7 +32,6 @@ from .reasons import reasons
 from .tabs import tabs_because
 
 
-@few_collections()
 def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
     """The whole plan but for what only its program can tell: its times by the profile's model, and the verdicts.
 

@@ -9,7 +9,6 @@ from typing import Any, Literal
 
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Side
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Loss
@@ -217,7 +216,6 @@ class Plan:
         cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
         return CutSequence(cuts, self.start_side, home, made=self.resumed_after, pierces=self.pierces)
 
-    @few_collections()
     def to_json(self) -> str:
         """The plan as kerfwise-plan/1 text: stable key order, one cut a line, a newline at the end."""
         head: dict[str, Any] = {

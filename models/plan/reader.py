@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
 from kerfwise.encoder.json_words import said
@@ -55,7 +54,6 @@ def read_plan(path: str | Path) -> Plan:
     return plan_in(text, path)
 
 
-@few_collections()
 def plan_in(text: str, path: str | Path = "the plan") -> Plan:
     """The plan that a text is, which stands at `path`.
 

@@ -11,7 +11,6 @@ import numpy as np
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.models.physics.timing.constant import Feeds
 from kerfwise.rules.by_kind import Kinds, by_kind
@@ -37,7 +36,6 @@ from .sites import sites_of
 from .translated import Translated, begin_with, translated
 
 
-@few_collections()
 def make_problem(
     facts: Facts,
     statements: tuple[Statement, ...],

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Pick
 
@@ -47,7 +46,6 @@ def order_cost(problem: Problem, order: Sequence[int]) -> int:
     return apart + sum(near)
 
 
-@few_collections()
 def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
     """The hard statements that a route breaks; empty for a lawful one. Every contour must be there once."""
     order = [int(problem.site_contour[s]) for s in route]

@@ -15,7 +15,6 @@ from itertools import chain
 import numpy as np
 
 from kerfwise.arrays import Bools, Int32s, Ints
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.rules.statements import Pick, plain
 
 from .conditions import Condition
@@ -25,7 +24,6 @@ from .problem import Problem
 from .sites import in_one_place
 
 
-@few_collections()
 def simplify(problem: Problem) -> Problem:
     """A problem with the same optimum; every route of it is a route of the given one at the same cost."""
     decided, unlawful = _decided(problem)

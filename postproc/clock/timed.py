@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
@@ -122,7 +121,6 @@ def read_program(text: str, nest: Nest, profile: Profile, file: str = "", truste
     return read_on_machine(text, nest, profile, file, trusted)
 
 
-@few_collections()
 def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
     """The plan with the times of its program by the model of the profile, which it then states."""
     timed = time_job(job_of_plan(plan, nest, profile), profile)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, pierce_dwell_of, powers_of
@@ -22,7 +21,6 @@ ARCS_REFITTED = "ARCS REFITTED WITHIN"
 """What a program of a nest says whose flattened outlines were made arcs again; a length in mm follows."""
 
 
-@few_collections()
 def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | None = None) -> str:
     """The program of `plan` in the dialect of the profile's machine, or in one that has no file.
 

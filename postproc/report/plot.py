@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
@@ -29,7 +28,6 @@ _DRAWN: dict[str, Callable[[Scene], bytes]] = {
 PAGE = ".html"
 
 
-@few_collections()
 def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), spot: Spot | None = None) -> bytes:
     """The picture of a nest, with its plan if there is one, as the content of a file.
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from kerfwise.encoder.cut import HotSpot, Side
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import long_job, so_much, told_if_long
@@ -105,7 +104,6 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
     return measure
 
 
-@few_collections()
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trusted | None = None) -> CheckResult:
     """Judge a plan and the program written from it: a rule holds if it holds in both.
 
@@ -166,7 +164,6 @@ def _block(program: str, line: int) -> str:
     return f"block {lines[line - 1].strip()!r}" if 0 < line <= len(lines) else f"line {line}"
 
 
-@few_collections()
 def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
     """The verdicts on the profile's rules as a plan states them."""
     book, files = profile.rulebook(), profile.rule_files()

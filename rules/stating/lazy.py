@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from kerfwise.encoder.few_collections import few_collections
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, NoGood, Statement
 
@@ -38,7 +37,6 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
     index, rest, made = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
     told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
 
-    @few_collections()
     def look(order: Sequence[int]) -> tuple[Statement, ...]:
         found: list[Statement] = []
         for names in _in_turn(facts, [*made, *(nest.contours[k].id for k in order)]):
