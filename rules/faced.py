@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from kerfwise.arrays import Floats, Ints
-from kerfwise.encoder.of_columns import of_columns
 from kerfwise.encoder.ranges import laid_out
 
 from .statements import Before
@@ -71,7 +70,7 @@ class Faced:
         """For each that its contour is cut before its neighbours, or these before it."""
         own, others = np.repeat(self.contour, self.count), self.neighbour[laid_out(self.first, self.count)]
         i, j = (own, others) if first else (others, own)
-        return self._by_candidate(of_columns(Before, len(own), i=i.tolist(), j=j.tolist()))
+        return self._by_candidate(list(map(Before, i.tolist(), j.tolist())))
 
     def weights(self) -> list[tuple[int, ...]]:
         """How much of each faces each neighbour."""

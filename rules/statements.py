@@ -6,14 +6,10 @@ Contours and candidates are numbered as in `Facts`. Positions count from 1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import repeat
-from typing import TYPE_CHECKING
 
 import shapely
-
-from kerfwise.encoder.of_columns import of_columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,47 +54,13 @@ def plain(literals: Iterable[Literal]) -> Iterator[Before | Pick]:
             yield literal
 
 
-SaidBy = Callable[[tuple[str, ...]], str]
-"""Makes a sentence of the contour ids that it is about."""
-
-
-class _SaidWhenRead:
-    """A sentence that is made when it is first read, of what it is about."""
-
-    __slots__ = ("_said_by",)
-
-    if not TYPE_CHECKING:  # it gives the sentence alone
-
-        def __getattr__(self, name: str) -> str:
-            """Python asks here for what is not there yet."""
-            if name != "sentence":
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            sentence = self._said_by(self.contours)
-            object.__setattr__(self, "sentence", sentence)
-            return sentence
-
-
 @dataclass(frozen=True, slots=True)
-class About(_SaidWhenRead):
+class About:
     """Where a statement comes from: the rule's id, the contour ids it is about, and a sentence for the planner."""
 
     rule: str
     contours: tuple[str, ...]
     sentence: str
-
-    @staticmethod
-    def each(rule: str, contours: Sequence[tuple[str, ...]], said_by: Iterable[SaidBy]) -> list[About]:
-        """Of many statements of a rule, by their contours; a sentence is made of those when it is first read.
-
-        Most sentences about a large nest are never read.
-
-        Examples
-        --------
-        >>> first, second = About.each("r", [("A", "B"), ("B", "C")], repeat(" before ".join))
-        >>> second
-        About(rule='r', contours=('B', 'C'), sentence='B before C')
-        """
-        return of_columns(About, len(contours), rule=repeat(rule), contours=contours, _said_by=said_by)
 
 
 @dataclass(frozen=True, slots=True)

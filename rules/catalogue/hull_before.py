@@ -13,7 +13,6 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.judging.placement import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.orders import orders_of
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
@@ -64,7 +63,7 @@ class HullBefore(OrderRule[NoOptions]):
     gives_way = 2
 
     def statements(self, facts: Facts, options: NoOptions) -> list[Precede]:
-        return orders_of(self, facts, facts.in_hull)
+        return [self.precede(facts, i, j) for i, j in facts.in_hull.tolist()]
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
         return replace(given, zone_respects=given.zone_respects | {"in_hull"}) if strength == "hard" else given

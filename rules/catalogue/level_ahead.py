@@ -14,7 +14,6 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.placement import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.orders import orders_of
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
@@ -68,7 +67,7 @@ class LevelAhead(OrderRule[NoOptions]):
     of_each_torch = True
 
     def statements(self, facts: Facts, options: NoOptions) -> list[Precede]:
-        return orders_of(self, facts, facts.level_ahead)
+        return [self.precede(facts, i, j) for i, j in facts.level_ahead.tolist()]
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
         return replace(given, zone_respects=given.zone_respects | {"level_ahead"}) if strength == "hard" else given

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
-from itertools import repeat
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +11,6 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.of_columns import of_columns
 from kerfwise.rules.faced import Faced
 from kerfwise.rules.judging.rigidity import rigid_at_best, rigid_at_the_end
 from kerfwise.rules.options.option import option
@@ -125,19 +122,13 @@ class PartRigidity(Rule[PartRigidityOptions]):
 
     def _ends(self, facts: Facts, faced: Faced, bound: Ints) -> list[AtLeast]:
         """For candidates of outer contours: enough of the tail faces what is solid or still in."""
-        names = [(facts.nest.contours[k].id,) for k in faced.contour.tolist()]
-        numbers = faced.candidate.tolist()
-        said_by = [partial(_along_metal, facts.candidates[c]) for c in numbers]
-        return of_columns(
-            AtLeast,
-            len(numbers),
-            literals=faced.orders(first=True),
-            weights=faced.weights(),
-            bound=bound.tolist(),
-            about=About.each(self.id, names, said_by),
-            when=numbers,
-            weight=repeat(None),
-        )
+        rows = zip(faced.contour.tolist(), faced.candidate.tolist(), bound.tolist(), strict=True)
+        orders, statements = faced.orders(first=True), []
+        for (contour, c, least), literals, weights in zip(rows, orders, faced.weights(), strict=True):
+            name = facts.nest.contours[contour].id
+            about = self.about((name,), _along_metal(name, facts.candidates[c]))
+            statements.append(AtLeast(literals, weights, least, about, when=c))
+        return statements
 
     def _beginnings(self, facts: Facts, options: PartRigidityOptions) -> list[AtLeast]:
         """For every candidate of an outer contour: enough of what its head faces is out. A wish with its own weight."""
@@ -145,17 +136,13 @@ class PartRigidity(Rule[PartRigidityOptions]):
         bound = np.ceil(heads.solid + heads.length - options.head_rigid_max * heads.total - 1e-6).astype(np.int64)
         chosen = np.flatnonzero(bound > 0)
         faced = heads.only(chosen)
-        names = [(facts.nest.contours[k].id,) for k in faced.contour.tolist()]
-        return of_columns(
-            AtLeast,
-            len(chosen),
-            literals=faced.orders(first=False),
-            weights=faced.weights(),
-            bound=bound[chosen].tolist(),
-            about=About.each(self.id, names, repeat(_begins)),
-            when=faced.candidate.tolist(),
-            weight=repeat(options.head_weight_mm),
-        )
+        rows = zip(faced.contour.tolist(), faced.candidate.tolist(), bound[chosen].tolist(), strict=True)
+        orders, statements = faced.orders(first=False), []
+        for (contour, c, least), literals, weights in zip(rows, orders, faced.weights(), strict=True):
+            name = facts.nest.contours[contour].id
+            about = self.about((name,), f"{name} begins along the sheet's edge or metal already cut")
+            statements.append(AtLeast(literals, weights, least, about, when=c, weight=options.head_weight_mm))
+        return statements
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PartRigidityOptions) -> list[Violation]:
         found = []
@@ -200,10 +187,6 @@ def _bounds(options: PartRigidityOptions, ends: Faced) -> Ints:
     return np.ceil(options.rigid_min * ends.total - ends.solid - 1e-6).astype(np.int64)
 
 
-def _along_metal(candidate: Candidate, contours: tuple[str, ...]) -> str:
+def _along_metal(contour: str, candidate: Candidate) -> str:
     at = f"({candidate.entry[0]:.1f}, {candidate.entry[1]:.1f})"
-    return f"{contours[0]}, {WAYS[candidate.direction]} from {at}, ends along metal that holds it"
-
-
-def _begins(contours: tuple[str, ...]) -> str:
-    return f"{contours[0]} begins along the sheet's edge or metal already cut"
+    return f"{contour}, {WAYS[candidate.direction]} from {at}, ends along metal that holds it"

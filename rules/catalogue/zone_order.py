@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise, product, repeat
+from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.of_columns import of_columns
 from kerfwise.rules.judging.placement import host_holes
 from kerfwise.rules.judging.zone_budget import ALLOWANCE, HotZone, hot_zones
 from kerfwise.rules.lock import Lock
@@ -213,17 +212,9 @@ def _in_turn(
 ) -> list[Precede]:
     """Each contour of a zone before each of the next; given are the numbers of both zones and of their contours."""
     (zone, first), (following, then) = sooner, later
-    pairs = list(product(first, then))
-    names = list(product([contours[k].id for k in first], [contours[k].id for k in then]))
-
-    def said(ids: tuple[str, ...]) -> str:
-        return f"{ids[0]} is cut before {ids[1]}: zone {zone} comes before zone {following}"
-
-    return of_columns(
-        Precede,
-        len(pairs),
-        before=(before for before, _ in pairs),
-        after=(after for _, after in pairs),
-        about=About.each(rule, names, repeat(said)),
-        weight=repeat(None),
-    )
+    statements = []
+    for i, j in product(first, then):
+        names = (contours[i].id, contours[j].id)
+        said = f"{names[0]} is cut before {names[1]}: zone {zone} comes before zone {following}"
+        statements.append(Precede(i, j, About(rule, names, said)))
+    return statements
