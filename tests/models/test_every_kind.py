@@ -54,6 +54,7 @@ from kerfwise.tests.models.every_kind import (
     ways,
 )
 from kerfwise.tests.models.plan.conflict.statements import row
+from kerfwise.tests.tools.amount import full
 
 FACTS = row(PARTS)
 KINDS = get_args(Statement)
@@ -132,7 +133,10 @@ def test_minizinc_finds_the_best_plan_or_says_that_it_has_no_words(example: Exam
 
 @pytest.mark.parametrize(
     "example",
-    [pytest.param(e, id=str(e), marks=[pytest.mark.slow] if str(e) == "lag of seconds, hard" else []) for e in HARD],
+    [
+        full(pytest.param(e, id=str(e))) if str(e) == "lag of seconds, hard" else pytest.param(e, id=str(e))
+        for e in HARD
+    ],
 )
 def test_a_conflict_names_it(example: Example) -> None:
     """Against it stands all that fixes one way to cut the row which breaks it."""

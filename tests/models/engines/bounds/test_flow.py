@@ -29,7 +29,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import problem, problems, scattered
-from kerfwise.tests.tools.amount import examples
+from kerfwise.tests.tools.amount import examples, few
 
 ROW = [[(10.0, 0.0)], [(20.0, 0.0)], [(30.0, 0.0)]]
 
@@ -227,7 +227,7 @@ def test_an_excuse_is_in_the_bound() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", few([1, 0, 2, 3]))
 def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = scattered(seed, 6, 2, pairs=seed)
     best = best_of(seen)

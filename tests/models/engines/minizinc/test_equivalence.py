@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from _pytest.mark import ParameterSet
 
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.minizinc.data import travel_um
@@ -22,28 +22,29 @@ from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.agreement.orders import only
 from kerfwise.tests.models.engines.minizinc.agree import disagreements, optima
 from kerfwise.tests.models.engines.minizinc.cases import SIMULATED, case, drawn_case, profile_of
+from kerfwise.tests.tools.amount import full
 
 pytestmark = [pytest.mark.filterwarnings("ignore::minizinc.error.MiniZincWarning"), pytest.mark.minizinc]
 SEEDS = range(36)
 DRAWN = tuple(range(24))
 
 
-QUICK = 3
-"""One of so many seeds is tried among the quick tests."""
+THIRD = 3
+"""One of this many seeds is tried always."""
 
 
-def slow_ones(seeds: Iterable[int]) -> list[ParameterSet]:
-    return [pytest.param(seed, marks=[pytest.mark.slow] if seed % QUICK else []) for seed in seeds]
+def a_third(seeds: Iterable[int]) -> list[Any]:
+    return [full(seed) if seed % THIRD else seed for seed in seeds]
 
 
-@pytest.mark.parametrize("seed", slow_ones(SEEDS))
+@pytest.mark.parametrize("seed", a_third(SEEDS))
 def test_the_engines_agree(seed: int) -> None:
     _, differ = disagreements(case(seed))
     assert differ == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", slow_ones(DRAWN))
+@pytest.mark.parametrize("seed", a_third(DRAWN))
 def test_the_engines_agree_whatever_the_options(seed: int) -> None:
     drawn = drawn_case(seed)
     assert drawn is not None, "choose another seed: a contour of this nest has no room for its leads"
