@@ -9,12 +9,13 @@ import pytest
 
 import kerfwise
 from kerfwise.benchmarks.limits import HEAD, run
+from kerfwise.tests.tools.amount import few
 
 NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("processor", [False, True])
+@pytest.mark.parametrize("processor", few([False, True]))
 def test_a_row_is_what_a_run_of_the_command_took(processor: bool, tmp_path: Path) -> None:
     nest = tmp_path / NEST.name
     shutil.copy(NEST, nest)

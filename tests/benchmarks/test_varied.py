@@ -13,6 +13,7 @@ import kerfwise
 from kerfwise.benchmarks.varied import as_text, home_of, main, varied
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.routing import Instance, judge_tour, read_instance, solve_instance
+from kerfwise.tests.tools.amount import few
 
 NINE = Path(kerfwise.__file__).parent / "examples" / "routing" / "nine.pcglns"
 
@@ -42,7 +43,7 @@ def test_what_is_written_is_read_as_it_was_meant(tmp_path: Path, monkeypatch: py
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("which", range(3))
+@pytest.mark.parametrize("which", few(range(3)))
 def test_a_proven_cost_is_the_least_of_all_tours(which: int, tmp_path: Path) -> None:
     path = tmp_path / "each.pcglns"
     path.write_text(as_text(list(varied(read_instance(NINE), 1))[which]), encoding="utf-8")

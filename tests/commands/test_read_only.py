@@ -16,6 +16,7 @@ import pytest
 
 import kerfwise as package
 from kerfwise.tests.commands.test_boundary import PLAIN
+from kerfwise.tests.tools.amount import few
 
 ROOT = Path(package.__file__).parent
 LEFT_OUT = ("tests", "docs", ".git", "__pycache__", ".*", "*.egg-info", "build", "examples", "benchmarks")
@@ -86,19 +87,22 @@ def test_nothing_may_be_written_there(place: Path) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ("check", "plain.json", "plain.nc"),
-        ("check", "plain.json", "plain.plan.json"),
-        ("time", "plain.json", "plain.nc"),
-        ("explain", "plain.json", "plain.plan.json", "A.outer"),
-        ("facts", "plain.json"),
-        ("profile", "check", "water-jet"),
-        ("profile", "show", "laser-wood"),
-        ("rules",),
-        ("rules", "pierce"),
-        ("engines",),
-        ("--version",),
-    ],
+    few(
+        [
+            ("check", "plain.json", "plain.nc"),
+            ("explain", "plain.json", "plain.plan.json", "A.outer"),
+            ("profile", "check", "water-jet"),
+            ("rules", "pierce"),
+            ("check", "plain.json", "plain.plan.json"),
+            ("time", "plain.json", "plain.nc"),
+            ("facts", "plain.json"),
+            ("profile", "show", "laser-wood"),
+            ("rules",),
+            ("engines",),
+            ("--version",),
+        ],
+        4,
+    ),
 )
 def test_what_writes_nothing_works(words: tuple[str, ...], place: Path) -> None:
     done = ended(place, *words)
@@ -108,12 +112,15 @@ def test_what_writes_nothing_works(words: tuple[str, ...], place: Path) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [
-        ("plot", "plain.json", "-o", "out.svg"),
-        ("facts", "plain.json", "-o", "facts.json"),
-        ("rules", "pierce", "--picture", "pierce.svg"),
-        ("rules", "new", "some-rule", "--into", "../site/kerfwise"),
-    ],
+    few(
+        [
+            ("plot", "plain.json", "-o", "out.svg"),
+            ("rules", "new", "some-rule", "--into", "../site/kerfwise"),
+            ("facts", "plain.json", "-o", "facts.json"),
+            ("rules", "pierce", "--picture", "pierce.svg"),
+        ],
+        2,
+    ),
 )
 def test_what_writes_says_where_it_may_not(words: tuple[str, ...], place: Path) -> None:
     done = ended(place, *words)

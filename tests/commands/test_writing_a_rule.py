@@ -43,13 +43,27 @@ def run(command: str, root: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, shell=True, cwd=root, env=env, capture_output=True, text=True)
 
 
-@pytest.mark.slow
-def test_the_page_works(copy: Path) -> None:
+def follow(commands: list[str], copy: Path) -> dict[str, str]:
+    """What each of some commands of the page says in the copy."""
     said = {}
-    for command in COMMANDS:
+    for command in commands:
         result = run(command, copy)
         assert result.returncode == 0, (command, result.stdout, result.stderr)
         said[command] = result.stdout
+    return said
+
+
+@pytest.mark.slow
+def test_a_rule_is_begun_as_the_page_says(copy: Path) -> None:
+    begun = [COMMANDS[0], "kerfwise rules test long-parts-begun --cases"]
+    said = follow([command.replace("long-parts-last", "long-parts-begun") for command in begun], copy)
+    assert [*said.values()][-1].endswith(" 0 failed\n")
+    (copy / "rules" / "catalogue" / "long_parts_begun.py").unlink()
+
+
+@pytest.mark.full
+def test_the_page_works(copy: Path) -> None:
+    said = follow(COMMANDS, copy)
     assert "4 cases and 4 comparisons, 0 failed" in said["kerfwise rules test long-parts-last"]
     assert re.search(r"\n\d\d passed", said["pytest -q tests/rules -k long-parts-last"])
     order = [p.cut.contour for p in read_plan(copy / "plan.json").cuts]

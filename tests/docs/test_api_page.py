@@ -12,6 +12,7 @@ import pytest
 
 import kerfwise
 from kerfwise.tests.docs.api_page import page
+from kerfwise.tests.tools.amount import few
 
 ROOT = Path(kerfwise.__file__).parent
 NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
@@ -49,7 +50,7 @@ def test_notebooks_are_kept_without_output() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("notebook", few(NOTEBOOKS), ids=lambda path: path.stem)
 def test_every_notebook_runs(notebook: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(ROOT.parent) if ROOT.name == "kerfwise" else "")
     made = nbformat.read(notebook, as_version=4)

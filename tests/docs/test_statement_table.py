@@ -18,7 +18,7 @@ PAGE = Path(kerfwise.__file__).parent / "docs" / "architecture.md"
 AGAIN = "python -m kerfwise.tests.docs.statement_table prints what belongs under its comment in docs/architecture.md"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.minizinc
 def test_the_table_is_what_the_engines_do() -> None:
     page = PAGE.read_text(encoding="utf-8")

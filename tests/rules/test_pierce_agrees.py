@@ -14,6 +14,7 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
+from kerfwise.tests.tools.amount import few
 
 KERF_MM, SPLASH_MM = 1.5, 0.5
 SHEETS = {
@@ -37,7 +38,7 @@ def cut_of(sheet: Nest, candidate: Candidate) -> Cut:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sheet", SHEETS)
+@pytest.mark.parametrize("sheet", few(SHEETS))
 @pytest.mark.parametrize("leads", LEADS)
 def test_two_cuts_in_either_order(leads: str, sheet: str) -> None:
     where = SHEETS[sheet]

@@ -23,6 +23,7 @@ from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
+from kerfwise.tests.tools.amount import few
 
 pytestmark = [pytest.mark.minizinc, pytest.mark.slow]
 
@@ -125,7 +126,7 @@ def cuts_of(made: Produced) -> CutSequence:
     return CutSequence(tuple(planned.cut for planned in plan.cuts), plan.start_side)
 
 
-@pytest.mark.parametrize("change", CHANGES, ids=lambda c: f"{c.rule} {c.how}")
+@pytest.mark.parametrize("change", few(CHANGES, 8), ids=lambda c: f"{c.rule} {c.how}")
 def test_the_plants_file_is_obeyed_and_judged_by(tmp_path: Path, change: Change) -> None:
     own, shipped = profile_of(tmp_path, change, True), profile_of(tmp_path, change, False)
     of_own, of_shipped = planned(change, own), planned(change, shipped)
@@ -169,7 +170,7 @@ FULL = nest(
 REPLACED = [name for name, rule in RULES.items() if not rule.takes_no_file]
 
 
-@pytest.mark.parametrize("rule", REPLACED)
+@pytest.mark.parametrize("rule", few(REPLACED, 5))
 @pytest.mark.parametrize("strength", ["hard", "soft"])
 def test_a_copy_of_a_shipped_file_changes_nothing(tmp_path: Path, rule: str, strength: str) -> None:
     if strength not in RULES[rule].strengths:

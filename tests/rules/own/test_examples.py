@@ -25,6 +25,7 @@ from kerfwise.rules.own.own_rule import ASKS
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import state_rules
+from kerfwise.tests.tools.amount import full
 
 DOCS = Path(kerfwise.__file__).parent / "docs"
 PAGE = (DOCS / "own-rules.md").read_text(encoding="utf-8")
@@ -42,7 +43,7 @@ def plan_of(profile: Profile, work: float = 1.0) -> Plan:
 
 
 SLOW = "10. Let a long strip cool"
-BY_TITLE = [pytest.param(title, marks=[pytest.mark.slow] if title == SLOW else []) for title in EXAMPLES]
+BY_TITLE = [full(title) if title == SLOW else title for title in EXAMPLES]
 
 
 @pytest.mark.parametrize("title", BY_TITLE)
