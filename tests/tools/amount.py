@@ -7,11 +7,14 @@ is shown by a smaller test too, which always runs.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import settings
+from hypothesis.database import DirectoryBasedExampleDatabase
 
+ROOT = Path(__file__).parents[2]
 SHARE = 5
 """One example of this many is drawn by default."""
 FEWEST = 4
@@ -22,7 +25,8 @@ def register_profiles(everything: bool) -> None:
 
     No example has a deadline, which would depend on the load of the machine.
     """
-    settings.register_profile("all", deadline=None, print_blob=True, max_examples=100)
+    kept = DirectoryBasedExampleDatabase(ROOT / ".hypothesis" / "examples")
+    settings.register_profile("all", deadline=None, database=kept, print_blob=True, max_examples=100)
     settings.register_profile("few", settings.get_profile("all"), max_examples=100 // SHARE)
     settings.load_profile("all" if everything else "few")
 
