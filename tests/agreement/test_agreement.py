@@ -151,7 +151,7 @@ def test_an_option_that_one_side_ignores_is_noticed(side: str, monkeypatch: pyte
     assert found.startswith("heat-lag admits")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_cases_are_of_every_size_and_every_rule() -> None:
     cases = [judged_case(seed) for seed in range(30)]
     assert {case.facts.n for case in cases} == {5, 6, 7, 8, 9}

@@ -11,7 +11,7 @@ from kerfwise.benchmarks.bounded_work import CASES, HEAD, Case, grid, row, run
 PAGE = (Path(__file__).parents[2] / "docs" / "safety.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_inputs_are_read_or_refused_and_what_they_take_is_told() -> None:
     read = run(Case("six parts", grid(6), ("facts", "nest.json", "-o", "facts.json")))
     assert (read.code, read.said) == (0, "")

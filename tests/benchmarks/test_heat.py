@@ -15,7 +15,7 @@ from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.physics.timing.constant import Leg, idle_mm
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_row_of_the_correlation(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 60)
     case = bench("e1x_6", read_nest(EXAMPLES / "e1x_6.json"), plant(90.0))

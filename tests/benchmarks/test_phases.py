@@ -64,7 +64,7 @@ def test_starts_tell_seconds_and_kernels() -> None:
     assert told[-1] == "| few | 15.0 | 24 | 1.0 | 1.0 | 0 | 1.0 |"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_plate_is_measured() -> None:
     """In a process of its own, as functions of the package are wrapped."""
     import subprocess

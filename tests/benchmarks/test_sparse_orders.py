@@ -24,7 +24,7 @@ def test_pairs_are_as_many_as_asked_for_and_share_no_contour() -> None:
     assert len({contour for order in inner for contour in order}) == 40
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_chains_and_annealing_are_both_run() -> None:
     instance = made(Family(60, share=0.01), 1)
     annealed, chained = (by_search(instance, 0.05, chains) for chains in (False, True))

@@ -29,7 +29,7 @@ def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path, monkeypatch: pytes
     assert str(row_of(job, kept, tmp_path / "kept.json")) == str(ROW)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_moved_zones_cost_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
     made = moved(Job(30, 1, 2.0, 0.03))

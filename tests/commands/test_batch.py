@@ -137,7 +137,7 @@ def test_killed_at_some_moment_and_started_again(moments: tuple[tuple[str, int],
     assert not list(Path("out").glob("*.pdf")), "nobody cuts by an old sheet"
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.skipif(os.name != "posix", reason="SIGINT")
 def test_watched_until_ctrl_c() -> None:
     write_nests(Path("in"), ("one",))

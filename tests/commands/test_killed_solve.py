@@ -19,7 +19,7 @@ from kerfwise.encoder import swap
 from kerfwise.encoder.contents import contents
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_boundary import PLAIN
-from kerfwise.tests.tools.amount import full
+from kerfwise.tests.tools.amount import few, full
 from kerfwise.tests.tools.killing import COUNTED
 
 OUT = ("plain.nc", "plain.plan.json", "plain.svg")
@@ -77,12 +77,12 @@ def test_killed_at_some_moments_of_the_writing(folder: Path, moments: tuple[int,
     assert set(found) == set(ORIGINS)
 
 
-def test_two_at_once(folder: Path) -> None:
-    for late_s in (0.0, 0.1):
-        started = []
-        for origin in ORIGINS:
-            started.append(subprocess.Popen([sys.executable, "-m", "kerfwise.cli", *SOLVE, origin]))
-            time.sleep(late_s)
-        assert [process.wait(120) for process in started] == [0, 0]
-        assert origin_of_all() in ORIGINS
-        assert sorted(path.name for path in folder.iterdir()) == sorted([*OUT, "plain.json"])
+@pytest.mark.parametrize("late_s", few([0.0, 0.1]))
+def test_two_at_once(folder: Path, late_s: float) -> None:
+    started = []
+    for origin in ORIGINS:
+        started.append(subprocess.Popen([sys.executable, "-m", "kerfwise.cli", *SOLVE, origin]))
+        time.sleep(late_s)
+    assert [process.wait(120) for process in started] == [0, 0]
+    assert origin_of_all() in ORIGINS
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*OUT, "plain.json"])

@@ -30,7 +30,7 @@ def test_own_rules_in_yaml(tmp_path: Path) -> None:
     assert "slots narrower than 8 mm warp when the part is hot" in why
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.minizinc
 def test_a_rule_in_python(tmp_path: Path) -> None:
     said = follow(page("writing-a-rule.md"), tmp_path)
@@ -39,7 +39,7 @@ def test_a_rule_in_python(tmp_path: Path) -> None:
     assert "Strip.outer is long" in why
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.minizinc
 def test_a_rule_in_minizinc(tmp_path: Path) -> None:
     follow(page("model-files.md"), tmp_path)

@@ -19,6 +19,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
 from kerfwise.tests.models.solved import plant
+from kerfwise.tests.tools.amount import few
 
 ROW = nest(500, 100, *(part(f"P{k}", rect(20 + 90 * k, 20, 60, 60)) for k in range(5)))
 LAG_S = 7.0
@@ -42,7 +43,9 @@ SLOW = Time("blocks", FeedLaw(points=((1, 20.0), (1000, 20.0))))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("time", [FAST, SLOW, Time("acceleration"), Time()], ids=["fast", "slow", "limited", "set"])
+@pytest.mark.parametrize(
+    "time", few([FAST, SLOW, Time("acceleration"), Time()], 2), ids=["fast", "slow", "limited", "set"]
+)
 def test_lags_hold(time: Time) -> None:
     profile = shop(time)
     done = made(profile, feeds_of(profile))

@@ -5,7 +5,7 @@ import pytest
 from kerfwise.tests.postproc.check_speed import HERE, main
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_small_plate(capsys: pytest.CaptureFixture[str]) -> None:
     main(["--contours", "12", "--beside", HERE])
     lines = capsys.readouterr().out.splitlines()

@@ -29,8 +29,8 @@ JOB = "set:\n  rules.hold-small-parts.strength: hard\n  rules.hold-small-parts.t
 """Parts may be held by tabs where somebody draws them."""
 LARGE_JOB = f"{JOB}  rules.zone-order: off\n"
 """Without zones the largest plate is planned in half the time."""
-FIRST = {(16, 390), (115, 1400)}
-"""Plates that are always seen, and how wide."""
+FIRST = {(115, 1400)}
+"""The plate that is always seen, and how wide."""
 PAGES = {16: 1, 115: 3, 308: 7, 1000: 22}
 """Pages of A4 with a drawing and a row a cut."""
 SEEN = rows(sorted(product(PAGES, (1400, 390)), key=lambda plate: plate not in FIRST), len(FIRST))

@@ -79,6 +79,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): contents(path) for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.full
 def test_a_scheduler_that_is_lost_or_never_was_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.jobs.batch.cluster.ANSWER_S", 3.0)
     address = "tcp://127.0.0.1:1"  # nobody listens there

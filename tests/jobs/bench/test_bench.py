@@ -56,7 +56,7 @@ def test_the_table_tells_the_gap(tmp_path: Path) -> None:
     assert "1 proven, at or under best known 1 of 1" in summary
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_tables_that_do_not_fit_into_the_memory_given_are_not_made() -> None:
     nine = str(EXAMPLES / "routing" / "nine.pcglns")
     asked = [nine, "--engine", "ideals", "--work", "1", "--json"]
@@ -126,7 +126,7 @@ def test_a_process_that_dies_is_one_message(tmp_path: Path, monkeypatch: pytest.
         measure(BenchJob(str(twelve), "search"))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_best_known_costs_of_other_sets_are_said_to_be_of_no_use(tmp_path: Path) -> None:
     best = tmp_path / "best.csv"
     best.write_text("set,instance,best_upper\nother,twelve,1\n")

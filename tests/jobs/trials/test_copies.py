@@ -17,7 +17,7 @@ from kerfwise.rules.run_cases import cases_of
 from kerfwise.tests.tools.amount import few
 
 REPLACED = [name for name, rule in RULES.items() if not rule.takes_no_file]
-ALWAYS = ("cut-direction", "level-ahead", "marks-first", "zone-order")
+ALWAYS = ("level-ahead", "marks-first")
 
 
 @pytest.mark.slow

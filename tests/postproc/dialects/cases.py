@@ -112,7 +112,7 @@ def case(name: str) -> Case:
 
 
 @cache
-def planned(name: str, work: float = 1.0) -> Plan:
+def planned(name: str, work: float = 0.2) -> Plan:
     """Its plan."""
     made = case(name)
     asked = ask(facts_of(made.nest, made.profile), made.profile)

@@ -126,7 +126,7 @@ def cuts_of(made: Produced) -> CutSequence:
     return CutSequence(tuple(planned.cut for planned in plan.cuts), plan.start_side)
 
 
-@pytest.mark.parametrize("change", few(CHANGES, 8), ids=lambda c: f"{c.rule} {c.how}")
+@pytest.mark.parametrize("change", few(CHANGES, 6), ids=lambda c: f"{c.rule} {c.how}")
 def test_the_plants_file_is_obeyed_and_judged_by(tmp_path: Path, change: Change) -> None:
     own, shipped = profile_of(tmp_path, change, True), profile_of(tmp_path, change, False)
     of_own, of_shipped = planned(change, own), planned(change, shipped)

@@ -29,6 +29,18 @@ KEPT_TESTS = (
     "tests/commands/test_rules_verb.py",
 )
 """Tests over all rules there are, and of what is made from them."""
+BETWEEN = "\n=== the next command ===\n"
+ONE_AFTER_THE_OTHER = f"""
+import json, sys
+from kerfwise.cli import main
+for words in json.loads(sys.argv[1]):
+    try:
+        main(words)
+    except SystemExit as ended:
+        assert not ended.code, words
+    print(end={BETWEEN!r}, flush=True)
+"""
+"""Commands in one process: it starts once."""
 
 
 @pytest.fixture
@@ -41,17 +53,22 @@ def plant(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 def test_a_package_brings_a_rule(plant: Path) -> None:
-    listed = python(plant, "-m", "kerfwise", "rules").stdout
+    profile = str(profile_file(plant, "rules: {bars-last: {strength: hard, ratio: 3}}"))
+    asked = [
+        ["rules"],
+        ["rules", "bars-last"],
+        ["profile", "show", profile],
+        ["profile", "schema"],
+        ["solve", str(NEST), "-p", profile, "--work", "1", "-o", "a.nc", "--plan", "a.json"],
+    ]
+    ended = python(plant, "-c", ONE_AFTER_THE_OTHER, json.dumps(asked))
+    assert ended.returncode == 0, ended.stderr
+    listed, page, shown, schema, solved = ended.stdout.split(BETWEEN)[:-1]
     assert "bars-last                 off           Bars are cut after the other parts." in listed
-    page = python(plant, "-m", "kerfwise", "rules", "bars-last").stdout
     assert "Brought by package plant-rules 1.0." in page
-    profile = profile_file(plant, "rules: {bars-last: {strength: hard, ratio: 3}}")
-    shown = python(plant, "-m", "kerfwise", "profile", "show", str(profile)).stdout
     assert "From package plant-rules 1.0." in shown
-    schema = json.loads(python(plant, "-m", "kerfwise", "profile", "schema").stdout)
-    assert "bars-last" in schema["properties"]["rules"]["properties"]
-    asked = ["-m", "kerfwise", "solve", str(NEST), "-p", str(profile), "--work", "1", "-o", "a.nc", "--plan", "a.json"]
-    assert "holds      hard bars-last" in python(plant, *asked).stdout
+    assert "bars-last" in json.loads(schema)["properties"]["rules"]["properties"]
+    assert "holds      hard bars-last" in solved
     order = [cut["contour"] for cut in json.loads((plant / "empty" / "a.json").read_text(encoding="utf-8"))["cuts"]]
     assert order[-1] == "L.outer"
 
