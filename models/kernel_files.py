@@ -26,12 +26,8 @@ from numba.core import caching, serialize, types
 from kerfwise.encoder.errors import Advice
 from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
 
-from .kernel_code import code_of_kernels
-
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
-COMPILED_BY = tuple(str(Path(__file__).with_name(name)) for name in ("kernel_code.py", "late_code.py"))
-"""What says how numba compiles a kernel here."""
 
 
 def dispatcher_of(
@@ -54,7 +50,7 @@ def dispatcher_of(
     make = dispatcher._compile_for_args
 
     def make_off_the_clock(*given: Any, **named: Any) -> Any:
-        with compiling(), code_of_kernels():
+        with compiling():
             not_kept = sum(dispatcher.stats.cache_misses.values())
             try:
                 return make(*given, **named)
@@ -88,7 +84,7 @@ def _tell(text: str) -> None:
 
 
 class Files:
-    """The kept kernels of one function: a sealed file for each kind of arguments, by numba, how it is used, and source.
+    """The kept kernels of one function: a sealed file for each kind of arguments, by numba and source.
 
     `stamp` tells the source; it is asked when the first kernel is looked for, once all that it calls is defined.
     """
@@ -98,9 +94,8 @@ class Files:
 
     @cached_property
     def made_by(self) -> bytes:
-        """Which numba, used how, and which source a kernel has to be compiled by."""
-        used = [_digest(file) for file in COMPILED_BY]
-        return hashlib.sha256(repr((numba.__version__, used, self._stamp())).encode()).digest()
+        """Which numba and which source a kernel has to be compiled by."""
+        return hashlib.sha256(repr((numba.__version__, self._stamp())).encode()).digest()
 
     def load(self, key: object) -> Any:
         """What is kept for a key; None where nothing is, or nothing that may be run."""

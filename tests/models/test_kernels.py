@@ -114,17 +114,6 @@ def test_of_another_source_or_numba(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert (hits(again), told) == (0, [])
 
 
-@pytest.mark.parametrize("changed", kernel_files.COMPILED_BY, ids=lambda file: Path(file).name)
-def test_compiled_in_another_way(changed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    run()
-    other = tmp_path / "other.py"
-    other.write_bytes(Path(changed).read_bytes() + b"\n")
-    now = tuple(str(other) if file == changed else file for file in kernel_files.COMPILED_BY)
-    monkeypatch.setattr(kernel_files, "COMPILED_BY", now)
-    again, told = run()
-    assert (hits(again), told) == (0, [])
-
-
 CALLED = "from numba import njit\n\n\n@njit\ndef called(x):\n    return x * {factor}\n"
 CALLING = (
     "from kerfwise.models.kernels import kept\n\nfrom {called} import MORE, called\n\n\n"
