@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 
 from .errors import InputError
-from .swap import Unsettled, settle
 
 MOST_BYTES = 256_000_000
 """Of nests, plans and programs: those of ten thousand contours have a tenth of it."""
@@ -17,20 +16,13 @@ MOST_BYTES_OF_YAML = 1_000_000
 def contents(path: str | Path, most_bytes: int = MOST_BYTES) -> bytes:
     """All bytes of a file. What never ends (a device, a pipe that is fed for ever) is not read to its end.
 
-    Where a command was killed while it put files in their places, that is brought to its end first (see `swap`), so
-    that files of one generation are read.
-
     Raises
     ------
     InputError
-        If it holds more than `most_bytes`, or is one of a set of files of two generations that cannot be mended here.
+        If it holds more than `most_bytes`.
     OSError, ValueError
         If it cannot be read, or no file can have this name.
     """
-    try:
-        settle(os.path.realpath(path))
-    except Unsettled as error:
-        raise InputError(str(error), file=path) from None
     with open(path, "rb") as file:
         data = file.read(most_bytes + 1)
     if len(data) > most_bytes:

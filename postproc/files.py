@@ -1,4 +1,4 @@
-"""Output files appear whole, all of them or none: written beside their places, which they then take together."""
+"""Output files appear whole, all of them or none: written beside their places, which they then take one by one."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from kerfwise.encoder.contents import is_folder, is_there
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
-from kerfwise.encoder.swap import BESIDE, LIST, FileMove, remove, swap
 
 
 def expect_folders(paths: Iterable[Path]) -> None:
@@ -119,17 +118,17 @@ def make_folder(path: Path, parents: bool = False) -> None:
 def write_files(contents: Mapping[Path, str | bytes]) -> None:
     """Write all files, or none: each is written beside its place, and all take their places once they are on disk.
 
-    A link is followed: the file that it leads to is written. Whoever kills the command meanwhile finds all files as
-    they were, or all new (see `swap`).
+    A link is followed: the file that it leads to is written. Files of data (.json), such as the plan, come last, in the
+    order given: where the command is killed between two of its files, a new plan says that the program is new, too.
 
     Raises
     ------
     InputError
         If a folder does not exist or may not be written, the disk is full, or a place is no regular file.
     """
-    moves: list[FileMove] = []
+    moves: list[_Move] = []
     try:
-        for path, content in contents.items():
+        for path, content in sorted(contents.items(), key=lambda item: item[0].suffix.lower() == ".json"):
             _expect_regular(path)
             place = path.resolve()
             _clear(place.parent)
@@ -144,8 +143,7 @@ def write_files(contents: Mapping[Path, str | bytes]) -> None:
         if len(moves) > 1:
             for k, (name, there, _) in enumerate(moves):
                 moves[k] = (name, there, _second_name(Path(there)))
-        if moves:
-            swap(moves)
+        _take_places(moves)
     except UnicodeEncodeError as error:
         wrong = shown(error.object[error.start : error.end])
         raise InputError(f"cannot write: {wrong} is half a character, which no file can hold", file=path) from None
@@ -153,11 +151,43 @@ def write_files(contents: Mapping[Path, str | bytes]) -> None:
         named = getattr(error, "filename2", None) or path
         raise InputError(f"cannot write: {_words(error)}", file=named) from None
     finally:
-        remove(name for move in moves for name in (move[0], move[2]))
+        for new, _, before in moves:
+            _remove(new)
+            _remove(before)
 
 
+BESIDE = ".kerfwise-"
+"""What the name of a new content begins with, beside its place."""
+_Move = tuple[str, str, "str | None"]
+"""The new content beside its place, the place, and a second name of what stands there now (None where nothing does)."""
 _LEFT_S = 86400.0
 """What a command that was killed left beside its files is cleared away by another a day later."""
+
+
+def _take_places(moves: Sequence[_Move]) -> None:
+    """Put every new content in its place; where one cannot be, all is as before."""
+    try:
+        for new, place, _ in moves:
+            os.replace(new, place)
+    except BaseException:
+        for new, place, before in moves:
+            if not os.path.exists(new):
+                with contextlib.suppress(OSError):
+                    os.unlink(place) if before is None else os.replace(before, place)
+        raise
+    for folder in sorted({os.path.dirname(place) for _, place, _ in moves}):  # have the names on disk, if it can be
+        with contextlib.suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+
+
+def _remove(name: str | None) -> None:
+    if name is not None:
+        with contextlib.suppress(OSError):
+            os.unlink(name)
 
 
 def _second_name(place: Path) -> str | None:
@@ -179,7 +209,7 @@ def _second_name(place: Path) -> str | None:
 def _clear(folder: Path) -> None:
     for left in folder.glob(f"{BESIDE}*"):
         with contextlib.suppress(OSError):
-            if left.name != LIST and time.time() - max(left.stat().st_mtime, left.stat().st_ctime) > _LEFT_S:
+            if time.time() - max(left.stat().st_mtime, left.stat().st_ctime) > _LEFT_S:
                 left.unlink()
 
 

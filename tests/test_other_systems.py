@@ -62,7 +62,6 @@ ALLOWED = {
     ("jobs/processes.py", "signal.SIG_BLOCK"): "only where threads have a mask of signals",
     ("jobs/processes.py", "signal.SIG_SETMASK"): "only where threads have a mask of signals",
     ("jobs/bench/memory.py", "the place '/proc/self/status'"): "on Linux alone",
-    ("encoder/swap.py", "os.path"): "is a program of its own, which starts in hundredths of a second: no pathlib",
     ("encoder/contents.py", "os.path"): "answers for every name, where paths raise",
     ("postproc/files.py", "os.path"): "samefile",
     ("commands/unforeseen.py", "os.path"): "isfile and expanduser answer for every name, where paths raise",
