@@ -21,7 +21,7 @@ def compensated(contour: Contour, kerf_mm: float) -> Curve:
     Raises
     ------
     InputError
-        If the kerf leaves nothing of the contour to cut, or does not reach into all of it.
+        If the kerf leaves nothing of the contour to cut.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def compensated(contour: Contour, kerf_mm: float) -> Curve:
         x, y = contour.curve.vertices[0, :2].tolist()
         raise InputError(
             f"{contour.id} at ({x:.1f}, {y:.1f}) cannot be cut with a kerf of {kerf_mm:g} mm: {error}; "
-            "use a narrower kerf or change the drawing"
+            "it needs another process, or another drawing"
         ) from None
 
 

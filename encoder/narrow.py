@@ -1,10 +1,10 @@
-"""Features of contours that a kerf cannot enter: slots, notches, necks and corners that would be lost.
+"""Features of contours that a kerf cannot enter: slots, notches and necks that are narrower than it.
 
 The torch's path is half a kerf from the contour where it can be; in a slot narrower than the kerf it cannot be. What is
-*left* of a contour is further than half the kerf from the path. A round kerf leaves something of every inner corner, of
-a right angle (√2 - 1) half kerfs: so much may be left anywhere. Of a sharper corner more is left by nature, and may be
-up to half a kerf (which is what a corner of 60° has). 0.05 mm more is within tolerance. Whatever is left beyond that is
-a feature lost.
+*left* of a contour is further than half the kerf from the path. A round kerf leaves something of every inner corner:
+of an angle a, half the kerf times (1 / sin(a / 2) - 1), and of a right angle so much may be left anywhere. That is no
+fault at any angle, unless a plant limits it. 0.05 mm more is within tolerance. Whatever is left beyond that is a
+feature lost: the torch cuts straight across its mouth, or a slit opens it, or the nest is refused.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import shapely
@@ -41,6 +42,13 @@ SLACK_MM = 0.005
 """More than what fine chords make of a distance."""
 CORNER_RAD = math.radians(15)
 """Walls that open by less are those of a slot."""
+LEAST_RAD = math.radians(1)
+"""A single corner that opens by less is a crack."""
+SHALLOW_KERFS = 2.0
+"""A feature no deeper than so many kerfs is cut straight across where nobody says otherwise: bend reliefs are."""
+
+Narrow = Literal["ask", "leave", "slit", "refuse"]
+"""What is done with a slot narrower than the kerf: see `cut_across`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,16 +68,30 @@ class Lost:
         """What is lost, in words."""
         at = f"at ({self.place[0]:z.1f}, {self.place[1]:z.1f})"
         if self.corner_deg is not None:
-            return f"the corner of {self.corner_deg:.0f}° {at}, of which {self.left_mm:.2f} mm would be left"
+            return f"the corner of {self.corner_deg:.0f}° {at}, which keeps {self.left_mm:.2f} mm"
         return f"the slot, notch or neck {at}, {self.width_mm:.2f} mm wide and {self.depth_mm:.1f} mm deep"
 
 
 MOST_TOLD = 6
 
 
-def said_of(
-    name: str, lost: Sequence[Lost], kerf_mm: float, what_to_do: str = "change the drawing, or the kerf"
-) -> str:
+def cut_across(feature: Lost, narrow: Narrow, kerf_mm: float) -> bool:
+    """Whether the torch may cut straight across the mouth of a feature, which is lost then.
+
+    Examples
+    --------
+    >>> relief, slot = Lost((0, 0), 1.0, 1.0, 0.9), Lost((0, 0), 1.0, 20.0, 19.5)
+    >>> [cut_across(relief, how, 1.5) for how in ("ask", "leave", "slit", "refuse")]
+    [True, True, True, False]
+    >>> [cut_across(slot, how, 1.5) for how in ("ask", "leave", "slit", "refuse")]
+    [False, True, False, False]
+    """
+    if feature.corner_deg is not None or narrow == "refuse":
+        return False
+    return narrow == "leave" or feature.depth_mm <= SHALLOW_KERFS * kerf_mm + tolerance_mm(kerf_mm)
+
+
+def said_of(name: str, lost: Sequence[Lost], kerf_mm: float, what_to_do: str = "change the drawing") -> str:
     """The features that a contour would lose, in one sentence, the first few of them with their places.
 
     Examples
@@ -105,17 +127,19 @@ def lost_walls(
     kerf_mm: float,
     paths: Mapping[str, Curve] | None = None,
     slits: Mapping[str, Sequence[Curve]] | None = None,
+    corner_mm: float | None = None,
 ) -> dict[str, tuple[tuple[Lost, shapely.LineString], ...]]:
     """Contour id → the features that a kerf would lose, each with the stretch of the contour that is its wall.
 
-    `slits` are paths that the torch follows besides, by the contour whose features they keep.
+    `slits` are paths that the torch follows besides, by the contour whose features they keep. `corner_mm` is the most
+    that may be left of a corner; None for whatever a round kerf leaves.
     """
     cut = [c for c in contours if c.encloses]
     if kerf_mm <= 0 or not cut:
         return {}
     half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm)
     known, more = paths or {}, slits or {}
-    sure = _surely_kept(cut, known, half_mm, more_mm)
+    sure = _surely_kept(cut, known, half_mm, more_mm, corner_mm)
     cut = [c for c, whole in zip(cut, sure.tolist(), strict=True) if not whole]
     if not cut:
         return {}
@@ -125,7 +149,8 @@ def lost_walls(
         if contour.id in more and not rings[k].is_empty:
             rings[k] = shapely.union_all([rings[k], *(path.line(CHORD_MM) for path in more[contour.id])])
     rings = _not_too_fine(rings)
-    beyond = shapely.difference(lines, shapely.buffer(rings, half_mm + more_mm, quad_segs=QUARTER))
+    allowed_mm = more_mm if corner_mm is None else min(more_mm, corner_mm)
+    beyond = shapely.difference(lines, shapely.buffer(rings, half_mm + allowed_mm, quad_segs=QUARTER))
     found: dict[str, tuple[tuple[Lost, shapely.LineString], ...]] = {}
     for k in np.flatnonzero(~shapely.is_empty(beyond) & ~shapely.is_empty(rings)).tolist():
         contour, near = cut[k], shapely.buffer(rings[k], half_mm + NEAR_MM, quad_segs=QUARTER)
@@ -134,14 +159,14 @@ def lost_walls(
         tree, pieces = shapely.STRtree(walls), _pieces(beyond[k])
         points, of = shapely.get_coordinates(pieces, return_index=True)
         far_mm = np.split(distances_mm(rings[k], points), np.flatnonzero(np.diff(of)) + 1)
-        judged = (_lost(*one, tree, half_mm, more_mm, right) for one in zip(pieces, far_mm, strict=True))
+        judged = (_lost(*one, tree, half_mm, more_mm, right, corner_mm) for one in zip(pieces, far_mm, strict=True))
         if lost := tuple(one for one in judged if one is not None):
             found[contour.id] = lost
     return found
 
 
 def _surely_kept(
-    contours: Sequence[Contour], paths: Mapping[str, Curve], half_mm: float, more_mm: float
+    contours: Sequence[Contour], paths: Mapping[str, Curve], half_mm: float, more_mm: float, corner_mm: float | None
 ) -> NDArray[np.bool_]:
     """Contours of which nowhere more is left than of a right angle, as it is quickly shown; False says nothing yet.
 
@@ -150,6 +175,8 @@ def _surely_kept(
     they. Coarse chords tell that of curves, finer ones of right angles.
     """
     most_mm = half_mm * math.sqrt(2) + more_mm
+    if corner_mm is not None:
+        most_mm = min(most_mm, half_mm + corner_mm + more_mm)
     sure = np.zeros(len(contours), dtype=np.bool_)
     left = [k for k, c in enumerate(contours) if c.id in paths]
     drawn, cut = [contours[k].curve for k in left], [paths[contours[k].id] for k in left]
@@ -195,24 +222,26 @@ def _lost(
     half_mm: float,
     more_mm: float,
     right: bool,
+    corner_mm: float | None = None,
 ) -> tuple[Lost, shapely.LineString] | None:
-    """The feature that a stretch belongs to, None if no more is left of it than of a corner.
+    """The feature that a stretch belongs to, None if no more is left of it than of a corner, or than `corner_mm`.
 
     `far_mm` is how far each of its points is from the torch's path.
     """
     points = shapely.get_coordinates(piece)
     left_mm = float(far_mm.max()) - half_mm
     opening, sharpest = _angles(points, right)
-    most_mm = half_mm + more_mm
-    natural = [half_mm * (1 / math.sin(a / 2) - 1) for a in (opening, sharpest) if a > CORNER_RAD]
+    angles = ((opening, CORNER_RAD), (sharpest, LEAST_RAD))
+    natural = [half_mm * (1 / math.sin(a / 2) - 1) for a, least in angles if a > least]
     by_nature_mm = max([half_mm * (math.sqrt(2) - 1), *natural])
-    if left_mm <= min(by_nature_mm + more_mm, most_mm):
+    is_corner = left_mm <= by_nature_mm + more_mm
+    if is_corner and (corner_mm is None or left_mm <= corner_mm + more_mm):
         return None
     nearest = walls.geometries[int(walls.query_nearest(piece).min())]  # of equals the first
     wall = shapely.get_coordinates(nearest)
     (ax, ay), (bx, by) = wall[0].tolist(), wall[-1].tolist()
     width_mm, depth_mm = _size(wall)
-    if opening > CORNER_RAD and abs(opening - sharpest) < CORNER_RAD:
+    if is_corner:
         x, y = points[int(np.argmax(far_mm))].tolist()
         return Lost((x, y), width_mm, depth_mm, left_mm, math.degrees(min(opening, sharpest))), nearest
     return Lost(((ax + bx) / 2, (ay + by) / 2), width_mm, depth_mm, left_mm), nearest

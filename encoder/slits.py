@@ -18,8 +18,9 @@ import shapely
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
+from .compensation import compensate_together, compensated
 from .kept import kept_with_nest
-from .narrow import CHORD_MM, CORNER_RAD, NEAR_MM, Lost, lost_walls, ring_of
+from .narrow import CHORD_MM, CORNER_RAD, MOST_TOLD, NEAR_MM, Lost, lost_walls, ring_of
 from .nest import Contour, Nest, Part, with_parts
 from .slot_middle import STRAIGHT_MM, Middle, middle_of_slot
 from .tolerance import tolerance_mm
@@ -89,9 +90,25 @@ def _slit(part: Part, kerf_mm: float) -> Part:
     return replace(part, slits=slits) if slits else part
 
 
-def slit_because(nest: Nest, kerf_mm: float) -> dict[str, str]:
-    """For every slit of a nest as it is cut, what it is for and what it costs."""
+@kept_with_nest(most=4)
+def features_cut_across(nest: Nest, kerf_mm: float) -> dict[str, tuple[Lost, ...]]:
+    """By contour, the slots, notches and necks of a nest as it is cut that the torch cuts straight across."""
+    slits: dict[str, list[Curve]] = {}
+    for slit in (c for c in nest.contours if c.kind == "slit"):
+        slits.setdefault(slit.slot_of, []).append(slit.curve)
+    cut = [c for c in nest.contours if c.encloses]
+    compensate_together(cut, kerf_mm)
+    lost = lost_walls(cut, kerf_mm, {c.id: compensated(c, kerf_mm) for c in cut}, slits)
+    return {name: tuple(one for one, _ in of) for name, of in lost.items()}
+
+
+def narrow_because(nest: Nest, kerf_mm: float) -> dict[str, str]:
+    """For every slit of a nest as it is cut, what it is for and what it costs; for contours what they do not get."""
     told: dict[str, str] = {}
+    for name, lost in features_cut_across(nest, kerf_mm).items():
+        places = "; ".join(one.sentence().removeprefix("the ") for one in lost[:MOST_TOLD])
+        more = f"; and {len(lost) - MOST_TOLD} more" if len(lost) > MOST_TOLD else ""
+        told[name] = f"{name} is cut straight across what is narrower than the kerf of {kerf_mm:g} mm: {places}{more}"
     for part in nest.parts:
         if part.slits:
             of = {slit.line: slit for contour in _cut(part) for slit in slits_of(contour, kerf_mm)[0]}

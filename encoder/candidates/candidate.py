@@ -10,6 +10,7 @@ from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cut import Cut, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.narrow import Narrow
 from kerfwise.encoder.nest import KINDS, Contour, Kind
 from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.encoder.tabs import TabOptions
@@ -17,7 +18,6 @@ from kerfwise.encoder.tabs import TabOptions
 from .tab_places import TabPlaces
 
 LeadKind = Literal["line", "arc", "none"]
-Narrow = Literal["refuse", "slit"]
 
 LEAST_WASTE_MM = 0.01
 """Waste between the kerf of a pierce and every contour, at the least."""
@@ -50,7 +50,8 @@ class LeadOptions:
     torch may come in from the edge of the sheet where that is within `2 * lead_in_mm`; never from an edge that was only
     assumed (`Sheet.stated`), and only where `reach` says that the machine gets there. `entry_points` are entries that
     must be among the candidates, at the point of the contour nearest to the one given. Holes under the limit of
-    `holes` are refused, and so are slots that the kerf would lose: `narrow` says whether a slit could keep them.
+    `holes` are refused. `narrow` says what is done with slots that the kerf does not enter, and `corner_mm` how much a
+    round kerf may leave of a corner, None for any.
     `tabs` say which parts have tabs, None where none have; `tab_places` where these are, once that is known. `common`
     says which edges of two parts are cut once, None for none.
     """
@@ -72,7 +73,8 @@ class LeadOptions:
     )
     entry_points: Mapping[str, Point] = field(default_factory=dict)
     holes: HoleLimits = field(default_factory=HoleLimits)
-    narrow: Narrow = "refuse"
+    narrow: Narrow = "ask"
+    corner_mm: float | None = None
     tabs: TabOptions | None = None
     tab_places: TabPlaces | None = None
     common: CommonOptions | None = None

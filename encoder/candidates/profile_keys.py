@@ -12,5 +12,7 @@ IN_PROFILE = {
     "splash_mm": "rules.pierce.splash",
     "tabs": "rules.hold-small-parts",
     "common": "cuts.common",
+    "narrow": "cuts.narrow",
+    "corner_mm": "corners.leave",
 }
 """What the people who read messages know these options as."""

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kerfwise.encoder.narrow import Narrow
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under, diameter_under, kept_because
 
@@ -22,16 +23,13 @@ from .profile_keys import IN_PROFILE
 from .surroundings import Surroundings
 from .tried import TriedLeads, try_options
 
-Key = Literal["pierce_clearance_mm", "under", "least_mm", "lead_in_min_mm", "kerf_mm"]
+Key = Literal["pierce_clearance_mm", "under", "least_mm", "lead_in_min_mm", "narrow", "corner_mm"]
 
-ORDER: tuple[Key, ...] = ("pierce_clearance_mm", "under", "least_mm", "lead_in_min_mm", "kerf_mm")
+ORDER: tuple[Key, ...] = ("pierce_clearance_mm", "under", "least_mm", "lead_in_min_mm", "narrow", "corner_mm")
 """The order in which remedies are named."""
 
 _SHARES = (0.5, 0.25, 0.1)
 """How much smaller an option is tried."""
-
-MOST_FEATURES = 200
-"""Features of a contour that a kerf would lose; where there are more, as in noise, smaller kerfs are not tried."""
 
 _VALUES = 12
 """Values of one option that are tried at the most; contours that would do with a little more share the least."""
@@ -42,7 +40,7 @@ class Remedy:
     """One option at one value."""
 
     key: Key
-    value: float | Under
+    value: float | Under | Narrow
 
     @property
     def text(self) -> str:
@@ -53,6 +51,8 @@ class Remedy:
         >>> Remedy("pierce_clearance_mm", 1.48).text, Remedy("under", "spot").text
         ('`rules.pierce.clearance: 1.48 mm`', '`small_holes.under: spot`')
         """
+        if self.key == "narrow":
+            return f"`{IN_PROFILE[self.key]}: {self.value}` (the torch cuts straight across)"
         return f"`{IN_PROFILE[self.key]}: {self.value if isinstance(self.value, str) else f'{self.value:g} mm'}`"
 
     def applied(self, options: LeadOptions) -> LeadOptions:
@@ -91,10 +91,6 @@ class Remedies:
         for name in self._smaller_options():
             for remedy, k in self._smaller(name, [k for k in self._reasons if k not in of_kerf]):
                 found[k].append(remedy)
-        rough = {k for k, narrow in self._tried.narrow.items() if len(narrow.lost) > MOST_FEATURES}
-        left = [k for k in found if not found[k] and k not in rough]
-        for remedy, k in self._smaller("kerf_mm", left):  # what the torch makes it
-            found[k].append(remedy)
         return {k: tuple(sorted(of, key=lambda remedy: ORDER.index(remedy.key))) for k, of in found.items()}
 
     def freed(self, remedy: Remedy, contours: Iterable[int]) -> list[int]:
@@ -109,8 +105,7 @@ class Remedies:
 
     def frees_nest(self, remedy: Remedy) -> bool:
         """Whether a remedy leaves no contour of the nest at fault."""
-        # With other lengths and kerfs every lead is another: then all contours are looked at.
-        every = remedy.key in ("lead_in_min_mm", "kerf_mm")
+        every = remedy.key == "lead_in_min_mm"  # with other lengths every lead is another: all contours are looked at
         contours = sorted({*self._tried.outlines, *self._reasons}) if every else list(self._reasons)
         return len(self.freed(remedy, contours)) == len(contours)
 
@@ -135,6 +130,13 @@ class Remedies:
         across_mm = {k: diameter_under(contours[k], holes.limit_mm) for k in self._tried.small}
         rounded_mm = {k: math.floor((mm + EXACT_MM / 2) * 100) / 100 for k, mm in across_mm.items() if mm is not None}
         yield from _at_values("least_mm", rounded_mm)
+        yield Remedy("narrow", "leave"), sorted(self._tried.narrow)
+        corners_mm = {
+            k: math.ceil(max(one.left_mm for one in of.lost if one.corner_deg is not None) * 100) / 100
+            for k, of in self._tried.narrow.items()
+            if of.lost and all(one.corner_deg is not None for one in of.lost)
+        }
+        yield from ((Remedy("corner_mm", value), [k]) for k, value in corners_mm.items())
 
     def _smaller_options(self) -> tuple[Key, ...]:
         """Options of which smaller values are tried, because no contour tells one."""

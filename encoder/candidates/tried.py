@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from kerfwise.encoder.compensation import compensate_together, compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow import Lost, lost_walls, said_of
+from kerfwise.encoder.narrow import Lost, cut_across, lost_walls, said_of
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import LostFeature, in_the_way, slits_of
 from kerfwise.encoder.small_holes import HoleLimits, diameter_under, kept_because, too_small
@@ -19,6 +19,7 @@ from .approaches import Approaches
 from .candidate import Candidate, LeadOptions
 from .joints import Joints, Outline
 from .on_sheet import off_the_sheet
+from .profile_keys import IN_PROFILE
 from .search import approaches_to
 from .slits import no_room, slit_candidates
 from .surroundings import Surroundings
@@ -36,7 +37,7 @@ class NarrowFeatures:
     def sentence(self, options: LeadOptions) -> str:
         """What is lost, what to do about it, and why slits do not help."""
         features = [*self.lost, *(one.slot for one in self.burnt)]
-        return said_of(self.contour.id, features, options.kerf_mm, _what_to_do(self.contour, self.burnt, options))
+        return said_of(self.contour.id, features, options.kerf_mm, _what_to_do(self, options))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -115,29 +116,34 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
 def _narrow(
     nest: Nest, contours: Iterable[int], outlines: Mapping[int, Outline], options: LeadOptions
 ) -> dict[int, NarrowFeatures]:
-    """Contours of which the kerf would lose a slot, notch, neck or corner, and which."""
+    """Contours of which the kerf would lose more than the options allow, and what: slots, notches, necks, corners."""
     paths = {outline.contour.id: outline.path for outline in outlines.values()}
     slits: dict[str, list[Curve]] = {}
     for slit in (c for c in nest.contours if c.kind == "slit"):
         slits.setdefault(slit.slot_of, []).append(slit.curve)
-    lost = lost_walls([nest.contours[k] for k in contours], options.kerf_mm, paths, slits)
+    lost = lost_walls([nest.contours[k] for k in contours], options.kerf_mm, paths, slits, options.corner_mm)
     found = {}
     for contour in (nest.contours[k] for k in contours):
         burnt = in_the_way(nest, contour, options.kerf_mm) if contour.id in slits else []
-        if contour.id in lost or burnt:
-            features = tuple(one for one, _ in lost.get(contour.id, ()))
+        features = tuple(
+            one for one, _ in lost.get(contour.id, ()) if not cut_across(one, options.narrow, options.kerf_mm)
+        )
+        if features or burnt:
             found[nest.index[contour.id]] = NarrowFeatures(contour, features, tuple(burnt))
     return found
 
 
-def _what_to_do(contour: Contour, burnt: Sequence[LostFeature], options: LeadOptions) -> str:
+def _what_to_do(features: NarrowFeatures, options: LeadOptions) -> str:
     """What a planner can do about slots that would be lost, and why slits do not help."""
-    change = "change the drawing, or the kerf"
-    unfit = slits_of(contour, options.kerf_mm)[1]
-    if options.narrow == "refuse":
-        return change if unfit else f"{change}, or let a slit open it (cuts.narrow: slit)"
-    whys = dict.fromkeys(one.why for one in (*unfit, *burnt))
-    return f"no slit opens it: {', '.join(whys) or 'metal of it would be left'}; {change}"
+    slots = [one for one in features.lost if one.corner_deg is None]
+    if not (slots or features.burnt):
+        return f"{IN_PROFILE['corner_mm']} allows {options.corner_mm:g} mm"
+    slits, unfit = slits_of(features.contour, options.kerf_mm)
+    if options.narrow == "slit":
+        whys = dict.fromkeys(one.why for one in (*unfit, *features.burnt))
+        return f"no slit opens it: {', '.join(whys) or 'metal of it would be left'}; change the drawing"
+    opened = f"one pass along the middle opens {'it' if len(slots) == 1 else 'them'} (cuts.narrow: slit), or "
+    return f"{'' if unfit or not slits else opened}change the drawing"
 
 
 def _small_holes(nest: Nest, contours: Iterable[int], limits: HoleLimits) -> dict[int, str]:

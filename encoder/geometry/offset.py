@@ -31,6 +31,8 @@ MANY_POINTS = 10_000
 def offset_curve(curve: Curve, distance_mm: float) -> Curve:
     """The closed curve that runs `distance_mm` outside `curve`, inside where negative; same way round.
 
+    Where the offset falls into several curves it is the largest, and pockets that it closes around are left out.
+
     Lines stay lines and arcs stay concentric arcs. Corners that bend away from the offset side are rounded by an
     arc about the corner (those that turn by a few degrees only stay pointed, within 0.001 mm); the others are
     trimmed to where the neighbouring offsets meet. The result lies within 0.01 mm of the true offset.
@@ -48,7 +50,7 @@ def offset_curve(curve: Curve, distance_mm: float) -> Curve:
     Raises
     ------
     ValueError
-        If the curve is open or has no area, if nothing is left, or if the offset falls into several curves.
+        If the curve is open or has no area, or if nothing is left.
 
     Examples
     --------

@@ -16,8 +16,10 @@ SLIVER_MM = 0.02
 
 
 def offset_ring(outline: Floats, distance_mm: float, patient: bool = False) -> Floats:
-    """Boundary of the area inside `outline` grown (distance > 0) or shrunk (distance < 0).
+    """Boundary of the area inside `outline` grown (distance > 0) or shrunk (distance < 0), or of its largest piece.
 
+    Where the area grown closes around a pocket, the ring runs past its mouth; where shrunk it falls into pieces, the
+    ring is that of the largest. What is lost of the outline then, `encoder.narrow` finds.
     Taken from the band of points within `distance_mm` of the outline rather than from the area, so that outlines
     that touch or cross themselves are as good as any other.
 
@@ -38,7 +40,7 @@ def offset_ring(outline: Floats, distance_mm: float, patient: bool = False) -> F
     Raises
     ------
     ValueError
-        If nothing is left, or the area falls into several pieces or closes around a pocket.
+        If nothing is left.
     """
     reach_mm = abs(distance_mm)
     closed = np.concatenate([outline, outline[:1]])
@@ -46,29 +48,16 @@ def offset_ring(outline: Floats, distance_mm: float, patient: bool = False) -> F
     chords = np.stack([closed[:-1], closed[1:]], axis=1)
     lines = shapely.linestrings(chords) if patient else shapely.LineString(closed)
     band = shapely.union_all(shapely.buffer(lines, reach_mm, quad_segs=math.ceil(math.pi / 4 / half_step_rad)))
-    inside = shapely.Polygon(closed)
-    shapely.prepare(inside)
-    gaps = [shapely.Polygon(ring) for ring in band.interiors]
-    inner = [shapely.contains_xy(inside, *gap.representative_point().coords[0]) for gap in gaps]
     if distance_mm > 0:
-        pockets = [gap for gap, within in zip(gaps, inner, strict=True) if not within and not _is_sliver(gap)]
-        if pockets:
-            raise ValueError(
-                f"grown by {reach_mm:g} mm the outline closes around a pocket near {_place(pockets[0])}: "
-                f"its mouth is narrower than {2 * reach_mm:g} mm"
-            )
         ring = band.exterior
     else:
-        pieces = [gap for gap, within in zip(gaps, inner, strict=True) if within]
+        inside = shapely.Polygon(closed)
+        shapely.prepare(inside)
+        gaps = [shapely.Polygon(ring) for ring in band.interiors]
+        pieces = [gap for gap in gaps if shapely.contains_xy(inside, *gap.representative_point().coords[0])]
         pieces.sort(key=lambda piece: -piece.area)
         if not pieces or _is_sliver(pieces[0]):
             raise ValueError(f"shrunk by {reach_mm:g} mm nothing is left: nowhere is it {2 * reach_mm:g} mm wide")
-        apart = [piece for piece in pieces[1:] if not _is_sliver(piece)]
-        if apart:
-            raise ValueError(
-                f"shrunk by {reach_mm:g} mm it falls into {1 + len(apart)} pieces (near {_place(pieces[0])} and "
-                f"{_place(apart[0])}): between them it is narrower than {2 * reach_mm:g} mm"
-            )
         ring = pieces[0].exterior
     points: Floats = shapely.get_coordinates(ring)[:-1]
     return points if _is_ccw(points) == _is_ccw(outline) else points[::-1]
@@ -81,8 +70,3 @@ def _is_sliver(piece: shapely.Polygon) -> bool:
 def _is_ccw(points: Floats) -> bool:
     (x, y), (nx, ny) = (points - points[0]).T, (np.roll(points, -1, axis=0) - points[0]).T
     return bool(np.dot(x, ny) > np.dot(nx, y))
-
-
-def _place(piece: shapely.Polygon) -> str:
-    x, y = piece.representative_point().coords[0]
-    return f"({x:.1f}, {y:.1f})"

@@ -14,7 +14,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.slits import slit_because
+from kerfwise.encoder.slits import narrow_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.encoder.tabs import off_mm
 from kerfwise.models.engines.solution import Solution
@@ -50,8 +50,11 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     times = schedule(legs, feeds, home)
     excuses, used = excused_and_used(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, home, links)
-    small = not_cut_because(facts.whole_nest, profile.hole_limits())
-    told = small | slit_because(facts.whole_nest, profile.material.kerf_mm) | tabs_because(facts, profile)
+    told = (
+        (small := not_cut_because(facts.whole_nest, profile.hole_limits())),
+        narrow_because(facts.whole_nest, profile.material.kerf_mm),
+        tabs_because(facts, profile),
+    )
     cuts = tuple(
         PlannedCut(
             replace(
@@ -66,7 +69,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             contour.part,
             contour.kind,
             way.length_mm,
-            (*((told[contour.id],) if contour.id in told else ()), *common_because(candidate, contour.id), *because),
+            (*(of[contour.id] for of in told if contour.id in of), *common_because(candidate, contour.id), *because),
         )
         for candidate, contour, way, link, (begin, end), because in zip(
             candidates, contours, ways, links, times, why, strict=True

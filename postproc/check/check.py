@@ -45,7 +45,7 @@ from .torch_run import TorchRun
 from .torches import most_at_once, not_together, stated_spacing, stricter, wrong_spacing
 from .totals import Claims, claims_kept, idle_mm, totals
 from .travel import beyond_travel, rapids_beyond_travel
-from .uncut import features_lost
+from .uncut import Allowed, features_lost
 
 _ROUNDING_MM = 1e-3
 
@@ -207,6 +207,8 @@ def _judge_paths(
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(left_open(several, cuts.positions()))
     lost = list(lost_elsewhere(nest, kerf_mm, _accepted(profile)))
+    skipped, allowed = _at_fault([*faults, *opened]), Allowed.by(profile)
+    uncut = features_lost(runs, kerf_mm, skipped, slits_of_made(nest, cuts), tabs, before.lines, allowed)
     judged = [
         judgement(
             "every-contour-once",
@@ -232,12 +234,7 @@ def _judge_paths(
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement(
             "features-kept",
-            [
-                *features_lost(
-                    runs, kerf_mm, _at_fault([*faults, *opened]), slits_of_made(nest, cuts), tabs, before.lines
-                ),
-                *misplaced(slots, cuts, kerf_mm),
-            ],
+            [*uncut.lost, *misplaced(slots, cuts, kerf_mm)],
         ),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", off_sheet(nest, runs, kerf_mm, run_up_mm(nest, profile))),
@@ -250,6 +247,7 @@ def _judge_paths(
         *_resumed(cuts),
         *told_of_small_holes(judged_by, profile),
         *told_of_slots(nest, slots, kerf_mm),
+        *uncut.told(),
         *told_of_losses(nest),
         *found.warnings,
     ]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.slits import features_cut_across
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, pierce_dwell_of, powers_of
 from kerfwise.rules.profile.profile import Profile
@@ -86,6 +87,8 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     slits = sum(planned.kind == "slit" for planned in (*plan.already_cut, *plan.cuts))
     if slits:
         yield comment(dialect, f"NARROW SLOTS OPENED BY ONE PASS {slits}")
+    if across := sum(map(len, features_cut_across(nest, profile.material.kerf_mm).values())):
+        yield comment(dialect, f"SLOTS AND NOTCHES NARROWER THAN THE KERF, CUT ACROSS {across}")
     for k, left in enumerate(plan.left_out, 1):
         yield comment(dialect, f"LEFT OUT {k}", names.get(left.contour, left.contour))
     if nest.losses:

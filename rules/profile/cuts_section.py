@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from kerfwise.encoder.candidates.candidate import Narrow
 from kerfwise.encoder.cut import Side
+from kerfwise.encoder.narrow import Narrow
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag
@@ -72,10 +72,11 @@ class Cuts:
     """Ways to cut what the torch cannot follow as it is drawn."""
 
     narrow: Narrow = field(
-        default="refuse",
+        default="ask",
         metadata=option(
-            Choice(("refuse", "slit")),
-            "a slot narrower than the kerf: refuse the nest, or open it by one pass along its middle, a kerf wide",
+            Choice(get_args(Narrow)),
+            "a slot narrower than the kerf: cut straight across its mouth (leave), open it by one pass along its "
+            "middle, a kerf wide (slit), or refuse the nest; ask leaves those up to two kerfs deep, and asks else",
         ),
     )
     scrap: Scrap = field(default=Scrap(), metadata=option(Members(Scrap), "lines that cut up the skeleton, made"))

@@ -95,6 +95,7 @@ class Profile(ProfileSections):
             entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
             holes=self.hole_limits(),
             narrow=self.cuts.narrow,
+            corner_mm=self.corners.leave_mm,
             common=self.common_options(),
         )
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from kerfwise.rules.profile.files import shipped_profiles
+from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
 PROFILE = Path(__file__).parents[2] / "examples" / "profiles" / "narrow-slots.yaml"
@@ -95,14 +98,73 @@ def test_a_slit_opens_the_slot_before_its_contour_and_says_what_that_costs(tmp_p
         assert "opens a slot of" in checked.out
 
 
-def test_a_profile_that_refuses_names_the_slot_and_the_key(tmp_path: Path) -> None:
+def test_a_profile_that_does_not_say_names_the_slot_and_the_keys(tmp_path: Path) -> None:
     nest = nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}])
     done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc")
     assert done.code == 2
     assert (
         "A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (80.0, 150.0), 1.00 mm wide and 80.0 mm "
-        "deep; change the drawing, or the kerf, or let a slit open it (cuts.narrow: slit)"
+        "deep; one pass along the middle opens it (cuts.narrow: slit), or change the drawing; `cuts.narrow: leave` "
+        "(the torch cuts straight across) frees it"
     ) in done.err
+
+
+@pytest.mark.parametrize("how", ["leave", "slit"])
+def test_what_the_message_names_frees_the_nest(tmp_path: Path, how: str) -> None:
+    nest = nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}])
+    done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc", "--set", f"cuts.narrow={how}", "--work", "1")
+    assert done.code == 0, done.err
+    assert ("opens a slot" if how == "slit" else "is cut straight across") in done.out
+
+
+def test_bend_reliefs_are_cut_straight_across_and_listed(tmp_path: Path) -> None:
+    """Two reliefs of 1 x 1 mm beside the bend of a bracket, as sheet metal programs draw them."""
+    bracket = [[30, 30], [130, 30], [130, 60], [129, 60], [129, 61], [130, 61], [130, 90], [30, 90], [30, 61], [31, 61],
+               [31, 60], [30, 60]]  # fmt: skip
+    nest = nest_file(tmp_path, [{"id": "A", "outer": bracket}])
+    out, plan = tmp_path / "nest.nc", tmp_path / "nest.plan.json"
+    done = kerfwise("solve", nest, "-o", out, "--plan", plan, "--work", "1")
+    assert done.code == 0, done.err
+    assert "warning: 2 slots, notches or necks narrower than the kerf are cut straight across, up to 0." in done.out
+    (cut,) = json.loads(plan.read_text(encoding="utf-8"))["cuts"]
+    assert (
+        "A.outer is cut straight across what is narrower than the kerf of 1.5 mm: slot, notch or neck at"
+        in cut["because"][0]
+    )
+    assert "(SLOTS AND NOTCHES NARROWER THAN THE KERF, CUT ACROSS 2)" in out.read_text(encoding="utf-8")
+    for file in (out, plan):
+        assert kerfwise("check", nest, file).code == 0
+    refused = kerfwise("check", nest, out, "--set", "cuts.narrow=refuse")
+    assert refused.code == 1
+    assert "features-kept" in refused.out
+
+
+GUSSET = {"id": "gusset", "outer": [[30, 30], [230, 30], [230, 60], [60, 180], [30, 180]],
+          "holes": [[[60, 60], [150, 60], [60, 150]]]}  # fmt: skip
+
+
+@pytest.mark.parametrize("profile", shipped_profiles())
+def test_a_triangular_window_is_cut_by_every_profile(tmp_path: Path, profile: str) -> None:
+    """Its corners of 45° keep what a round kerf leaves: that is told, and no fault."""
+    nest = nest_file(tmp_path, [GUSSET])
+    done = kerfwise("solve", nest, "-p", profile, "-o", tmp_path / "nest.nc", "--work", "1")
+    assert done.code == 0, done.err
+    kerf_mm = load_profile(profile).material.kerf_mm
+    kept_mm = kerf_mm / 2 * (1 / math.sin(math.radians(45) / 2) - 1)
+    assert f"warning: 2 corners keep up to {kept_mm:.2f} mm that a round kerf does not reach: gusset.hole1" in done.out
+    assert kerfwise("check", nest, tmp_path / "nest.nc", "-p", profile).code == 0
+
+
+def test_a_plant_may_limit_what_is_left_of_corners(tmp_path: Path) -> None:
+    nest = nest_file(tmp_path, [GUSSET])
+    done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc", "--set", "corners.leave=0.3 mm")
+    assert done.code == 2
+    assert "which keeps 1.21 mm" in done.err
+    assert "`corners.leave: 1.21 mm` frees it" in done.err
+    assert kerfwise("solve", nest, "-o", tmp_path / "nest.nc", "--set", "corners.leave=1.21 mm").code == 0
+    refused = kerfwise("check", nest, tmp_path / "nest.nc", "--set", "corners.leave=0.3 mm")
+    assert "the profile allows 0.3 mm of a corner (corners.leave)" in refused.out
+    assert refused.code == 1
 
 
 def test_a_profile_that_refuses_does_not_pass_a_program_with_slits(tmp_path: Path) -> None:
@@ -118,7 +180,8 @@ def test_a_slot_with_a_bend_is_refused_with_place_width_and_why(tmp_path: Path) 
     assert done.code == 2
     assert (
         "A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (80.0, 150.0), 1.00 mm wide and 30.0 mm "
-        "deep; no slit opens it: it forks or bends: one pass would leave some of it; change the drawing, or the kerf"
+        "deep; no slit opens it: it forks or bends: one pass would leave some of it; change the drawing; "
+        "`cuts.narrow: leave` (the torch cuts straight across) frees it"
     ) in done.err
 
 

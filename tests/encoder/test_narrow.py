@@ -13,7 +13,7 @@ from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates, tried
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow import MOST_TOLD, lost_features
+from kerfwise.encoder.narrow import MOST_TOLD, Narrow, lost_features, lost_walls
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
 
@@ -33,14 +33,15 @@ def test_what_it_does_not_enter_is_named_with_width_and_depth(shape: str) -> Non
 
 
 @pytest.mark.parametrize("shape", SHARP)
-def test_corners_sharper_than_a_kerf_can_be_used_for(shape: str) -> None:
+def test_a_corner_of_any_angle_is_no_feature_lost_unless_a_plant_limits_what_is_left(shape: str) -> None:
     contour, angle_deg = SHARP[shape]
-    (lost,) = lost_features([contour], KERF_MM)[contour.id]
+    assert lost_features([contour], KERF_MM) == {}
+    ((lost, _),) = lost_walls([contour], KERF_MM, corner_mm=0.3)[contour.id]
     assert lost.corner_deg == pytest.approx(angle_deg, abs=1)
 
 
 def test_a_corner_leaves_what_geometry_says() -> None:
-    (lost,) = lost_features([corner(30)], KERF_MM)["P.hole1"]
+    ((lost, _),) = lost_walls([corner(30)], KERF_MM, corner_mm=0.5)["P.hole1"]
     assert lost.left_mm == pytest.approx(KERF_MM / 2 * (1 / math.sin(math.radians(15)) - 1), abs=0.01)
     assert lost.place == pytest.approx((0, 0), abs=0.01)
 
@@ -65,18 +66,37 @@ def sheet_of(*contours: Contour) -> Nest:
 
 
 def test_all_faults_of_a_nest_are_one_message() -> None:
-    sheet = sheet_of(slot(1.0, 80), slot(2.0, 80), slot(0.6, 5))
+    sheet = sheet_of(slot(1.0, 80), slot(2.0, 80), slot(0.6, 5), slot(1.0, 2.9))
     with pytest.raises(InputError) as error:
         build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM))
+    leave = "`cuts.narrow: leave` (the torch cuts straight across)"
+    ways = "one pass along the middle opens it (cuts.narrow: slit), or change the drawing"
     assert str(error.value) == (
-        "2 contours of the nest cannot be cut as the options ask; `material.kerf: 0.375 mm` frees all of them\n"
+        f"2 contours of the nest cannot be cut as the options ask; {leave} frees all of them\n"
         "  - A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (50.0, 120.0), 1.00 mm wide and "
-        "80.0 mm deep; change the drawing, or the kerf, or let a slit open it (cuts.narrow: slit); "
-        "`material.kerf: 0.75 mm` frees it\n"
+        f"80.0 mm deep; {ways}; {leave} frees it\n"
         "  - C.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (450.0, 120.0), 0.60 mm wide and "
-        "5.0 mm deep; change the drawing, or the kerf, or let a slit open it (cuts.narrow: slit); "
-        "`material.kerf: 0.375 mm` frees it"
+        f"5.0 mm deep; {ways}; {leave} frees it"
     )
+
+
+@pytest.mark.parametrize("how", ["leave", "slit", "ask", "refuse"])
+@pytest.mark.parametrize("depth_mm", [1.0, 20.0])
+def test_a_slot_is_left_where_it_is_shallow_or_the_profile_says_so(how: Narrow, depth_mm: float) -> None:
+    sheet = sheet_of(slot(1.0, depth_mm))
+    options = LeadOptions(kerf_mm=KERF_MM, narrow=how)
+    if how == "leave" or (how != "refuse" and depth_mm < 2 * KERF_MM):
+        assert build_candidates(sheet, options)
+    else:  # no slits are made here: a profile makes them when it takes the nest
+        with pytest.raises(InputError, match="does not enter the slot, notch or neck"):
+            build_candidates(sheet, options)
+
+
+def test_a_limit_for_corners_refuses_sharper_ones() -> None:
+    sheet = sheet_of(SHARP["notch of 45°"][0])
+    assert build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM, corner_mm=1.3))
+    with pytest.raises(InputError, match=r"the corner of 45° at .*, which keeps 1\.21 mm; corners\.leave allows 1 mm"):
+        build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM, corner_mm=1.0))
 
 
 def test_every_contour_with_a_narrow_feature_is_told_by_itself() -> None:
@@ -92,7 +112,7 @@ def test_many_features_of_a_contour_are_one_line() -> None:
         build_candidates(sheet_of(comb(18, 1.0)), LeadOptions(kerf_mm=KERF_MM))
     (line,) = error.value.details
     assert line.count("slot") == MOST_TOLD
-    assert "; and 11 more; change the drawing" in line
+    assert "; and 11 more; one pass along the middle opens them" in line
 
 
 def test_a_pocket_that_the_kerf_closes_is_named_with_the_width_of_its_mouth() -> None:

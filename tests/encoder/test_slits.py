@@ -14,7 +14,7 @@ from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow import lost_features, lost_walls
 from kerfwise.encoder.nest import Contour
-from kerfwise.encoder.slits import in_the_way, slit_because, slits_of, with_slits
+from kerfwise.encoder.slits import in_the_way, narrow_because, slits_of, with_slits
 from kerfwise.tests.encoder.narrow_shapes import (
     FITS,
     KERF_MM,
@@ -73,7 +73,6 @@ UNFIT = {
     "an arc": (curved(), "it has no straight middle"),
     "a pocket behind a narrow mouth": (pocket(1.0), "it is wider than the kerf behind its mouth"),
     "two chambers": (neck(1.0), "it is wider than the kerf behind its mouth"),
-    "a corner": (contour([(0, 0), (60, -8), (60, 8)], "hole"), "its sides open like a corner's"),
 }
 
 
@@ -141,7 +140,7 @@ def test_slits_are_numbered_along_the_contours_of_their_part() -> None:
     assert {c.slot_of for c in made.contours if c.kind == "slit"} == {"A.outer"}
     assert made.drawn is not None
     assert [c.id for c in made.drawn.contours] == ["A.outer"]
-    told = slit_because(made, KERF_MM)
+    told = narrow_because(made, KERF_MM)
     assert told["A.slit1"].startswith("A.slit1 opens the slot of A.outer at (")
     assert told["A.slit1"].endswith(
         "in one pass: it becomes 1.5 mm wide, the part loses 0.25 mm at each side (cuts.narrow: slit)"

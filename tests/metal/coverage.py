@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -18,9 +19,18 @@ Tabs = Mapping[str, Sequence[tuple[float, float, float]]]
 
 
 def uncut(
-    drawing: Drawing, burns: Sequence[Burn], kerf_mm: float, excused: Collection[str], tabs: Tabs
+    drawing: Drawing,
+    burns: Sequence[Burn],
+    kerf_mm: float,
+    excused: Collection[str],
+    tabs: Tabs,
+    features_kerfs: float = 1.0,
 ) -> Iterator[Finding]:
-    """Contours where metal stays that a torch could have burnt, but for tabs, and features too narrow for it."""
+    """Contours where metal stays that a torch could have burnt, but for tabs, and features too narrow for it.
+
+    Features are lost where they are further than so many kerfs from every burn. Where they may be left to any depth,
+    the torch could have burnt what it reaches from the side of a neck that it was on.
+    """
     lines = np.array([b.line for b in burns], dtype=object)
     tree = shapely.STRtree(lines)
     own = {b.contour.id: k for k, b in enumerate(burns) if b.contour is not None}
@@ -34,7 +44,8 @@ def uncut(
         spared = [
             shapely.Point(x, y).buffer((width + kerf_mm) / 2 + RING_MM) for x, y, width in tabs.get(contour.id, ())
         ]
-        yield from _of_one(contour, [lines[k] for k in near], kerf_mm, cut, shapely.union_all(spared))
+        left = shapely.union_all(spared)
+        yield from _of_one(contour, [lines[k] for k in near], kerf_mm, cut, left, features_kerfs)
     for line in drawing.scrap:
         near = sorted(tree.query(line.line, predicate="dwithin", distance=kerf_mm).tolist())
         left = _beyond(line.line, [lines[k] for k in near], RING_MM)
@@ -44,14 +55,19 @@ def uncut(
 
 
 def _of_one(
-    contour: Meant, near: list[shapely.Geometry], kerf_mm: float, cut: int, spared: shapely.Geometry
+    contour: Meant, near: list[shapely.Geometry], kerf_mm: float, cut: int, spared: shapely.Geometry, kerfs: float
 ) -> Iterator[Finding]:
-    reachable = contour.line.intersection(contour.reachable(kerf_mm).buffer(NUMERIC_MM))
+    edge = contour.reachable(kerf_mm)
+    if math.isinf(kerfs) and near:
+        edge = min(shapely.get_parts(edge), key=near[0].distance)
+    reachable = contour.line.intersection(edge.buffer(NUMERIC_MM))
     stays = _beyond(reachable, near, kerf_mm / 2 + RING_MM).difference(spared)
     if stays.length > NUMERIC_MM:
         yield _finding("left-uncut", contour, cut, stays, "metal stays on the contour for")
         return
-    lost = _beyond(contour.line, near, kerf_mm + RING_MM).difference(spared)
+    if math.isinf(kerfs):
+        return
+    lost = _beyond(contour.line, near, kerfs * kerf_mm + RING_MM).difference(spared)
     if lost.length > NUMERIC_MM:
         text = "a slot, notch or corner that the kerf cannot enter is lost, contour not reached for"
         yield _finding("feature-lost", contour, cut, lost, text)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kerfwise.models.plan.plan import Plan
     from kerfwise.rules.profile.profile import Profile
 
+CORNER_KERFS = 3.4
+"""A round kerf leaves so many kerfs of a corner of 15°; bend reliefs that are cut across are no deeper than two."""
 SHARED_METAL = "shared-metal"
 """The rule that keeps parts a kerf apart; where it is off, as in wood, parts may touch."""
 
@@ -21,6 +24,7 @@ def plant(profile: Profile) -> dict[str, Any]:
         "edge_starts": profile.leads.edge_start,
         "touching": shared is not None and shared.strength == "off",
         "slits": profile.cuts.narrow == "slit",
+        "features_kerfs": {"leave": math.inf, "refuse": 1.0}.get(profile.cuts.narrow, CORNER_KERFS),
         "pierce_pass": profile.cuts.pierce_pass is not None,
         "torches": [profile.machine.torches.shift(k) for k in range(1, profile.machine.torches.count + 1)],
         "common": profile.cuts.common.shortest_mm is not None,

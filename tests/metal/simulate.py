@@ -41,6 +41,7 @@ def simulate(
     tabs: Tabs | None = None,
     pierce_pass: bool = False,
     common: bool = False,
+    features_kerfs: float = 1.0,
     torches: Sequence[tuple[float, float]] = ((0.0, 0.0),),
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
@@ -71,6 +72,8 @@ def simulate(
         Whether all holes of a zone, or of the sheet, are pierced before the cuts that begin there.
     common
         Whether edges of two parts are to be cut once: then a cut may begin in an older kerf, and runs along none.
+    features_kerfs
+        How many kerfs from every burn a slot, notch or corner too narrow for the torch may be left.
     torches
         Where the torches of the gantry stand, as the first one sees it, itself among them. What several of them burn at
         one time is burnt in every order.
@@ -91,6 +94,7 @@ def simulate(
         asked = {
             "before": before, "splash_mm": splash_mm, "edge_starts": edge_starts, "touching": touching, "slits": slits,
             "excused": excused, "tabs": tabs, "pierce_pass": pierce_pass, "common": common,
+            "features_kerfs": features_kerfs,
         }  # fmt: skip
         found: dict[tuple[str, tuple[str, ...]], Finding] = {}
         for one in every_order(now, torches):
@@ -126,7 +130,7 @@ def simulate(
     findings += [found for k, found in twice(burns) if k >= first]
     findings += wrong_passes(burns, own, drawing.sheet, common) if pierce_pass else []
     findings += [found for k, found in along_older(burns) if k >= first] if common else []
-    findings += uncut(drawing, burns, kerf_mm, excused, tabs or {})
+    findings += uncut(drawing, burns, kerf_mm, excused, tabs or {}, features_kerfs)
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)
     findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None}, tabs or {})

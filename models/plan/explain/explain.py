@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.slits import slit_because
+from kerfwise.encoder.slits import narrow_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.models.plan.common import common_because
 from kerfwise.models.plan.plan import Plan
@@ -76,7 +76,7 @@ def explained(setting: Setting, plan: Plan, contour: str, along: Along | None = 
         None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
         budget_kj,
         not_cut_because(facts.whole_nest, profile.hole_limits()).get(contour, ""),
-        slit_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
+        narrow_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
         plan.cuts[k].linked_because,
         tabs_because(facts, profile).get(contour, ""),
         plan.cuts[k].pierced_because,

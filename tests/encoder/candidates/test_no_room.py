@@ -132,7 +132,7 @@ def test_a_pierce_without_room_is_looked_at_once_whatever_is_asked_of_its_lead(p
     assert sum(pierced) < 80_000
 
 
-def test_no_lead_is_tried_where_the_kerf_alone_is_at_fault_and_no_kerf_for_noise(
+def test_no_lead_and_no_kerf_is_tried_where_the_kerf_alone_is_at_fault(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Each look at a contour of 20,000 vertices takes seconds."""
@@ -147,9 +147,8 @@ def test_no_lead_is_tried_where_the_kerf_alone_is_at_fault_and_no_kerf_for_noise
     slots = [point for x in (140, 110, 80) for point in ((x, 120), (x, 60), (x - 1, 60), (x - 1, 120))]
     plate = nest(300, 200, part("A", [(20, 20), (200, 20), (200, 120), *slots, (20, 120)]))
     options = LeadOptions(lead_in_min_mm=0.5)
-    assert "`material.kerf: 0.75 mm` frees it" in told(plate, options)
-    assert all(contours == [] or given.kerf_mm < options.kerf_mm for contours, given in tried)
-    tried.clear()
-    monkeypatch.setattr(remedies, "MOST_FEATURES", 2)
-    assert "frees it" not in told(plate, options)
-    assert all(contours == [] for contours, _ in tried)
+    said = told(plate, options)
+    assert "material.kerf" not in said
+    assert "`cuts.narrow: leave` (the torch cuts straight across) frees it" in said
+    assert all(contours == [] or given.narrow == "leave" for contours, given in tried)
+    assert all(given.kerf_mm == options.kerf_mm for _, given in tried)
