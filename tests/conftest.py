@@ -31,6 +31,8 @@ from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
 ROOT = Path(__file__).parents[1]
+LONGEST = {"test_installing.py", "test_plates.py", "test_batch.py", "test_tutorial_planner.py"}
+"""Files with a test that takes a quarter of a minute or more in one process: begun last, it would be waited for."""
 Made = list[tuple[Nest, Profile, str, str | None, Plan]]
 
 
@@ -64,7 +66,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left_out = [item for item in items if item.get_closest_marker("full") is not None]
         items[:] = [item for item in items if item.get_closest_marker("full") is None]
         config.hook.pytest_deselected(items=left_out)
-    items.sort(key=lambda item: item.path.name != "test_installing.py")
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -31,6 +31,7 @@ def test_help_imports_nothing_heavy() -> None:
     assert run.stderr.strip() == "[]"
 
 
+@pytest.mark.slow
 def test_a_small_solve_imports_no_more_than_it_uses(tmp_path: Path) -> None:
     """What it has no use for takes longer to import than it takes to plan."""
     script = (

@@ -47,6 +47,7 @@ BY_SEED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.minizinc
 @pytest.mark.parametrize("seed", BY_SEED)
 def test_the_engines_and_the_check_agree(seed: int) -> None:
@@ -55,6 +56,7 @@ def test_the_engines_and_the_check_agree(seed: int) -> None:
     assert found.differ == ()
 
 
+@pytest.mark.slow
 @pytest.mark.minizinc
 @pytest.mark.parametrize("seed", few([0, 8, 2, 4, 12], 2))
 def test_they_agree_on_nests_with_slits(seed: int) -> None:
@@ -92,6 +94,7 @@ def test_they_agree_on_nests_with_scrap_lines(seed: int) -> None:
     assert found.differ == ()
 
 
+@pytest.mark.slow
 @pytest.mark.minizinc
 @pytest.mark.parametrize("seed", few([8, 5, 11]))
 def test_they_agree_on_nests_with_common_edges(seed: int) -> None:

@@ -59,6 +59,7 @@ def test_the_best_plan_takes_a_link_and_costs_more_without(seed: int) -> None:
     assert without.objective > found.objective + 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", LINKED[:2])
 def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
     seed: int, monkeypatch: pytest.MonkeyPatch

@@ -28,6 +28,7 @@ def test_a_result_and_its_program_make_the_same_cuts(planned: kerfwise.Result, t
     assert not made.interrupted
 
 
+@pytest.mark.slow
 def test_without_a_rule_b_is_planned_anew(planned: kerfwise.Result, tmp_path: Path) -> None:
     made = kerfwise.compare(PAIR, planned, without=["level-ahead"], work=WORK)
     (paid,) = ((a.strength, b.strength) for name, a, b in made.rules if name == "level-ahead")

@@ -65,6 +65,7 @@ def test_what_cannot_be_used_is_refused(more: dict[str, object], said: str) -> N
         kerfwise.nest(PARTS, sheets="1000x600", **more)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_what_is_weighed_is_told() -> None:
     laid = kerfwise.nest(PARTS, sheets="1000x600", purpose="cutting", weigh=2, weigh_work=0.2, rounds=2)
     assert len(laid.prices) == 2

@@ -46,6 +46,7 @@ def test_links_save_pierces_and_time() -> None:
     assert linked.program_s < plain.program_s
 
 
+@pytest.mark.slow
 def test_zones_are_proven_with_links_and_without() -> None:
     """Both come to a proof; what it takes is for the page to say."""
     (line,) = rows([20], 2.0, 100.0, tries=1)

@@ -52,6 +52,7 @@ def test_they_are_cut_as_one(tmp_path: Path) -> None:
     assert kerfwise("explain", nest, tmp_path / "nest.plan.json", "A+B+C.outer").code == 0
 
 
+@pytest.mark.slow
 def test_a_program_that_cuts_the_parts_apart_is_told(tmp_path: Path) -> None:
     """The program of the nest without bridges, or with one left out, is judged against the nest with both."""
     nest = nest_file(tmp_path, ROWS)

@@ -177,6 +177,7 @@ def test_a_program_with_common_cuts_is_gone_on_with(folder: Path, old: str, more
     assert kerfwise("check", "nest.json", "out.nc", "--plan", "plan.json", "-p", "plant.yaml").code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.minizinc
 def test_minizinc_goes_on_at_the_same_cost(folder: Path) -> None:
     """MiniZinc takes work for seconds by the clock: it is given far more than it needs, and ends with its proof."""

@@ -88,6 +88,7 @@ def test_no_link_can_be_asked_for(folder: Path) -> None:
     assert not (folder / "out.nc").exists()
 
 
+@pytest.mark.slow
 def test_work_goes_on_in_the_middle_of_a_chain(folder: Path) -> None:
     solve()
     row = next(row for row in plan_in(folder)["cuts"] if row.get("linked"))

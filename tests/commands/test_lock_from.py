@@ -200,6 +200,7 @@ def test_a_contour_without_metal_left_to_pierce_is_named(tmp_path: Path) -> None
     assert "host.hole1 at (25.0, 25.0): what is already cut leaves no metal to pierce near it" in refused.err
 
 
+@pytest.mark.slow
 def test_an_old_plan_alone_is_the_one_that_numbers_count_in(old: Path, tmp_path: Path) -> None:
     plan, third = tmp_path / "new.plan.json", json.loads(old.read_text())["cuts"][2]["contour"]
     for file in (old, old.with_suffix(".nc")):

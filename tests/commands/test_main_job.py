@@ -18,6 +18,7 @@ BY_NAME = [pytest.param(p, id=p.name, marks=[pytest.mark.slow] if p.stem in SLOW
 SHOP = EXAMPLES / "profiles" / "shop.yaml"
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize("nest", BY_NAME)
 def test_every_example_is_solved_checked_and_read_by_linuxcnc(nest: Path, tmp_path: Path) -> None:

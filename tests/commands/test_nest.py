@@ -80,6 +80,7 @@ def test_a_remnant_that_solve_saves_is_cut_from_first(parts: Path) -> None:
     assert [row["stock"] for row in json.loads((out / "nests.json").read_text())["sheets"]] == ["rest.json", "200x200"]
 
 
+@pytest.mark.slow
 def test_the_list_among_the_examples_is_laid_its_remnant_first_and_once(tmp_path: Path) -> None:
     day = Path(package.__file__).parent / "examples" / "parts" / "day.yaml"
     ended = kerfwise("nest", day, "--rounds", "1", "-o", tmp_path / "out")
@@ -168,6 +169,7 @@ def test_the_cheapest_to_cut_is_taken_and_never_dearer_than_the_densest(parts: P
     assert len(prices) == 2
 
 
+@pytest.mark.slow
 def test_a_nest_without_room_for_a_pierce_is_repaired_or_said_to_have_no_plan(parts: Path) -> None:
     words = (f"{parts / 'plate.json'}=4", "--gap", "0.2", "--edge", "1 mm", "--rounds", "1", "--for", "cutting")
     ended = kerfwise("nest", *words, "--sheet", "122.4x62.4", "-o", parts / "out")

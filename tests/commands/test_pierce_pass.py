@@ -272,6 +272,7 @@ def test_links_need_no_hole(tmp_path: Path) -> None:
 MIDDLE = {"id": "M", "outer": [[200, 60], [300, 60], [300, 80], [200, 80]]}
 
 
+@pytest.mark.slow
 def test_scrap_lines_edge_starts_and_tabs(tmp_path: Path) -> None:
     """Lines and edge starts begin as ever; a part that tabs hold is pierced with the others."""
     _, plan, _ = planned(tmp_path, scrap=[[[250, 0], [250, 140]]])

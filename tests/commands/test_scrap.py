@@ -153,6 +153,7 @@ def test_a_line_left_out_or_moved_is_told(tmp_path: Path) -> None:
     assert "contour-geometry" in kerfwise("check", nest, tmp_path / "half.nc").out
 
 
+@pytest.mark.slow
 def test_work_goes_on_after_a_stop_among_the_lines(tmp_path: Path) -> None:
     nest = nest_file(tmp_path, LINES)
     assert solve(nest).code == 0

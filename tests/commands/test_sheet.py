@@ -92,6 +92,7 @@ def test_settings_of_another_profile_are_not_taken_for_those_of_the_plan(plan: P
     assert said in text
 
 
+@pytest.mark.slow
 def test_without_the_program_it_is_the_one_that_solve_writes(plan: Path) -> None:
     assert kerfwise("sheet", "sheet.json", plan, "-o", "one.pdf", "--program", "a.nc").code == 0
     Path("sheet.nc").write_bytes(Path("a.nc").read_bytes())

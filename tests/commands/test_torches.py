@@ -77,6 +77,7 @@ def broken(done: Ended) -> set[str]:
     return set(re.findall(r"^broken\s+hard (\S+)", done.out, re.MULTILINE))
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_copies_are_cut_together(tmp_path: Path) -> None:
     """The simulation burns it besides; LinuxCNC's interpreter reads the first torch's path."""
@@ -188,6 +189,7 @@ def test_a_program_leaves_the_first_torch_alone_for_the_next(tmp_path: Path) -> 
     assert "the program ends with torch 2 selected" in done.out
 
 
+@pytest.mark.slow
 def test_a_torch_lit_over_another_part_is_found(tmp_path: Path) -> None:
     """D stands 10 mm off: the torch that is not to burn would burn it."""
     parts = [COPIES[0], COPIES[1], COPIES[2], part("D", 150, 20 + STEP)]
@@ -198,6 +200,7 @@ def test_a_torch_lit_over_another_part_is_found(tmp_path: Path) -> None:
     assert metal(tmp_path)["part-eroded"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spacing", [STEP - 1, STEP + 0.2])
 def test_torches_that_stand_elsewhere_are_found(tmp_path: Path, spacing: float) -> None:
     planned(tmp_path)
@@ -216,6 +219,7 @@ def test_a_program_says_for_which_torches_it_is(tmp_path: Path) -> None:
     assert broken(done) == {"torches"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dialect", ["linuxcnc", "eia"])
 def test_a_program_that_does_not_say_for_which_torches_it_is(tmp_path: Path, dialect: str) -> None:
     """How far apart they stand nobody sees in it; its plan says so, too."""
@@ -333,6 +337,7 @@ def test_commands_that_know_one_torch_say_so(tmp_path: Path) -> None:
     assert not (tmp_path / "x.nc").exists()
 
 
+@pytest.mark.slow
 def test_picture_work_sheet_times_and_facts_know_them(tmp_path: Path) -> None:
     plan, _ = planned(tmp_path)
     nest, where = tmp_path / "nest.json", ("-p", tmp_path / "plant.yaml")

@@ -211,6 +211,7 @@ def test_the_clock_of_the_command_runs_from_its_beginning_and_it_says_when_it_wa
     assert re.match(took, late)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("from_contours", [2, 2000])
 def test_the_command_keeps_time_for_its_picture_where_it_draws_it(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, from_contours: int

@@ -144,6 +144,7 @@ def test_a_part_without_any_place_for_a_tab_at_the_end_is_refused() -> None:
         ways(drawn, at_end=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lead", ["line", "arc"])
 def test_no_lead_in_leans_over_a_tab_at_the_end(lead: str) -> None:
     """Streets of 5 mm, in which a straight lead-in has no room everywhere."""

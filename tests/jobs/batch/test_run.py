@@ -285,6 +285,7 @@ def test_a_nest_is_planned_where_its_job_file_says(batches: Batches, tmp_path: P
     assert asked == [("one", "the-laser"), ("two", "plasma-carbon-steel")]
 
 
+@pytest.mark.slow
 def test_nobody_cuts_on_a_machine_that_the_job_file_means_no_more(batches: Batches) -> None:
     write_nests(batches.given, ("one", "two"))
     batches.machines.append(machine_of("laser", "laser-amg3m-1mm", False))

@@ -28,6 +28,7 @@ def _never_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cpsat, "solve_cpsat", begun, raising=False)
 
 
+@pytest.mark.slow
 def test_cp_sat_is_not_begun_with_less_than_its_model_takes() -> None:
     many = scattered(1, contours=45, sites=1)
     options = SolveOptions(work=0.2)
@@ -36,6 +37,7 @@ def test_cp_sat_is_not_begun_with_less_than_its_model_takes() -> None:
     assert "cp-sat: not begun, its tables alone take longer than what is left for it" in known.notes
 
 
+@pytest.mark.slow
 def test_cp_sat_is_begun_with_more_than_its_model_takes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(setting_out, "cpsat_s", lambda _: 0.0)
     options = SolveOptions(work=0.2)

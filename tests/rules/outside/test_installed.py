@@ -162,6 +162,7 @@ def test_a_broken_package_is_named(how: str, tmp_path: Path, found: object) -> N
     assert message in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_broken_package_ends_the_command_with_a_message(tmp_path: Path) -> None:
     package(tmp_path, points="bars = plant_rules:BarsLast")
     ended = python(tmp_path, "-m", "kerfwise", "facts", str(NEST))

@@ -145,6 +145,7 @@ def test_an_interrupt_leaves_the_best_so_far() -> None:
     assert broken(plate, searcher.best.route) == ()
 
 
+@pytest.mark.slow
 def test_time_cuts_the_work_short() -> None:
     plate = scattered(1, contours=60, sites=4)
     assert search(plate, SolveOptions(work=1e6, time_s=0.3)) is not None

@@ -68,6 +68,7 @@ def test_a_route_becomes_cheaper_and_stays_lawful(seed: int) -> None:
     assert ways[0] == ways[1]
 
 
+@pytest.mark.slow
 def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(searcher, "REGIONS", 4_000_000)
     step, begun = Regions.step, []
