@@ -4,7 +4,7 @@ Examples
 --------
 >>> import kerfwise
 >>> kerfwise.load_profile("laser-wood").material.name
-'wood'
+'plywood'
 """
 
 from __future__ import annotations

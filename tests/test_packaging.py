@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import doctest
 import importlib
-import pkgutil
 import re
 import shutil
 import sys
@@ -19,11 +18,6 @@ import kerfwise
 
 ROOT = Path(kerfwise.__file__).parent
 OUTSIDE = {"tests", "examples", "benchmarks", "docs", "build", "dist"}
-
-
-def modules() -> list[str]:
-    found = pkgutil.walk_packages([str(ROOT)], "kerfwise.")
-    return [m.name for m in found if m.name.split(".")[1] not in OUTSIDE and not m.name.endswith("__main__")]
 
 
 def shipped(pattern: str) -> list[Path]:
@@ -88,9 +82,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def with_examples() -> list[str]:
     """Modules with examples: to look for some in all others takes longer than to run these."""
-    files = ((name, ROOT.joinpath(*name.split(".")[1:])) for name in modules())
-    sources = ((name, file / "__init__.py" if file.is_dir() else file.with_suffix(".py")) for name, file in files)
-    return [name for name, source in sources if ">>> " in source.read_text(encoding="utf-8")]
+    found = [path.relative_to(ROOT) for path in shipped("*.py") if ">>> " in path.read_text(encoding="utf-8")]
+    return sorted(".".join(["kerfwise", *path.with_suffix("").parts]).removesuffix(".__init__") for path in found)
 
 
 @pytest.mark.parametrize("name", with_examples())
