@@ -224,7 +224,9 @@ def _judge_paths(
         *([judgement("pierce-pass", not_of_a_pass(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
-        judgement("loose-metal", [*burnt_loose(nest, runs, kerf_mm), *off_the_frame(nest, runs, made, kerf_mm)]),
+        judgement(
+            "loose-metal", [*burnt_loose(nest, runs, kerf_mm, before.lines), *off_the_frame(nest, runs, made, kerf_mm)]
+        ),
         *(
             [judgement("scrap-pieces", wrong_pieces(nest, runs, made, profile))]
             if profile.cuts.scrap != Scrap()

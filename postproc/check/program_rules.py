@@ -51,7 +51,7 @@ SENTENCES = {
     "torches": "What torches cut together is the same cut, shifted by what the profile has them apart.",
     "burnt-twice": "No stretch of a contour is burnt again, but for overcuts, leads and whole rounds a kerf apart.",
     "links": "The torch stays on from one contour to the next only where the profile allows it, off older kerfs.",
-    "loose-metal": "Nothing is cut in a piece that several burns, or scrap lines, have cut off.",
+    "loose-metal": "Nothing is cut in metal that has come loose, part or waste, whatever has cut it off.",
     "scrap-pieces": "The skeleton's largest piece is cut into pieces no larger than asked for, and its remnant saved.",
     "follows-plan": "The program makes the cuts of its plan, in their order, at their entries, the same way round.",
     "small-holes": "Holes too small to be cut have their middle marked or are left out, as the profile says.",

@@ -210,7 +210,7 @@ class Profile(ProfileSections):
         own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
         own += self._pairs_in_files(nest) if nest is not None else ()
         given = FactOptions(
-            zone_respects=frozenset(),
+            zone_respects=frozenset({"contains"}),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
             zone_places=self._zone_places(nest),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),

@@ -14,8 +14,8 @@ from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, NoGood, Statement
 
 from .at_once import AtOnce
-from .remainder import no_good_left
-from .state_rules import rest_of
+from .loose_metal import enclosed, meeting_of
+from .remainder import no_good_left, rest_of
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Copies, Facts
@@ -36,11 +36,13 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
     nest, whole, book = facts.nest, facts.whole_nest, profile.rulebook()
     index, rest, made = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
     told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
+    enclosing: set[tuple[str, ...]] = set()
 
     def look(order: Sequence[int]) -> tuple[Statement, ...]:
         found: list[Statement] = []
         for names in _in_turn(facts, [*made, *(nest.contours[k].id for k in order)]):
             found += looked(names)
+            found += in_loose_metal(names)
         return tuple(found)
 
     def looked(names: Sequence[str]) -> Iterator[Statement]:
@@ -54,11 +56,22 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
                     seen = NoGood(out, left, about, hard if setting.weight is None else setting.weight)
                     yield from no_good_left(seen, rest) if facts.copies is None else _of_first(facts.copies, seen)
 
+    def in_loose_metal(names: Sequence[str]) -> Iterator[Statement]:
+        for statement in enclosed(facts, rest, names):
+            if (names_of := statement.about.contours) not in enclosing:
+                enclosing.add(names_of)
+                yield statement
+
     return look
 
 
-def forbids_later(profile: Profile) -> bool:
-    """Whether a rule of the profile forbids what only geometry finds in a whole order; others put a price on it."""
+def forbids_later(facts: Facts, profile: Profile) -> bool:
+    """Whether something forbids what only geometry finds in a whole order; what has a price does not.
+
+    A rule of the profile may, and whatever it says: kerfs that meet may cut metal off.
+    """
+    if meeting_of(facts.whole_nest, facts.options.kerf_mm):
+        return True
     book = profile.rulebook()
     hard = (book[name] for name, setting in profile.settings().items() if setting.weight is None)
     return any(type(rule).no_goods is not Rule.no_goods and not rule.excusable for rule in hard)

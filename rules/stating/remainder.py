@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from kerfwise.rules.statements import (
     AtLeast,
@@ -29,6 +29,9 @@ from kerfwise.rules.statements import (
     Precede,
     Statement,
 )
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.facts.facts import Facts
 
 OUT = -1
 
@@ -54,6 +57,15 @@ class Remainder:
         if not self.left(i) and not self.left(j):
             return self.cut_at.get(i, math.inf) < self.cut_at.get(j, math.inf)
         return self.left(j)
+
+
+def rest_of(facts: Facts) -> Remainder:
+    """What is left of the whole nest, for statements about that."""
+    if facts.past is None:
+        return Remainder(range(facts.n), {})
+    index = facts.whole_nest.index
+    cut_at = {index[cut.contour]: k for k, cut in enumerate(facts.already_cut, 1)}
+    return Remainder(facts.past.number.tolist(), cut_at)
 
 
 def of_what_is_left(statements: Iterable[Statement], rest: Remainder) -> Iterator[Statement]:

@@ -21,8 +21,9 @@ from .common_cuts import open_ways
 from .cycles import Link, components, contracted, joined, path
 from .feedback import Unbreakable, lightest_cut, some_cycles
 from .link_offers import link_offers
+from .loose_metal import asked_of_torches, in_held_metal
 from .places import at_odds, in_the_way, positions
-from .remainder import Remainder, of_what_is_left
+from .remainder import of_what_is_left, rest_of
 from .time_costs import slower_ways
 from .weighed import weighed
 
@@ -125,6 +126,7 @@ def every_statement(
             exempt += book[name].exempt(facts if facts.copies is None else facts.copies.whole, setting.options)
         else:
             statements += weighed(stated, setting.weight)
+    statements += in_held_metal(facts, rest_of(facts), statements)
     statements += _objective(facts, profile)
     return statements, tuple(exempt)
 
@@ -200,21 +202,15 @@ def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
             )
             shut |= {s.candidate: s.about for s in by_kind(stated).forbid if s.weight is None}
             found |= dict(at_once.impossible)
+    of_metal = AtOnce(facts.copies)
+    list(of_metal.of_first(asked_of_torches(facts)))
+    found |= dict(of_metal.impossible)
     for group in facts.copies.groups:
         first = int(facts.copies.number[group.contours[0]])
         ways = facts.candidates_of(first)
         if ways and all(c in shut for c in ways):
             found.setdefault(first, shut[ways[0]])
     return found
-
-
-def rest_of(facts: Facts) -> Remainder:
-    """What is left of the whole nest, for statements about that."""
-    if facts.past is None:
-        return Remainder(range(facts.n), {})
-    index = facts.whole_nest.index
-    cut_at = {index[cut.contour]: k for k, cut in enumerate(facts.already_cut, 1)}
-    return Remainder(facts.past.number.tolist(), cut_at)
 
 
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:

@@ -198,7 +198,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     """What must give way: first where even rules that give way do not help."""
     book = profile.rulebook()
     out = list(hopeless(statements))
-    if not all(may_give_way(book[about.rule]) for about in out):
+    if not all(about.rule in book and may_give_way(book[about.rule]) for about in out):
         raise RulesConflict(NO_HELP)
     clashes: list[frozenset[About]] = []
     more = 0

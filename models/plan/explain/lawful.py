@@ -53,7 +53,7 @@ def try_order(setting: Setting, order: Sequence[int], look: bool = True) -> Trie
     if isinstance(found, Stuck):
         return TriedOrder(found.abouts)
     breaks = broken(setting.problem, found.route)
-    if look and not breaks and forbids_later(setting.profile):
+    if look and not breaks and forbids_later(setting.facts, setting.profile):
         thoughts = afterthoughts(setting.facts, setting.profile)(order)
         breaks = tuple(s.about for s in thoughts if s.weight is None)
     return TriedOrder(breaks) if breaks else TriedOrder((), found.cost, found.route)
@@ -62,7 +62,7 @@ def try_order(setting: Setting, order: Sequence[int], look: bool = True) -> Trie
 def quickly_tried(along: Along, order: Sequence[int]) -> TriedOrder:
     """The same without its route, by what is known of the plan's own order, where that tells all."""
     setting = along.setting
-    if along.exact and not forbids_later(setting.profile):
+    if along.exact and not forbids_later(setting.facts, setting.profile):
         breaks = tuple(dict.fromkeys(_broken(setting, order, along.asked)))
         if breaks:
             return TriedOrder(breaks)

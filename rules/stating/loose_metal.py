@@ -1,0 +1,173 @@
+"""What no profile turns off: nothing is cut in metal that has come loose, so that what lies in it is cut before.
+
+Which metal comes loose is seen from the kerfs (`rules/judging/loose`); the check sees it on the burns of a program.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.kept import kept_with_nest
+from kerfwise.encoder.listed import listed
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.judging.loose import OVER_MM, crumbs, loosened, meeting
+from kerfwise.rules.rule import NoGoodIds
+from kerfwise.rules.statements import About, NoGood, Precede, Statement
+
+from .at_once import AtOnce
+from .remainder import Remainder, no_good_left
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.facts.facts import Facts
+
+LOOSE_METAL = "loose-metal"
+"""What these statements come from: no rule, but a promise about the metal (docs/safety.md)."""
+_NAMED = 6
+
+
+def in_held_metal(facts: Facts, rest: Remainder, stated: Iterable[Statement]) -> Iterator[Statement]:
+    """What must hold of every order, beside what is `stated` already: what lies in a contour is cut before it.
+
+    So is what lies in metal that kerfs of several contours enclose: all of it that an order from the outside in shows.
+    A contour with tabs leaves what lies in it where it is.
+    """
+    known = {(s.about.contours, s.weight) for s in by_kind(stated).precede}
+    inner = [s for s in _inner_first(facts) if (s.about.contours, None) not in known]
+    yield from inner if facts.copies is None else AtOnce(facts.copies).of_first(inner)
+    if meeting_of(facts.whole_nest, facts.options.kerf_mm):
+        yield from enclosed(facts, rest, _any_order(facts))
+
+
+def asked_of_torches(facts: Facts) -> Iterator[Statement]:
+    """The same of what several torches cut, each contour by itself."""
+    yield from _inner_first(facts)
+    yield from _enclosed(facts, _any_order(facts))
+
+
+def enclosed(facts: Facts, rest: Remainder, names: Sequence[str]) -> Iterator[Statement]:
+    """What an order of all contours shows to be cut in metal that others have cut off, as statements against that."""
+    for seen in _enclosed(facts, names):
+        yield from no_good_left(seen, rest) if facts.copies is None else AtOnce(facts.copies).of_first([seen])
+
+
+def _inner_first(facts: Facts) -> Iterator[Precede]:
+    of = facts if facts.copies is None else facts.copies.whole
+    contours, held = of.nest.contours, facts.held_by_tabs
+    for k, around in enumerate(of.parent.tolist()):
+        inner, outer = contours[k].id, contours[around].id
+        if around >= 0 and contours[k].kind != "mark" and outer not in held:
+            sentence = f"{inner} is cut before {outer}: it lies inside it, and cutting {outer} frees the metal it is in"
+            yield Precede(k, around, About(LOOSE_METAL, (inner, outer), sentence))
+
+
+def _enclosed(facts: Facts, names: Sequence[str]) -> Iterator[NoGood]:
+    whole = facts.whole_nest
+    for wrong in no_goods(whole, names, facts.options.kerf_mm, facts.held_by_tabs):
+        out, left = (frozenset(whole.index[name] for name in side) for side in (wrong.out, wrong.left))
+        yield NoGood(out, left, About(LOOSE_METAL, (*wrong.out, *wrong.left), wrong.sentence))
+
+
+def no_goods(nest: Nest, names: Sequence[str], kerf_mm: float, held: Collection[str] = ()) -> list[NoGoodIds]:
+    """Contours of an order that lie in metal which those before them have cut off together, with these."""
+    rings = meeting_of(nest, kerf_mm)
+    order = [name for name in names if name in rings and name not in held]
+    at = {name: k for k, name in enumerate(order)}
+    if not order:
+        return []
+    faces = loosened(shapely.make_valid(nest.sheet.polygon), [rings[name] for name in order], kerf_mm)
+    areas = np.array([face.area for face in faces], dtype=object)
+    faces = [face for face, crumb in zip(faces, crumbs(areas).tolist(), strict=True) if not crumb] if faces else []
+    asked = [name for name in names if nest.contour(name).kind not in ("mark", "scrap")]
+    lines = np.array([_line(nest, name, kerf_mm) for name in asked], dtype=object)
+    place = {name: k for k, name in enumerate(names)}
+    tree = shapely.STRtree(lines)
+    walls: dict[str, frozenset[str]] = {}
+    for face in faces:
+        late = [asked[k] for k in tree.query(face.area, "intersects").tolist()]
+        late = [name for name in late if place[name] > place[order[face.since]] and name not in walls]
+        late = [name for name in late if at.get(name, 0) <= face.gone]
+        late = [name for name in late if _over_mm(nest, name, kerf_mm, face.area) > OVER_MM]
+        if late:
+            around = frozenset(order[k] for k in face.walls())
+            walls |= {name: around for name in late if not _inside(nest, name, around)}
+    return [NoGoodIds(tuple(sorted(out)), (name,), _said(name, sorted(out))) for name, out in sorted(walls.items())]
+
+
+def _said(name: str, out: Sequence[str]) -> str:
+    if len(out) == 1:
+        return f"{name} is cut before {out[0]}: the kerf of that closes around the metal it is in, which would be loose"
+    return (
+        f"{name} is cut before the last of {listed(out, _NAMED)}: their kerfs meet around the metal it is in, which "
+        "would be loose"
+    )
+
+
+def _inside(nest: Nest, name: str, around: frozenset[str]) -> bool:
+    """Whether one contour alone lies around another: that is an order of its own."""
+    if len(around) != 1:
+        return False
+    (outer,) = (nest.contour(one) for one in around)
+    return outer.encloses and bool(outer.polygon.intersects(shapely.Point(nest.contour(name).curve.vertices[0, :2])))
+
+
+def _over_mm(nest: Nest, name: str, kerf_mm: float, area: shapely.Polygon) -> float:
+    return float(shapely.intersection(_line(nest, name, kerf_mm), area).length)
+
+
+def _line(nest: Nest, name: str, kerf_mm: float) -> shapely.LineString:
+    return torch_lines(nest, kerf_mm)[name]
+
+
+@kept_with_nest(most=1)
+def meeting_of(nest: Nest, kerf_mm: float) -> dict[str, shapely.LineString]:
+    """The torch's way round each contour whose kerf meets that of another, itself, or the border: by id.
+
+    Scrap lines are not among them: rule scrap-last sees to what they cut off.
+    """
+    lines = torch_lines(nest, kerf_mm)
+    names = list(lines)
+    together = meeting(shapely.make_valid(nest.sheet.polygon), list(lines.values()), kerf_mm)
+    return {names[k]: lines[names[k]] for k in together}
+
+
+@kept_with_nest(most=1)
+def torch_lines(nest: Nest, kerf_mm: float) -> dict[str, shapely.LineString]:
+    """Where the torch goes round each contour that it cuts through, by id."""
+    found: dict[str, shapely.LineString] = {}
+    for contour in nest.contours:
+        if contour.kind not in ("mark", "scrap") and (line := _way_round(contour, kerf_mm)) is not None:
+            found[contour.id] = line
+    return found
+
+
+def _way_round(contour: Contour, kerf_mm: float) -> shapely.LineString | None:
+    if not contour.encloses:
+        return contour.line
+    by_mm = kerf_mm / 2 if contour.kind == "outer" else -kerf_mm / 2
+    grown = shapely.get_parts(shapely.buffer(shapely.make_valid(contour.polygon), by_mm))
+    return max(grown, key=lambda piece: piece.area).exterior if len(grown) else None
+
+
+def _any_order(facts: Facts) -> list[str]:
+    """An order of all contours that shows much of what others enclose.
+
+    After the cuts that are made comes what lies nearest to the border, and what lies in others before them.
+    """
+    of = facts.copies.whole if facts.copies is not None else facts.past.whole if facts.past is not None else facts
+    contours, parent = of.nest.contours, of.parent.tolist()
+    middle = of.nest.sheet.polygon.centroid
+
+    def key(k: int) -> tuple[float, int, int]:
+        depth, top = 0, k
+        while parent[top] >= 0:
+            depth, top = depth + 1, parent[top]
+        return -float(contours[top].line.distance(middle)), top, -depth
+
+    made = [cut.contour for cut in facts.already_cut]
+    left = sorted((k for k, contour in enumerate(contours) if contour.id not in set(made)), key=key)
+    return [*made, *(contours[k].id for k in left)]
