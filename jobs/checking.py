@@ -9,6 +9,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.old import Trusted
+from kerfwise.postproc.verdict.as_written import held_to_plan
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
@@ -38,7 +39,11 @@ def check_made(
         followed = read_plan(plan) if isinstance(plan, str | Path) else plan
         for text in differences(followed, given) if followed is not None else ():
             tell(text)
-        return check_program(given.nest, program_text(made), given.profile, str(made), followed, trusted=trusted)
+        text = program_text(made)
+        result = check_program(given.nest, text, given.profile, str(made), followed, trusted=trusted)
+        if followed is None or trusted is not None:
+            return result
+        return held_to_plan(result, given.nest, text, followed, given.profile)
     if plan is not None:
         raise InputError("a plan is held against no other plan: expected an NC program, with the plan it was made from")
     judged = made if isinstance(made, Plan) else read_plan(made)

@@ -14,6 +14,7 @@ from kerfwise.jobs.given import Given, Tell, differences, program_text, silent
 from kerfwise.jobs.times import Times, time_made
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.as_written import held_to_plan
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.profile.profile import Profile
@@ -106,6 +107,7 @@ def work_sheet(
     else:
         text, file = program_text(program), Path(program).name
         followed = check_program(given.nest, text, given.profile, str(program), plan)
+        followed = held_to_plan(followed, given.nest, text, plan, given.profile)
         if not followed.ok:
             wrong = ", ".join(followed.broken())
             raise RulesConflict(f"{program}: the program does not follow the plan, or breaks rules: {wrong}")

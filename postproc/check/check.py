@@ -25,7 +25,7 @@ from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measure
 from .judge import judge
 from .judged_cuts import JudgedCuts
 from .judgement import Judgement
-from .links import bad_links
+from .links import bad_links, long_leads
 from .loose_metal import burnt_loose
 from .loose_skeleton import off_the_frame
 from .metal import Pairs, gouges, off_sheet
@@ -161,7 +161,7 @@ def _judge_program(
     if planned is not None:
         relaxed = tuple(dict.fromkeys((*relaxed, *planned.relaxed)))
     judged, warnings = _judge_paths(
-        judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs
+        judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs, program.comments
     )
     if torches.several or of_torches:
         judged.append(judgement("torches", of_torches))
@@ -194,8 +194,12 @@ def _judge_paths(
     relaxed: Sequence[Relaxed],
     astray: Iterable[Violation] = (),
     tabs: Tabs | None = None,
+    comments: Sequence[str] | None = None,
 ) -> tuple[list[Judgement], list[str]]:
-    """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel."""
+    """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel.
+
+    `comments` are those of a program; a plan has none, and says itself how long its leads are.
+    """
     nest, kerf_mm = judged_by.nest, profile.material.kerf_mm
     if tabs is None and profile.tabs() is not None:
         tabs = {cut.contour: unlit_tabs(cut, kerf_mm) for cut in cuts if cut.tabs}
@@ -209,6 +213,8 @@ def _judge_paths(
     lost = list(lost_elsewhere(nest, kerf_mm, _accepted(profile)))
     skipped, allowed = _at_fault([*faults, *opened]), Allowed.by(profile)
     uncut = features_lost(runs, kerf_mm, skipped, slits_of_made(nest, cuts), tabs, before.lines, allowed)
+    run_up = run_up_mm(nest, profile)
+    long = [] if comments is None else long_leads(whole, profile, comments, run_up)
     judged = [
         judgement(
             "every-contour-once",
@@ -223,7 +229,7 @@ def _judge_paths(
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
         *([judgement("pierce-pass", not_of_a_pass(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
-        judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
+        judgement("links", [*bad_links(runs, kerf_mm, profile.cuts.links.longest_mm), *long]),
         judgement(
             "loose-metal", [*burnt_loose(nest, runs, kerf_mm, before.lines), *off_the_frame(nest, runs, made, kerf_mm)]
         ),
@@ -239,7 +245,7 @@ def _judge_paths(
             [*uncut.lost, *misplaced(slots, cuts, kerf_mm)],
         ),
         judgement("kerf-side", _of("kerf-side", faults)),
-        judgement("on-sheet", off_sheet(nest, runs, kerf_mm, run_up_mm(nest, profile))),
+        judgement("on-sheet", off_sheet(nest, runs, kerf_mm, run_up)),
         judgement("edge-start", edge_starts(nest, whole, profile)),
         judgement("no-gouging", found.violations),
     ]

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import shapely
 
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
 from .program_rules import tolerance_mm
 from .torch_run import TorchRun
 
 _RULE = "links"
+_CORNERS_MM = 1.0
+"""Leads are longer than the profile says by what their arcs and the places where they meet the ring add."""
+_OTHERS_MM = 25.0
+"""How much longer leads of programs may be that were not written from the profile: what others do is no fault yet."""
+_OURS, _RETOLD = "KERFWISE FOR ", "TOLD FROM AN OLDER PROGRAM"
 
 
 def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> Iterator[Violation]:
@@ -53,3 +59,33 @@ def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> It
                 text = f"{way} crosses the kerf of {runs[other].name} ({runs[other].where}), at ({x:z.1f}, {y:z.1f})"
                 yield Violation(_RULE, names, text, at)
                 break
+
+
+def long_leads(
+    runs: Sequence[TorchRun], profile: Profile, comments: Iterable[str], run_up_mm: float
+) -> Iterator[Violation]:
+    """Where the torch stays lit before or behind a contour for longer than a lead or an overcut asks for.
+
+    What it burns there of its own ring again is told as that. `run_up_mm` is how far off the sheet a cut may begin.
+    """
+    said = [text.upper() for text in comments]
+    ours = any(text.startswith(_OURS) for text in said) and not any(_RETOLD in text for text in said)
+    leads, kerf_mm = profile.leads, profile.material.kerf_mm
+    more_mm = 2 * kerf_mm + _CORNERS_MM + (0.0 if ours else _OTHERS_MM)
+    in_mm = 1.6 * max(profile.length_mm(leads.lead_in_mm), leads.lead_in_min_mm) + run_up_mm + more_mm
+    out_mm = max(profile.length_mm(leads.hole_overcut_mm), leads.lead_out_length_mm) + more_mm
+    within_mm = tolerance_mm(kerf_mm)
+    for run in runs:
+        if run.marks or run.contour is None or not run.contour.encloses:
+            continue
+        for what, lead, most_mm in (("before", run.lead_in, in_mm), ("behind", run.lead_out, out_mm)):
+            if lead is None or lead.length <= most_mm or (what == "before" and run.linked):
+                continue
+            again_mm = float(lead.intersection(shapely.buffer(run.loop, within_mm)).length)
+            at = (run.position,) if run.position else ()
+            text = f"{run.where}: the torch is lit for {lead.length:.1f} mm {what} {run.name}"
+            if again_mm > most_mm:
+                text += f", {again_mm:.1f} mm of them once more along it"
+            yield Violation(
+                _RULE, (run.contour.id,), f"{text}; the profile's leads and overcuts ask for {most_mm:.1f} mm", at
+            )

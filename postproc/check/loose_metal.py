@@ -12,12 +12,14 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.loose import OVER_MM, Face, crumbs, loosened
+from kerfwise.rules.judging.loose import OVER_MM, Face, beside_metal, crumbs, loosened
 from kerfwise.rules.rule import Violation
 
+from .metal import metal_of_parts
 from .torch_run import TorchRun
 
 _RULE = "loose-metal"
+_AT_MM = 1e-6
 _KERF_MM = 0.02
 """What a torch without a kerf cuts apart."""
 
@@ -39,11 +41,13 @@ def burnt_loose(
     of, burnt = shapely.STRtree(lines).query(areas, "intersects")
     late = (since[of] < burnt) & (burnt <= gone[of]) & (burnt >= first)
     of, burnt = of[late], burnt[late]
-    over_mm = shapely.length(shapely.intersection(np.array(lines, dtype=object)[burnt], areas[of]))
+    over = shapely.intersection(np.array(lines, dtype=object)[burnt], areas[of])
+    over = beside_metal(over, metal_of_parts(nest), kerf_mm)
+    over_mm = shapely.length(over)
     for k in np.unique(burnt).tolist():
         mine = np.flatnonzero(burnt == k)
         run = torch[k - first]
-        begun = [] if run.linked else [j for j in mine.tolist() if shapely.intersects(areas[of[j]], _begin(run))]
+        begun = [] if run.linked else [j for j in mine.tolist() if shapely.dwithin(over[j], _begin(run), _AT_MM)]
         if over_mm[mine].sum() > OVER_MM or begun:
             j = int(max(mine.tolist(), key=lambda j: (j in begun, over_mm[j])))
             yield _violation(run, faces[of[j]], [None] * first + list(torch), float(over_mm[mine].sum()))

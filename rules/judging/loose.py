@@ -29,6 +29,8 @@ CRUMB_WIDTH_MM = 0.2
 """A piece nowhere wider than this is dross."""
 OVER_MM = 0.5
 """A path over loose metal for no longer than this touches its edge only."""
+IN_METAL_MM = 0.05
+"""A path so near to the metal of a part is in that part's own kerf, or in its metal."""
 _QUADRANT = 8
 _CHORD_MM = 0.003
 _SPECK_MM2, _AT_MM = 1e-9, 1e-6
@@ -258,3 +260,16 @@ def crumbs(areas: Any) -> Bools:
     left = np.flatnonzero(~small)
     small[left] = shapely.is_empty(shapely.buffer(areas[left], -CRUMB_WIDTH_MM / 2, quad_segs=1))
     return small
+
+
+def beside_metal(lines: Any, metal: Any, kerf_mm: float) -> Any:
+    """What of each line (k,) does not run in the metal of parts: there it burns that, loose or not, as is judged apart.
+
+    `metal` are the areas of parts. A line that is beside one by less than a quarter of the kerf is not.
+    """
+    wide = shapely.buffer(metal, min(IN_METAL_MM, kerf_mm / 4) - _CHORD_MM, quad_segs=1)
+    left = np.array(lines, dtype=object)
+    line, part = shapely.STRtree(wide).query(left, "intersects")
+    for k in np.unique(line).tolist():
+        left[k] = shapely.difference(left[k], shapely.union_all(wide[part[line == k]]))
+    return left

@@ -15,7 +15,7 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.judging.loose import OVER_MM, crumbs, loosened, meeting
+from kerfwise.rules.judging.loose import OVER_MM, beside_metal, crumbs, loosened, meeting
 from kerfwise.rules.rule import NoGoodIds
 from kerfwise.rules.statements import About, NoGood, Precede, Statement
 
@@ -116,7 +116,7 @@ def _inside(nest: Nest, name: str, around: frozenset[str]) -> bool:
 
 
 def _over_mm(nest: Nest, name: str, kerf_mm: float, area: shapely.Polygon) -> float:
-    return float(shapely.intersection(_line(nest, name, kerf_mm), area).length)
+    return float(shapely.intersection(_beside_metal(nest, kerf_mm)[name], area).length)
 
 
 def _line(nest: Nest, name: str, kerf_mm: float) -> shapely.LineString:
@@ -133,6 +133,14 @@ def meeting_of(nest: Nest, kerf_mm: float) -> dict[str, shapely.LineString]:
     names = list(lines)
     together = meeting(shapely.make_valid(nest.sheet.polygon), list(lines.values()), kerf_mm)
     return {names[k]: lines[names[k]] for k in together}
+
+
+@kept_with_nest(most=1)
+def _beside_metal(nest: Nest, kerf_mm: float) -> dict[str, shapely.Geometry]:
+    """What of each torch's way round does not run in the metal of parts, as it does where they stand too near."""
+    lines = torch_lines(nest, kerf_mm)
+    metal = np.array([shapely.make_valid(part.polygon) for part in nest.parts], dtype=object)
+    return dict(zip(lines, beside_metal(list(lines.values()), metal, kerf_mm), strict=True))
 
 
 @kept_with_nest(most=1)

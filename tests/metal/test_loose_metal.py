@@ -170,3 +170,13 @@ def test_nests_whose_kerfs_meet_are_planned_so_that_nothing_loose_is_cut(seed: i
 def test_so_are_many() -> None:
     planned = [planned_or_refused(seed, 0.2) for seed in range(100, 140)]
     assert sum(planned) > 30
+
+
+@pytest.mark.parametrize("kerf_mm", [0.0, 0.05, 0.1, 1.5])
+def test_however_thin_the_kerf_a_hole_after_its_outline_is_seen(kerf_mm: float) -> None:
+    sheet = nest(200, 200, part("A", rect(30, 30, 120, 120), [rect(60, 60, 40, 40)]))
+    profile = laser(*ORDER_RULES)
+    profile = replace(profile, material=replace(profile.material, kerf_mm=kerf_mm))
+    found = made(sheet, profile)
+    assert [planned.cut.contour for planned in found.plan.cuts] == ["A.hole1", "A.outer"]
+    assert loose(check_plan(sheet, in_order(found.plan, "A.outer", "A.hole1"), profile))

@@ -72,7 +72,8 @@ def test_an_edge_cut_twice() -> None:
 def test_a_block_cut_off_before_it_is_divided() -> None:
     result = judged([*FRAME, *INNER])
     assert result.broken() == ("loose-metal",)
-    assert len(result.rule("loose-metal").violations) == len(GRID.contours)
+    named = {violation.contours[0] for violation in result.rule("loose-metal").violations}
+    assert len(named) == len(GRID.contours) - 1  # the last stretch of one is burnt in the name of its neighbour
     assert "line 35: P1.outer is cut in metal that is loose since line 20: the piece at" in report(result)
 
 

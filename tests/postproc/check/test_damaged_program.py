@@ -80,8 +80,9 @@ def test_round_not_finished_and_round_twice() -> None:
     assert "contour-geometry" in result.broken()
     assert "B.hole1 is not closed: " in report(result)
     result = check(in_cut("B.hole1", lambda lines: [*lines[:9], *lines[4:9], *lines[9:]]))
-    assert result.broken() == ("contour-geometry",)
+    assert result.broken() == ("links", "contour-geometry")
     assert "the torch goes round B.hole1 more than once" in report(result)
+    assert "mm of them once more along it" in report(result)
 
 
 def test_kerf_on_the_wrong_side() -> None:
