@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 from kerfwise.encoder.errors import InputError
 
-from .comments import Row, row_of
+from .comments import Row
 from .track import Track
-from .words import Block
 
 _NUMBER = re.compile(r"[Nn](?P<digits>[0-9.\s]*)")
 _MAGIC = re.compile(r"\(\s*o\s*=|;conversational block|;qtplasmac filtered G-code file", re.IGNORECASE)
@@ -28,13 +27,6 @@ class Filter:
     track: Track
     moved: bool = False
     raised: bool = False
-
-    def pass_move(self, raw: str, block: Block, absolute: bool) -> None:
-        """As `pass_`, of a row that is a plain move and nothing else."""
-        if not self.raised:
-            self.pass_(raw, row_of(raw, block.line), block.line, absolute)
-        elif block.g[0].value <= 1 and ("X" in block.words or "Y" in block.words):
-            self.moved = True
 
     def pass_(self, raw: str, row: Row, line: int, absolute: bool) -> None:
         """Pass a row on; `absolute` is how the program counts before it (G90).

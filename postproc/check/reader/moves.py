@@ -39,11 +39,6 @@ class ModalState:
         self.modes = Modes(self.control.known_g, self.control.fixed)
         self.centre_absolute = self.control.centre_absolute
 
-    @property
-    def usual(self) -> bool:
-        """Whether places count in mm from the origin, centres from an arc's start, and all that must be is said."""
-        return self.absolute and self.unit_mm == 1.0 and not self.centre_absolute and not self.modes.left
-
     def of(self, block: Block) -> float | None:
         """The motion that a block makes, None for none; with no motion word, a line or travel as the torch is."""
         if self.control.bare and any(letter in block.words for letter in "XY") and not block.g:

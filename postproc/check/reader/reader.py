@@ -20,13 +20,12 @@ from .filtering import Filter
 from .grammar import refuse_conflicts
 from .moves import ModalState
 from .old_words import OldWords
-from .plain_rows import PlainRows
 from .program import NcProgram
 from .rows import in_file, rows_of
 from .tools import Tools
 from .tools_on import ToolsOn, what_was_done
 from .track import Track
-from .words import Block, block_of, plain_move
+from .words import Block, block_of
 
 
 def read_nc(
@@ -100,27 +99,14 @@ class Machine:
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []
         self.line = 0
-        self._blocks = 0
-        self._plain = PlainRows(self.moves, self.tools, self.filter, self.comments)
-        self._runs_plain = further is None and self._plain.may_run
-        self._without_conflicts: set[tuple[object, ...]] = set()
-
-    @property
-    def blocks(self) -> int:
+        self.blocks = 0
         """How many rows so far were more than comments."""
-        return self._blocks + self._plain.blocks
-
-    def ran(self, row: str, line: int) -> bool:
-        """Run a row at once where it is plain; False, and nothing is done, for any other."""
-        if not self._runs_plain or not self._plain.run(row, line):
-            return False
-        self.line = line
-        return True
+        self._without_conflicts: set[tuple[object, ...]] = set()
 
     def run(self, block: Block) -> None:
         """Comments, feed, tools, wait, modes, motion, end."""
         self.line = block.line
-        self._blocks += bool(block.g or block.m or block.words)
+        self.blocks += bool(block.g or block.m or block.words)
         for text in block.comments:
             self.track.comment = text
             self.comments.append(text)
@@ -167,16 +153,6 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
     opened: bool | None = None
     control = machine.control
     for line, raw in rows_of(text, control.longest, control.obeyed):
-        usual = machine.further is None and not machine.tools.ended and len(raw) <= control.longest_code
-        if usual and machine.ran(raw, line):
-            opened = bool(opened)
-            continue
-        if usual and (move := plain_move(raw, line)) is not None:
-            opened = bool(opened)
-            if machine.filter is not None:
-                machine.filter.pass_move(raw, move, machine.moves.absolute)
-            yield move
-            continue
         row = row_of(raw, line)
         _expect_fit(row, line, control)
         if opened is None and raw.strip():

@@ -22,12 +22,6 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
     "D": (0.0, 1e4), "H": (0.0, 1e4), "L": (0.0, 1e4), "T": (0.0, 1e4),
 }  # fmt: skip
 """The letters that are read, besides G, M and N, and the least and greatest number of each, in the program's units."""
-PLAIN_NUMBER = r"(-?[0-9]{1,6}(?:\.[0-9]{1,9})?)"
-_PLAIN_MOVE = re.compile(
-    rf"(?:N[0-9]{{1,9}} )?G([0-3])(?: X{PLAIN_NUMBER})?(?: Y{PLAIN_NUMBER})?(?: I{PLAIN_NUMBER})?(?: J{PLAIN_NUMBER})?"
-    r"(?: F([0-9]{1,6}(?:\.[0-9]{1,9})?))?"
-)
-"""Moves as most lines spell them; no number of so few digits is out of bounds."""
 _NOT_READ: Mapping[str, str] = {
     "Z": "the machine keeps its height by itself, and a height in the program is not checked; post the program without",
     "O": "subroutines and loops are not checked; post the program without them, every move written out",
@@ -132,27 +126,6 @@ def block_of(row: Row, line: int) -> Block:
             )
         words[word.letter] = word
     return Block(line, tuple(g), tuple(m), words, row.comments)
-
-
-def plain_move(text: str, line: int) -> Block | None:
-    """The words of a row that is a move and nothing else, spelt as usual, made in less time; None for any other.
-
-    Examples
-    --------
-    >>> block = plain_move("N10 G1 X10.5 Y-5", 1)
-    >>> [word.text for word in block.g], [word.value for word in block.words.values()]
-    (['G1'], [10.5, -5.0])
-    """
-    found = _PLAIN_MOVE.fullmatch(text)
-    if found is None:
-        return None
-    at, (code, *numbers) = found.start(1), found.groups()
-    words = {
-        letter: Word(letter, float(number), letter + number, found.start(k))
-        for k, (letter, number) in enumerate(zip("XYIJF", numbers, strict=True), 2)
-        if number is not None
-    }
-    return Block(line, (Word("G", float(code), f"G{code}", at),), (), words)
 
 
 def _cannot_read(code: str, at: int) -> str:

@@ -182,3 +182,11 @@ def test_a_path_that_runs_along_itself_over_and_over_is_refused() -> None:
     assert len(read_nc(program.format(cut * 70)).burns) == 1
     with pytest.raises(InputError, match=r"^2: the path that is cut from here on crosses .* more than 10000 times"):
         read_nc(program.format(cut * 75))
+
+
+@pytest.mark.parametrize(("row", "says"), [("G1 X2 P3", "P without a word"), ("G0 X1 I1", "I without a word")])
+def test_words_that_conflict_are_refused_however_often_others_were_not(row: str, says: str) -> None:
+    moves = "\n".join(["G21 G90", "G0 X5 Y5", "M3 $0 S1", "G1 X15 F600", *["G1 X16 Y1", "G2 X16 Y1 I1 J0"] * 3])
+    with pytest.raises(InputError, match=says) as caught:
+        read_nc(f"{moves}\n{row}\nM5 $0\nM2\n")
+    assert caught.value.line == moves.count("\n") + 2
