@@ -1,8 +1,8 @@
-"""The different numbers of an array, by a sort: numpy's own look by hash takes a hundred times as long for many."""
+"""The different numbers of an array."""
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +13,15 @@ NumberT = TypeVar("NumberT", bound=np.generic)
 def distinct(numbers: NDArray[NumberT]) -> NDArray[NumberT]:
     """The numbers (k,) in rising order, each once.
 
+    Numpy sorts where it is to count them; else it looks by hash, which takes ten times as long for many.
+
     Examples
     --------
     >>> distinct(np.array([3, 1, 3])).tolist()
     [1, 3]
     """
-    rising: NDArray[Any] = np.sort(numbers)
-    first = np.ones(len(rising), dtype=np.bool_)
-    np.not_equal(rising[1:], rising[:-1], out=first[1:])
-    return rising[first]
+    once: NDArray[NumberT] = np.unique(numbers, return_counts=True)[0]
+    return once
 
 
 def distinct_pairs(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
