@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kerfwise.arrays import Floats, Int32s, Ints
-from kerfwise.models.engines.ideals.kernels import asked, leaving
+from kerfwise.models.engines.ideals.kernels import conditions_cost, leaving
 from kerfwise.models.engines.ideals.local import HARD
 from kerfwise.models.engines.ideals.sets import cut_one_more, find_slot, ready_word
 from kerfwise.models.kernels import inner, kept
@@ -89,7 +89,7 @@ def expand(  # pragma: no cover - compiled
                 continue
             d = column[c]
             k = tables.site_contour[d]
-            extra = asked(tables.terms, mask, k, d)
+            extra = conditions_cost(tables.terms, mask, k, d)
             if extra == HARD:
                 continue
             total = best[c] + tables.terms.site_cost[d] + extra

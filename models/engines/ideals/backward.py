@@ -129,7 +129,7 @@ class Backward:
         tables = (table_of(local, table, limit) for table in (self._moves, self._lows))
         moves, lows = tables
         over = nothing_over(local.orders.needs.shape[1])
-        stretch = SweptStretch(local, moves, self._rests, limit, never(limit), lows, over)
+        stretch = SweptStretch(local, moves, over, self._rests, limit, never(limit), lows)
         kept = replace(budget)  # nothing is kept of the layers
         end = sweep_layers(stretch, nothing, kept, threads, nothing + self._bound)[-1]
         of_site = np.full(len(local.sites), FAR)

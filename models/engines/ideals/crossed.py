@@ -1,4 +1,4 @@
-"""Moves over parts that may be out, as the sweep needs them: a set of contours for every move of a stretch."""
+"""Moves over parts that may be out, as the sweep needs them."""
 
 from __future__ import annotations
 
@@ -6,37 +6,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
-from kerfwise.models.problem.bits import Masks, words
+from kerfwise.models.problem.bits import words
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 
 from .local import Local
+from .over import Over, nothing_over
 
 HOME = -1
 UNLAWFUL = 1 << 48
 """What an unlawful move costs: more than any plan, and sums of it still fit."""
 
 
-def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, travel: Ints) -> Masks:
-    """The contours of a stretch that every move crosses, (rows, columns, words), no rows where nothing is crossed.
+def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, travel: Ints) -> Over:
+    """What moves of a stretch cost for those of its contours that are out and that they cross.
 
     What parts cut `earlier` cost, and the contour that a move leaves, is settled, and added to `travel` at once. `rows`
     are the sites of the rows of `travel` (`HOME` for home), its columns the sites of the stretch.
     """
     crossings, width = problem.crossings, words(len(local.contours))
     if not len(crossings):
-        return np.zeros((0, 0, width), dtype=np.uint64)
+        return nothing_over(width)
     add_settled(problem, earlier, rows, local.sites, travel)
-    mask = np.zeros((*travel.shape, width), dtype=np.uint64)
     number = np.full(problem.n, -1, dtype=np.int64)
     number[list(local.contours)] = np.arange(len(local.contours))
     row, column, chosen = _places(problem, rows, local.sites)
     place = number[crossings.over[chosen]]
     inside = (place >= 0) & ~_left_from(problem, chosen)
     place = place[inside]
-    bit = np.uint64(1) << (place % 64).astype(np.uint64)
-    np.bitwise_or.at(mask, (row[inside], column[inside], place // 64), bit)
-    return mask
+    moves, at = np.unique(row[inside] * travel.shape[1] + column[inside], return_inverse=True)
+    mask = np.zeros((len(moves), width), dtype=np.uint64)
+    np.bitwise_or.at(mask, (at, place // 64), np.uint64(1) << (place % 64).astype(np.uint64))
+    begin = np.searchsorted(moves, np.arange(travel.size + 1)).astype(np.int64)
+    return Over(begin, np.zeros(len(moves), dtype=np.int64), mask, travel.shape[1], crossing_price(problem))
 
 
 def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints, travel: Ints) -> None:

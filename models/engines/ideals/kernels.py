@@ -3,6 +3,9 @@
 An *entry* is an ideal (a set that the orders allow to be cut first) together with the contour that was cut last in it;
 its states are that contour's sites. Values are whole µm in the narrowest integers that hold the most that a plan
 worth finding costs; `never` stands for all that costs more, and twice as much still fits.
+
+Moves may have two costs: what they cost, and a *low*, what the multipliers of a linear program leave of that. The least
+of either to a state may come by different ways. A state is dropped where one of them is too much.
 """
 
 from __future__ import annotations
@@ -12,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Int16s, Int32s, Ints
+from kerfwise.arrays import Bools, Floats, Int16s, Int32s, Ints
 from kerfwise.models.kernels import inner, kept
 from kerfwise.models.problem.bits import Masks, has, missing
 
 from .local import HARD, StepTerms
+from .over import Over, cheapest_way
 from .rest_bound import RestBound, near_left, still_to_come
 
 Costs = NDArray[Any]  # int32 or int64
@@ -29,16 +33,61 @@ class MoveTable(NamedTuple):
 
     The move from row r to site d of contour i costs `table[base[i] + r * pad[i] + d]`; blocks are padded to `pad[i]`
     columns with `never`. Rows of contour j's sites start at `row_of[j]`, those of the ways in at `row_of[-1]`.
-    `mask[r, c]` (with w words) are the contours of the stretch that the move from row r to column c crosses; each that
-    is out costs `price`. It is (0, 0, w) where nothing is crossed.
     """
 
     table: Costs
     base: Ints
     pad: Ints
     row_of: Ints
-    mask: Masks
-    price: int
+
+
+class Steps(NamedTuple):
+    """What steps from one layer to the next cost, and what plans still cost after them (`rest`).
+
+    Sites of contour i are the columns `first[i]` … `first[i + 1] - 1`. `low_moves` are what multipliers leave of
+    `moves`, if anything, and `rest` is of that then. `over` is what moves cost more for what is out: both pay it.
+    `limit` is the most that a plan worth finding costs.
+    """
+
+    moves: MoveTable
+    low_moves: MoveTable
+    over: Over
+    terms: StepTerms
+    rest: RestBound
+    first: Ints
+    limit: int
+    never: int
+
+
+class LayerFrom(NamedTuple):
+    """The layer that steps begin at: its sets, their entries, and the states of these from `begin` on (see `arrange`).
+
+    `lows` are the sums of `low_moves` to every state, empty where moves have one cost.
+    """
+
+    masks: Masks
+    ideal_entry: Ints
+    contour: Int16s
+    begin: Ints
+    values: Costs
+    lows: Costs
+
+
+class LayerTo(NamedTuple):
+    """The layer that steps lead to, from the sets `alive`: `values`, `lows` and `living` are written.
+
+    Entries of `alive[a]` are `entry_from[a]` … `entry_from[a + 1] - 1`, each with its contour and its place among those
+    that are sorted by set; `living` says which have a state that is not dropped.
+    """
+
+    alive: Ints
+    entry_from: Ints
+    contour: Int16s
+    place: Ints
+    begin: Ints
+    values: Costs
+    lows: Costs
+    living: Bools
 
 
 @kept(nogil=True)
@@ -92,66 +141,126 @@ def most_columns(moves: MoveTable) -> int:  # pragma: no cover - compiled
 
 
 @kept(nogil=True)
-def sweep(  # pragma: no cover - compiled
-    moves: MoveTable,
-    terms: StepTerms,
-    rest: RestBound,
-    first: Ints,
-    limit: int,
-    never: int,
-    masks: Masks,
-    ideal_entry: Ints,
-    last: Int16s,
-    begin: Ints,
-    values: Costs,
-    alive: Ints,
-    entry_from: Ints,
-    contour: Int16s,
-    place: Ints,
-    new_begin: Ints,
-    new_values: Costs,
-    living: NDArray[np.bool_],
-    start: int,
-    stop: int,
-) -> None:
-    """The least cost to every state that grows from the sets `alive[start:stop]`, into `new_values`.
+def sweep(steps: Steps, came: LayerFrom, goes: LayerTo, start: int, stop: int) -> None:  # pragma: no cover - compiled
+    """The least cost to every state that grows from the sets `alive[start:stop]`.
 
-    What is dearer than `limit`, less what is still to come, becomes `never`; `living` says which entries have any
-    other. Entries and states of a set are as `arrange` and `sets.grow` left them.
+    What is dearer than `limit`, less what is still to come, becomes `never`.
     """
-    rows = most_states(ideal_entry, begin, alive, start, stop)
-    have = np.empty(rows, values.dtype)
-    row = np.empty(rows, np.int64)
-    owner = np.empty(rows, np.int64)
-    best = np.empty(most_columns(moves), values.dtype)
-    crossed, grouped = len(moves.mask) > 0, len(terms.soft_cost) > 0
+    moves, rest, first, never = steps.moves, steps.rest, steps.first, steps.never
+    rows, columns = _most_states(came, goes.alive, start, stop), _most_columns(moves)
+    two = len(came.lows) > 0
+    slowly = len(steps.over.extra) > 0 or len(steps.terms.soft_cost) > 0
+    have, best = np.empty(rows, came.values.dtype), np.empty(columns, came.values.dtype)
+    lows, lowest = np.empty(rows * two, came.values.dtype), np.empty(columns * two, came.values.dtype)
+    row, owner = np.empty(rows, np.int64), np.empty(rows, np.int64)
     for a in range(start, stop):
-        k = alive[a]
+        k = goes.alive[a]
+        mask = came.masks[k]
         count = 0
-        for s in range(ideal_entry[k], ideal_entry[k + 1]):
-            j = last[s]
-            for q in range(begin[s], begin[s + 1]):
-                if values[q] < never:
-                    have[count], row[count], owner[count] = values[q], moves.row_of[j] + q - begin[s], j
+        for s in range(came.ideal_entry[k], came.ideal_entry[k + 1]):
+            j = came.contour[s]
+            for q in range(came.begin[s], came.begin[s + 1]):
+                if came.values[q] < never:
+                    have[count], row[count], owner[count] = came.values[q], moves.row_of[j] + q - came.begin[s], j
+                    if two:
+                        lows[count] = came.lows[q]
                     count += 1
         while count % TOGETHER:
             have[count], row[count], owner[count] = never, row[0], owner[0]
+            if two:
+                lows[count] = never
             count += 1
-        to_come = still_to_come(rest, masks[k])
-        for e in range(entry_from[a], entry_from[a + 1]):
-            i = int(np.int64(contour[e]))
-            if crossed or grouped:
-                _least_of_each(moves, terms, masks[k], i, first, have, row, owner, count, never, best)
+        to_come = still_to_come(rest, mask)
+        for e in range(goes.entry_from[a], goes.entry_from[a + 1]):
+            i = int(np.int64(goes.contour[e]))
+            place = goes.place[e]
+            to_go = rest.to_go[near_left(rest, mask, i)]
+            room = steps.limit - to_come + rest.price[i]
+            span = np.uint64(goes.begin[place]), np.uint64(first[i]), np.uint64(first[i + 1] - first[i])
+            if two:
+                low = steps.low_moves
+                _least_of(low.table, low.base[i], low.pad[i], lows, row, count, never, lowest)
+                if not _any_fits(span, lowest, to_go, room):
+                    _drop(span, never, goes)
+                    goes.living[place] = False
+                    continue
+            if slowly:
+                _least_of_each(steps, mask, i, have, lows, row, owner, count, best, lowest)
             else:
-                least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
-            free = near_left(rest, masks[k], i)
-            room = limit - to_come + rest.price[i]
-            span = np.uint64(new_begin[place[e]]), np.uint64(first[i]), np.uint64(first[i + 1] - first[i])
-            if terms.cond_of[i] < terms.cond_of[i + 1]:
-                lives = _keep_asked(terms, masks[k], i, span, best, rest.to_go[free], room, never, new_values)
+                _least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
+            if two:
+                lives = _keep_both(steps, mask, i, span, best, lowest, to_go, room, goes)
+            elif steps.terms.cond_of[i] < steps.terms.cond_of[i + 1]:
+                lives = _keep_asked(steps.terms, mask, i, span, best, to_go, room, never, goes.values)
             else:
-                lives = _keep(terms.site_cost, span, best, rest.to_go[free], room, never, new_values)
-            living[place[e]] = lives
+                lives = _keep(steps.terms.site_cost, span, best, to_go, room, never, goes.values)
+            goes.living[place] = lives
+
+
+@inner(nogil=True)
+def _most_states(came: LayerFrom, alive: Ints, start: int, stop: int) -> int:  # pragma: no cover - compiled
+    """The most states of a set of `alive[start:stop]`, and room to fill them up to a multiple of `TOGETHER`."""
+    most = 0
+    for a in range(start, stop):
+        most = max(most, came.begin[came.ideal_entry[alive[a] + 1]] - came.begin[came.ideal_entry[alive[a]]])
+    return most + TOGETHER
+
+
+@inner(nogil=True)
+def _most_columns(moves: MoveTable) -> int:  # pragma: no cover - compiled
+    """The most columns of the table that a contour has."""
+    most = 0
+    for pad in moves.pad:
+        most = max(most, pad)
+    return most
+
+
+@inner(nogil=True)
+def _any_fits(  # pragma: no cover - compiled
+    span: tuple[np.uint64, np.uint64, np.uint64], lowest: Costs, to_go: Floats, room: float
+) -> bool:
+    """Whether any site may be reached without too much by the lows."""
+    _, column, size = span
+    count = 0
+    for d in range(size):
+        count += lowest[d] + to_go[column + d] <= room
+    return count > 0
+
+
+@inner(nogil=True)
+def _drop(  # pragma: no cover - compiled
+    span: tuple[np.uint64, np.uint64, np.uint64], never: int, goes: LayerTo
+) -> None:
+    """No state of an entry is worth keeping."""
+    at, _, size = span
+    for d in range(size):
+        goes.values[at + d] = goes.lows[at + d] = never
+
+
+@inner(nogil=True)
+def _keep_both(  # pragma: no cover - compiled
+    steps: Steps,
+    mask: Masks,
+    i: int,
+    span: tuple[np.uint64, np.uint64, np.uint64],
+    best: Costs,
+    lowest: Costs,
+    to_go: Floats,
+    room: float,
+    goes: LayerTo,
+) -> bool:
+    """Store both costs where neither is too much; whether there is any such site."""
+    at, column, size = span
+    lives = False
+    for d in range(size):
+        site = np.int64(column + d)
+        total = best[d] + steps.terms.site_cost[site] + conditions_cost(steps.terms, mask, i, site)
+        if total <= steps.limit and lowest[d] + to_go[site] <= room:
+            goes.values[at + d], goes.lows[at + d] = total, lowest[d]
+            lives = True
+        else:
+            goes.values[at + d] = goes.lows[at + d] = steps.never
+    return lives
 
 
 @inner(nogil=True)
@@ -191,7 +300,7 @@ def _keep_asked(  # pragma: no cover - compiled
     at, column, size = span
     lives = False
     for d in range(size):
-        total = best[d] + terms.site_cost[column + d] + asked(terms, mask, i, np.int64(column + d))
+        total = best[d] + terms.site_cost[column + d] + conditions_cost(terms, mask, i, np.int64(column + d))
         fits = total + to_go[column + d] <= room
         new_values[at + d] = total if fits else never
         lives = lives or fits
@@ -199,7 +308,7 @@ def _keep_asked(  # pragma: no cover - compiled
 
 
 @inner(nogil=True)
-def least_of(  # pragma: no cover - compiled
+def _least_of(  # pragma: no cover - compiled
     table: Costs, base: int, pad: int, have: Costs, row: Ints, count: int, never: int, best: Costs
 ) -> None:
     """The least cost to every site of a contour. Unsigned places and narrow sums let it be done in vectors."""
@@ -217,32 +326,49 @@ def least_of(  # pragma: no cover - compiled
 
 @inner(nogil=True)
 def _least_of_each(  # pragma: no cover - compiled
-    moves: MoveTable,
-    terms: StepTerms,
+    steps: Steps,
     mask: Masks,
     i: int,
-    first: Ints,
     have: Costs,
+    lows: Costs,
     row: Ints,
     owner: Ints,
     count: int,
-    never: int,
     best: Costs,
+    lowest: Costs,
 ) -> None:
-    """The same where moves cross what is out, or leave groups."""
+    """The same, of both costs, where moves cost more for what is out, or leave groups."""
+    table, low_table, never = steps.moves.table, steps.low_moves.table, steps.never
+    begin, extra, ways, price = steps.over.begin, steps.over.extra, steps.over.mask, steps.over.price
+    base, pad, low_base, low_pad = (
+        steps.moves.base[i],
+        steps.moves.pad[i],
+        steps.low_moves.base[i],
+        steps.low_moves.pad[i],
+    )
+    start, within, grouped = steps.first[i], steps.moves.row_of[0], len(steps.terms.soft_cost) > 0
+    size = steps.first[i + 1] - start
+    two, crossed = len(lows) > 0, len(extra) > 0
     best[:] = never
+    lowest[:] = never
     for x in range(count):
         if have[x] >= never:
             continue
         value = np.int64(have[x])
-        if row[x] >= moves.row_of[0]:
-            value += leaving(terms, mask, owner[x], i)
-        for d in range(first[i + 1] - first[i]):
-            total = value + moves.table[moves.base[i] + row[x] * moves.pad[i] + d]
-            if len(moves.mask):
-                total += crossing_in_set(moves, mask, row[x], first[i] + d)
-            if total < best[d]:
-                best[d] = total
+        if grouped and row[x] >= within:
+            value += leaving(steps.terms, mask, owner[x], i)
+        at, low_at, move = base + row[x] * pad, low_base + row[x] * low_pad, row[x] * steps.over.columns + start
+        for d in range(size):
+            cost = value + table[at + d]
+            least = np.int64(lows[x]) + low_table[low_at + d] if two else np.int64(0)
+            if cost >= never or least >= never or (cost >= best[d] and (not two or least >= lowest[d])):
+                continue
+            more = np.int64(0)
+            if crossed and begin[move + d] < begin[move + d + 1]:
+                more = np.int64(cheapest_way(extra, ways, price, mask, begin[move + d], begin[move + d + 1]))
+            best[d] = min(np.int64(best[d]), cost + more)
+            if two:
+                lowest[d] = min(np.int64(lowest[d]), least + more)
 
 
 @kept(nogil=True)
@@ -255,20 +381,8 @@ def leaving(terms: StepTerms, mask: Masks, j: int, i: int) -> int:  # pragma: no
     return cost
 
 
-@kept(nogil=True)
-def crossing_in_set(moves: MoveTable, mask: Masks, row: int, column: int) -> int:  # pragma: no cover - compiled
-    """What a move costs for the contours that it crosses and that are out."""
-    over = 0
-    for w in range(len(mask)):
-        bits = moves.mask[row, column, w] & mask[w]
-        while bits:
-            bits &= bits - np.uint64(1)
-            over += 1
-    return over * moves.price
-
-
 @inner(nogil=True)
-def asked(terms: StepTerms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
+def conditions_cost(terms: StepTerms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour i at a site cost when a set is out."""
     cost = 0
     for q in range(terms.cond_of[i], terms.cond_of[i + 1]):

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -15,14 +14,11 @@ from kerfwise.models.kernels import cores, suited
 from kerfwise.models.problem.bits import masks_of
 
 from .budget import SweepBudget
-from .doubled import Lows, sweep_both
-from .grown_by_arrays import arrange_by_arrays
-from .kernels import Costs, MoveTable, arrange, crossing_in_set, leaving, sweep
+from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Steps, arrange, leaving, sweep
 from .local import Local
 from .over import Over, over_in_set
 from .rest_bound import RestBound
 from .sets import Sets, grow, growth
-from .swept_by_arrays import sweep_by_arrays
 
 THREADS = cores()
 A_SHARE = 3e7
@@ -56,17 +52,17 @@ class SweptLayer:
 class SweptStretch:
     """All that a sweep works on: `limit` is the most that a plan worth finding costs, `never` is more.
 
-    Where `dear` is given, it is what multipliers leave of the cost of moves, and `rests` is of that; `over` is what
-    they cost more for what is out.
+    `over` is what moves cost more for what is out. Where `dear` is given, it is what multipliers leave of the cost of
+    moves, and `rests` is of that.
     """
 
     local: Local
     moves: MoveTable
+    over: Over
     rests: Callable[[int], RestBound]
     limit: int
     never: int
     dear: MoveTable | None = None
-    over: Over | None = None
 
 
 def sweep_layers(
@@ -81,36 +77,35 @@ def sweep_layers(
     sets = Sets.empty(orders, len(entrance))
     layers = [SweptLayer(np.array([0, 1]), np.array([-1], np.int16), np.array([-1], np.int32), entrance)]
     begin, alive = np.array([0, len(entrance)]), np.array([0])
-    wide = entrance.itemsize
+    wide, times = entrance.itemsize, 1 if lows is None else 2
+    lows = entrance[:0] if lows is None else lows
+    low_moves = stretch.moves if stretch.dear is None else stretch.dear
     for depth in range(1, len(local.contours) + 1):
         ahead = growth(orders, sets, alive)
-        budget.expect(ahead, len(sets), sets.masks.shape[1], wide, 1 if lows is None else 2)
+        budget.expect(ahead, len(sets), sets.masks.shape[1], wide, times)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
-        ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries, arrange_by_arrays)(
+        ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries)(
             contour, target, entry_from, alive, len(grown), orders.size
         )
         values = np.empty(ahead.states, dtype=entrance.dtype)
         living = np.empty(ahead.entries, dtype=np.bool_)
         back = layers[-1]
-        steps = ahead.additions + ahead.entries * STEPS_AN_ENTRY
-        new_lows = None if lows is None else np.empty_like(values)
-        came = sets.masks, back.ideal_entry, back.contour, begin, back.values
-        goes = alive, entry_from, contour, place, new_begin, values
-        asked = local.terms, stretch.rests(depth), local.first, stretch.limit, stretch.never
-        given: tuple[Any, ...] = (*asked, *came, *goes, living)
-        if stretch.dear is None or stretch.over is None or lows is None or new_lows is None:
-            one_cost = suited(sweep, steps, sweep_by_arrays)
-            sweep_span: Callable[[int, int], None] = partial(one_cost, stretch.moves, *given)
-        else:
-            given = (Lows(stretch.dear, stretch.over, lows, new_lows), *given)
-            sweep_span = partial(suited(sweep_both, 2 * steps), stretch.moves, *given)
+        new_lows = np.empty(ahead.states if len(lows) else 0, dtype=entrance.dtype)
+        rest = stretch.rests(depth)
+        steps = Steps(
+            stretch.moves, low_moves, stretch.over, local.terms, rest, local.first, stretch.limit, stretch.never
+        )
+        came = LayerFrom(sets.masks, back.ideal_entry, back.contour, begin, back.values, lows)
+        goes = LayerTo(alive, entry_from, contour, place, new_begin, values, new_lows, living)
+        turns = times * (ahead.additions + ahead.entries * STEPS_AN_ENTRY)
+        sweep_span = partial(suited(sweep, turns), steps, came, goes)
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
             budget.check()
         if living.sum() <= WORTH_CLEARING * len(living):
             kept = np.append(0, np.cumsum(living))
             stays = np.repeat(living, np.diff(new_begin))
-            values, new_lows = values[stays], None if new_lows is None else new_lows[stays]
+            values, new_lows = values[stays], new_lows[stays] if len(new_lows) else new_lows
             ideal_entry, last, source = kept[ideal_entry], last[living], source[living]
             layers.append(SweptLayer(ideal_entry, last, source, values))
             new_begin, living = layers[-1].begin(orders.size), np.ones(len(last), dtype=np.bool_)
@@ -152,12 +147,9 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             rows = int(moves.row_of[j]) + np.arange(begin[s + 1] - begin[s])
             costs = back.values[begin[s] : begin[s + 1]].astype(np.int64)
             costs += moves.table[moves.base[i] + rows * moves.pad[i] + offset]
-            if len(moves.mask):
-                over = suited(crossing_in_set, 4 * len(rows))
-                costs += [over(moves, out, row, columns[-1]) for row in rows]
-            if stretch.over is not None and len(stretch.over.extra):
+            if len(stretch.over.extra):
                 more = suited(over_in_set, 20 * len(rows))
-                costs += [more(stretch.over, out, row - moves.row_of[0], columns[-1]) for row in rows]
+                costs += [more(stretch.over, out, row, columns[-1]) for row in rows]
             if j >= 0:
                 costs += suited(leaving, 2 * len(local.terms.soft_cost))(local.terms, out, j, i)
             k = int(np.argmin(costs))

@@ -96,8 +96,8 @@ class _Through:
 
     def least(self, local: Local, rests: Callable[[int], RestBound], limit: int) -> int:
         """What the cheapest of them costs, of those up to `limit`; more than that where there is none."""
-        moves = make_moves(self._problem, local, self._earlier, self._ways, limit)
-        stretch = SweptStretch(local, moves, rests, limit, never(limit))
+        moves, over = make_moves(self._problem, local, self._earlier, self._ways, limit)
+        stretch = SweptStretch(local, moves, over, rests, limit, never(limit))
         budget = replace(self._budget)  # nothing is kept of the layers
         end = sweep_layers(stretch, entrance_of(self._entrance, limit), budget, self._threads)[-1]
         at = np.searchsorted(self._here.out_of, local.sites_of(end.contour))

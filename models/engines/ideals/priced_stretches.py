@@ -236,7 +236,8 @@ def _stretch(here: Priced, local: Local, row: Ints, limit: int) -> SweptStretch:
     assert inside is not None
     moves = table_of(local, np.concatenate([here.entry[row], inside[:-1, :-1]]), limit)
     dear = table_of(local, np.concatenate([here.lows[row], here.relaxed.dear[:-1, :-1]]), limit)
-    return SweptStretch(local, moves, here.rests, limit, never(limit), dear, here.over)
+    begin = np.append(np.zeros(len(row) * here.over.columns, dtype=np.int64), here.over.begin)  # ways in cross nothing
+    return SweptStretch(local, moves, here.over._replace(begin=begin), here.rests, limit, never(limit), dear)
 
 
 def _with_inner(here: Priced, columns: Sequence[int], way: int) -> list[int]:

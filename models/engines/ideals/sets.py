@@ -10,14 +10,11 @@ from kerfwise.arrays import Int16s, Int32s, Ints
 from kerfwise.models.kernels import inner, kept, suited
 from kerfwise.models.problem.bits import LOW, ONE, Masks, bit_number, missing, words
 
-from .grown_by_arrays import count_by_arrays, grow_by_arrays
 from .local import OrderSets
 
 SLOTS_AT_FIRST = 1 << 12
 STEPS_A_WORD, STEPS_A_SET = 20, 30
 """Turns of inner loops that it takes to count what may follow a set, and to find a set that follows."""
-ARRAY_STEPS = 5e7
-"""Steps that are taken by whole arrays: with more sets than that takes, the sweep over them needs its kernel anyway."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,9 +54,7 @@ class Growth:
 def growth(orders: OrderSets, sets: Sets, alive: Ints) -> Growth:
     """Count before anything is made."""
     steps = len(alive) * sets.ready.shape[1] * STEPS_A_WORD
-    entries, states, additions = suited(_count, steps, count_by_arrays)(
-        orders, sets.ready, sets.pending, sets.width, alive
-    )
+    entries, states, additions = suited(_count, steps)(orders, sets.ready, sets.pending, sets.width, alive)
     return Growth(entries, states, float(additions))
 
 
@@ -69,7 +64,7 @@ def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets
     Returns them, and of every entry the contour cut and the set it leads to; entries of `alive[a]` are `entry_from[a]`
     … `entry_from[a + 1] - 1`.
     """
-    make = suited(_grow, entries * STEPS_A_SET, grow_by_arrays, ARRAY_STEPS)
+    make = suited(_grow, entries * STEPS_A_SET)
     masks, ready, pending, width, hashes, contour, target, entry_from = make(
         orders, sets.masks, sets.ready, sets.pending, sets.hashes, alive, entries
     )

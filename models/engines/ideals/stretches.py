@@ -6,12 +6,12 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.microns import cost_um
-from kerfwise.models.problem.bits import Masks, words
 from kerfwise.models.problem.problem import Problem
 
-from .crossed import HOME, UNLAWFUL, add_settled, cross, crossing_price
+from .crossed import HOME, UNLAWFUL, add_settled, cross
 from .kernels import Costs, MoveTable
 from .local import Local
+from .over import Over
 
 NARROW = 1 << 29
 """Twice as much fits in 32 bits."""
@@ -40,22 +40,19 @@ def entrance_of(costs: Costs | list[int], limit: int) -> Costs:
     return np.array(costs, dtype=np.int32 if limit < NARROW else np.int64)
 
 
-def make_moves(problem: Problem, local: Local, earlier: frozenset[int], ways: Ints, limit: int) -> MoveTable:
-    """The moves of a stretch that is entered from the sites `ways` once `earlier` is cut."""
+def make_moves(
+    problem: Problem, local: Local, earlier: frozenset[int], ways: Ints, limit: int
+) -> tuple[MoveTable, Over]:
+    """The moves of a stretch that is entered from the sites `ways` once `earlier` is cut, and what they cross."""
     rows = np.concatenate([ways, local.sites])
     travel = travel_between(problem, rows, local.sites)
-    mask = cross(problem, local, earlier, rows, travel)
-    return table_of(local, travel, limit, mask, crossing_price(problem))
+    over = cross(problem, local, earlier, rows, travel)
+    return table_of(local, travel, limit), over
 
 
-def table_of(local: Local, travel: Ints, limit: int, mask: Masks | None = None, price: int = 0) -> MoveTable:
-    """What moves cost, (rows, columns), as a table: rows are ways in, then the sites of a stretch, columns the sites.
-
-    Where they cross nothing that may be out, `mask` is left out.
-    """
+def table_of(local: Local, travel: Ints, limit: int) -> MoveTable:
+    """What moves cost, (rows, columns), as a table: rows are ways in, then sites of a stretch, columns its sites."""
     ways = len(travel) - len(local.sites)
-    if mask is None:
-        mask = np.zeros((0, 0, words(len(local.contours))), dtype=np.uint64)
     travel = np.where(travel > limit, never(limit), travel)
     size = local.orders.size
     pad = np.where(size > 1, -(-size // LANES) * LANES, size)
@@ -67,7 +64,7 @@ def table_of(local: Local, travel: Ints, limit: int, mask: Masks | None = None, 
         block[:, : int(size[i])] = travel[:, local.first[i] : local.first[i + 1]]
         flat.append(block.ravel())
     row_of = np.append(ways + local.first[:-1], 0)
-    return MoveTable(np.concatenate(flat), base * len(travel), pad, row_of, mask, price)
+    return MoveTable(np.concatenate(flat), base * len(travel), pad, row_of)
 
 
 def travel_between(problem: Problem, rows: Ints, columns: Ints) -> Ints:

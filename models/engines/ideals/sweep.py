@@ -46,8 +46,8 @@ def _sweep(problem: Problem, limit: int, rests: Rests, budget: SweepBudget, thre
     for number, group in enumerate(series(problem)):
         inside = parts.of(group)
         local = localise(inside, group, earlier)
-        moves = make_moves(inside, local, earlier, ways, limit)
-        stretch = SweptStretch(local, moves, rests(number, local, earlier), limit, never(limit))
+        moves, over = make_moves(inside, local, earlier, ways, limit)
+        stretch = SweptStretch(local, moves, over, rests(number, local, earlier), limit, never(limit))
         layers = sweep_layers(stretch, costs, budget, threads)
         swept.append((stretch, layers))
         earlier |= frozenset(group)

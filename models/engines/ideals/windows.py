@@ -112,9 +112,9 @@ class _Windows:
         """The cheapest way through a window from one site to another, and its cost; None if it is over the limit."""
         everything = frozenset(range(problem.n))
         self._budget.work.spend(SETTING_UP)
-        moves = make_moves(problem, local, earlier, before, limit)
+        moves, over = make_moves(problem, local, earlier, before, limit)
         rests = least_rest(local, everything - frozenset(local.contours), self._least)
-        stretch = SweptStretch(local, moves, rests, limit, never(limit))
+        stretch = SweptStretch(local, moves, over, rests, limit, never(limit))
         allowed = replace(self._budget, work=self._budget.work.part(1.0))
         layers = sweep_layers(stretch, entrance_of([0], limit), allowed, self._thread)
         self._budget.work.spend(allowed.work.operations_spent)
