@@ -1,0 +1,44 @@
+"""The figures of the house, counted on a tree of five files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from kerfwise.benchmarks import house
+
+FILES = {
+    "__init__.py": "",
+    "one.py": "from . import two\n",
+    "two.py": "from typing import TYPE_CHECKING\n\nif TYPE_CHECKING:\n    from .three import X\n",
+    "three.py": "class X:\n    def late(self) -> None:\n        from .inner.four import f\n",
+    "inner/four.py": "from ..two import TYPE_CHECKING\n\n\ndef f() -> None:\n" + "    f()\n" * 60,
+    "tests/five.py": "from .. import one\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        file = tmp_path / "product" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    return tmp_path / "product"
+
+
+def test_lazy_and_typing_imports_make_a_circle_that_loading_does_not(tree: Path) -> None:
+    told = {title: (figure, names) for title, figure, names in house.figures(house.read(tree))}
+    assert told["product files"][0] == "5"
+    assert told["product lines"][0] == str(sum(len(t.splitlines()) for n, t in FILES.items() if "tests" not in n))
+    assert told["circles of imports at load (files in them)"][0] == "0 (0)"
+    assert told["circles, with lazy and typing imports (files in them)"] == (
+        "1 (3)",
+        ["product.inner.four · product.three · product.two"],
+    )
+    assert told["modules with exactly one importer (same folder)"][1] == [
+        "product.inner.four ← product.three",
+        "product.three ← product.two",
+    ]
+    assert told["functions past 60 lines, of 2"] == ("1", ["product.inner.four:f@4: 61"])
+    assert told["files past 500 lines"] == ("0", [])
