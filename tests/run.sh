@@ -96,8 +96,7 @@ PYTHON=${PYTHON:-python3}
 [ -x .venv/bin/python ] || "$PYTHON" -m venv .venv 2>/dev/null || { from_debian python3-venv; "$PYTHON" -m venv .venv; }
 
 beside programs programs
-beside environment environment
-told environment
+environment
 beside compiled compiled
 looked_at
 docs
