@@ -164,7 +164,7 @@ def test_watched_until_ctrl_c() -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_process_that_is_killed_is_a_fault_of_one_nest_with_a_report() -> None:
     write_nests(Path("in"), ("one", "two"))
     command = [sys.executable, "-c", DIES, "batch", "in", "-o", "out", "--work", "0.2", "--jobs", "1"]

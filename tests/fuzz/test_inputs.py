@@ -156,7 +156,7 @@ def test_an_own_fault_is_found_with_its_place(tmp_path: Path, monkeypatch: pytes
     assert reported(PLAIN, tmp_path / "case").findings[0].startswith("traceback: KeyError")
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_a_case_that_hangs_or_dies_ends_the_process_and_no_more(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

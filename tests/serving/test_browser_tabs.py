@@ -47,6 +47,7 @@ def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served
     pages[3].wait_for_selector("#hands-locks li:has-text('A.outer cw')")
 
 
+@pytest.mark.full
 def test_a_killed_planner_is_said_and_the_next_plan_is_made(look: Look, plate: Tab, served: Served) -> None:
     at = look(plate)
     plate.post("solve", 202, work=200)
