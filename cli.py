@@ -35,7 +35,7 @@ VERBS = {
 }
 
 
-WRONG_INPUT, UNFORESEEN, INTERRUPTED = 2, 70, 130
+WRONG_INPUT, QUESTIONS, UNFORESEEN, INTERRUPTED = 2, 3, 70, 130
 
 
 class Unforeseen(Exception):
@@ -89,8 +89,9 @@ class Verbs(click.Group):
 def program() -> None:
     """Sequence the cuts of a nest: every rule held, idle travel as low as can be, and the proof.
 
-    Exit codes: 0 done, 1 the rules cannot be met or are broken, 2 wrong usage or unreadable input, 70 a fault of
-    kerfwise itself (a report is written), 130 interrupted (the best plan so far is written).
+    Exit codes: 0 done, 1 the rules cannot be met or are broken, 2 wrong usage or unreadable input, 3 the drawing
+    raises questions that nobody has answered, 70 a fault of kerfwise itself (a report is written), 130 interrupted (the
+    best plan so far is written).
     """
 
 
@@ -106,6 +107,7 @@ def main(argv: list[str] | None = None) -> None:
 def _ended(argv: list[str] | None) -> int:
     """The exit code; whatever goes wrong is told in words."""
     from kerfwise.encoder.errors import InputError, RulesConflict
+    from kerfwise.encoder.questions import Questions
 
     try:
         code = program.main(argv, prog_name="kerfwise", standalone_mode=False)
@@ -116,7 +118,7 @@ def _ended(argv: list[str] | None) -> int:
         return INTERRUPTED
     except InputError as error:
         click.echo(f"kerfwise: {error}", err=True)
-        return WRONG_INPUT
+        return QUESTIONS if isinstance(error, Questions) else WRONG_INPUT
     except RulesConflict as error:
         click.echo(f"kerfwise: {error}", err=True)
         return 1

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
 from kerfwise.jobs.compare import Comparison
 from kerfwise.jobs.listening import Reached
 from kerfwise.jobs.nest_job import Job
@@ -59,6 +60,7 @@ __all__ = [
     "Picture",
     "Plan",
     "Profile",
+    "Questions",
     "Reached",
     "Resequenced",
     "Result",

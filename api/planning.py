@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from kerfwise.encoder.already_cut import AlreadyCut
@@ -38,6 +38,7 @@ def solve(
     locks: Iterable[LockLike] | LockLike = (),
     job: JobLike = None,
     settings: Settings = (),
+    answers: Mapping[str, str] | None = None,
     time_s: float | None = None,
     work: float = WORK,
     seed: int = 1,
@@ -73,6 +74,8 @@ def solve(
         there is one; False to go without.
     settings
         Values of the profile for this nest only: {"leads.lead_in": "4 mm"}, or lines such as "leads.lead_in=4 mm".
+    answers
+        Answers to questions that the drawing raises: {"frame": "sheet"}. They go before those of the job file.
     time_s
         Wall-clock limit of the planning, s, instead of `work`.
     work
@@ -106,6 +109,8 @@ def solve(
 
     Raises
     ------
+    Questions
+        If the drawing raises questions that nobody has answered.
     InputError
         If something given cannot be used.
     NoPlan
@@ -127,7 +132,7 @@ def solve(
     '(KERFWISE FOR LINUXCNC, QTPLASMAC)'
     """
     notes: list[str] = []
-    given = given_for(nest, asked_of(profile, job, settings, locks, resume_from), notes.append)
+    given = given_for(nest, asked_of(profile, job, settings, locks, resume_from, answers), notes.append)
     engine = OLD_NAMES.get(engine, engine)
     limits = options_for(
         given.nest, given.profile,

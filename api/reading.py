@@ -13,7 +13,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.given import ProfileLike, drawn_nest, plant_of
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job import read_job as read_job_file
-from kerfwise.jobs.nest_job.asked import Asked, JobLike
+from kerfwise.jobs.nest_job.asked import Asked, JobLike, answered
 from kerfwise.jobs.result import Result
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan as read_plan_file
@@ -46,6 +46,7 @@ def read_nest(
     frame: FrameName | None = None,
     repair: bool = False,
     refit_arcs_mm: float | None = None,
+    answers: Mapping[str, str] | None = None,
 ) -> Nest:
     """Read a nest from a DXF, SVG or JSON file, by the layers and units that the profile's section `drawing` names.
 
@@ -56,15 +57,17 @@ def read_nest(
     profile
         Name, path or object.
     units
-        Unit of the drawing, instead of the one that it names: mm, cm, m, in or ft.
+        Unit of the drawing, instead of the one that it names: mm, cm, m, in, ft, pt, px, or dots an inch as 90dpi.
     sheet_mm
-        Width and height of the sheet, where the drawing has no outline for it.
+        Width and height of the sheet, in the place of the one that the file has.
     frame
         What a single rectangle around everything is, "sheet" or "part", where no layer names the sheet.
     repair
         Mend what can be mended.
     refit_arcs_mm
         Make arcs of outlines that were flattened into short lines, this near to them.
+    answers
+        Answers to questions that the drawing raises: {"frame": "sheet"}. They go before those of the profile.
 
     Returns
     -------
@@ -73,6 +76,8 @@ def read_nest(
 
     Raises
     ------
+    Questions
+        If the drawing raises questions that nobody has answered; its `questions` list them with their choices.
     InputError
         If the file cannot be read, or what it holds cannot be cut; the one error lists all that is wrong.
 
@@ -83,7 +88,7 @@ def read_nest(
     >>> len(nest.parts), len(nest.contours), nest.contours[0].id
     (8, 16, 'part#1.hole1')
     """
-    plant = plant_of(profile)
+    plant = answered(plant_of(profile), None, tuple((answers or {}).items()))
     return drawn_nest(
         path, plant, units=units, sheet_mm=sheet_mm, frame=frame, repair=repair, refit_arcs_mm=refit_arcs_mm
     )
@@ -172,10 +177,13 @@ def asked_of(
     settings: Settings = (),
     locks: Iterable[LockLike] | LockLike = (),
     last: Plan | Result | str | Path | None = None,
+    answers: Mapping[str, str] | None = None,
 ) -> Asked:
     """What is asked for a nest; `last` is the plan in which contours have the numbers that locks call them by."""
     plan = None if last is None else plan_or_path(last)
-    return Asked(profile, job, _settings(settings), tuple(map(lock_of, _listed(locks))), plan)
+    return Asked(
+        profile, job, _settings(settings), tuple(map(lock_of, _listed(locks))), tuple((answers or {}).items()), plan
+    )
 
 
 def _listed(locks: Iterable[LockLike] | LockLike) -> list[LockLike]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,15 +12,17 @@ import click
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import RuleFault
+from kerfwise.encoder.questions import Questions, with_answers
 from kerfwise.encoder.shown import shown
-from kerfwise.jobs.given import Given, common_cuts_not_made, drawn_nest, plant_of, reading, tabs_not_left
+from kerfwise.jobs.given import Given, common_cuts_not_made, drawn_nest, plant_of, reading, silent, tabs_not_left
 from kerfwise.jobs.nest_job.beside import job_beside
 from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.made_of import files_of
 
+from .answering import answering
 from .lengths import said_of_reading
-from .one_nest import JOB, LOCK, NO_JOB, SET, asked_of
+from .one_nest import ANSWER, JOB, LOCK, NO_JOB, SET, asked_of
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName, ReadOptions
@@ -59,7 +62,7 @@ def nest_options(verb: Verb, profile: Callable[[Verb], Verb]) -> Verb:
             "--origin", type=click.Choice(list(ORIGINS)), help="The machine's zero, instead of machine.origin."
         ),
         click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
-        click.option("--sheet", metavar="WxH", help="Sheet size in mm, where the drawing has no outline for it."),
+        click.option("--sheet", metavar="WxH", help="Sheet size in mm, in the place of the sheet that the file has."),
         click.option(
             "--frame",
             type=click.Choice(["sheet", "part"]),
@@ -68,8 +71,9 @@ def nest_options(verb: Verb, profile: Callable[[Verb], Verb]) -> Verb:
         click.option(
             "--refit-arcs", metavar="LENGTH", help="Make arcs of flattened outlines, this near to them, as 0.05 mm."
         ),
-        click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
+        click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in, ft, pt, px, or as 90dpi."),
         TRUST,
+        ANSWER,
         LOCK,
         SET,
         NO_JOB,
@@ -86,6 +90,8 @@ def _naming_the_nest(verb: Verb) -> Verb:
     def named(*args: Any, **options: Any) -> Any:
         try:
             return verb(*args, **options)
+        except Questions as error:
+            raise error.in_file(options["nest"]) from error
         except InputError as error:
             if error.file == shown(Path(options["nest"]).name) != options["nest"]:  # as the user wrote it
                 place = {"line": error.line, "column": error.column}
@@ -117,17 +123,22 @@ def read_given(
     What its job file, --set and --lock say is laid over the profile: `of_nest` is what `asked_of` takes.
     """
     from kerfwise.jobs.as_it_was_read import refit_as_made
-    from kerfwise.jobs.nest_job.asked import job_for, locked_for, locks_told, profile_for
+    from kerfwise.jobs.nest_job.answers import kept_answers
+    from kerfwise.jobs.nest_job.asked import answered, job_for, locked_for, locks_told, profile_for
 
     asked = asked_of(profile, **of_nest)
     job = job_for(nest, asked.job, tell_note)
     plant = profile_for(asked, job, tell_note, lambda named: plant_of(named, trust))
     if told := locks_told(plant):
         tell_note(told)
-    plant = plant.at_origin(origin) if origin else plant
     said = said_of_reading(units, sheet, frame, repair, refit_arcs)
     said["refit_arcs_mm"] = refit_as_made(said["refit_arcs_mm"], asked.last, plant, tell_note)
-    read = drawn_nest(nest, plant, **said)
+    read, given = answering(lambda answers: drawn_nest(nest, answered(plant, None, answers), **said))
+    if answers := with_answers(asked.answers, given):
+        asked = replace(asked, answers=answers)
+        job = kept_answers(nest, job, asked, read, tell_note)
+        plant = profile_for(asked, job, silent, lambda named: plant_of(named, trust))
+    plant = plant.at_origin(origin) if origin else plant
     for note in plant.without_losses(read).notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     if cut_all_the_same := tabs_not_left(read, plant):

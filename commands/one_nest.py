@@ -23,12 +23,17 @@ LOCK = click.option("--lock", multiple=True, metavar="LOCK",
                     help="A decision of your own, such as 'P2 first' or '#7 before P3'; may be repeated.")  # fmt: skip
 
 
+ANSWER = click.option("--answer", "answers", multiple=True, metavar="QUESTION=CHOICE",
+                      help="Answer a question of the drawing, as frame=sheet; kept in the job file.")  # fmt: skip
+
+
 def asked_of(
     profile: str | None,
     job: str | None = None,
     no_job: bool = False,
     settings: Sequence[str] = (),
     lock: Sequence[str] = (),
+    answers: Sequence[str] = (),
     last: str | None = None,
 ) -> Asked:
     """What these options ask for; `last` is the plan in which contours have the numbers that locks call them by.
@@ -38,6 +43,7 @@ def asked_of(
     InputError
         Naming the option, the word that is wrong, and what was expected.
     """
+    from kerfwise.encoder.questions import answers_of
     from kerfwise.jobs.nest_job.asked import Asked
     from kerfwise.rules.profile.lock_text import read_lock
     from kerfwise.rules.profile.one_nest import read_setting
@@ -48,4 +54,4 @@ def asked_of(
         said = tuple(replace(read_lock(one), reason=f"locked by the operator (--lock {one!r})") for one in lock)
     except InputError as error:
         raise InputError(f"--{error.message}") from None
-    return Asked(profile, False if no_job else job, tuple(map(read_setting, settings)), said, last)
+    return Asked(profile, False if no_job else job, tuple(map(read_setting, settings)), said, answers_of(answers), last)

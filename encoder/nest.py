@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import shapely
@@ -15,6 +15,9 @@ from kerfwise.encoder.bridges.bridge import Bridge
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve, flattened, lines_of
 from kerfwise.encoder.shown import shown
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.readers.reading import Reading
 
 Kind = Literal["outer", "hole", "mark", "slit", "scrap"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -178,7 +181,8 @@ class Nest:
     all parts the lines that cut up the skeleton, `scrap`. A nest as it is cut keeps the one that was read as `drawn`
     (see `small_holes.as_cut` and `slits.with_slits`). One whose `bridges` have been made keeps the parts that they
     join, and all others, as they were drawn: `apart`. `refit_arcs_mm` is how near to flattened outlines its arcs were
-    made; None where they are as drawn. `losses` are what parts that touch lose to the cuts between them.
+    made; None where they are as drawn. `losses` are what parts that touch lose to the cuts between them. `reading` is
+    how its file was understood; None for a nest that was read from none.
     """
 
     sheet: Sheet
@@ -192,6 +196,7 @@ class Nest:
     apart: tuple[Part, ...] = ()
     refit_arcs_mm: float | None = None
     losses: tuple[Loss, ...] = ()
+    reading: Reading | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What another process or a copy is given: nothing of what was found out."""

@@ -17,12 +17,17 @@ class DrawnCurve:
     """One drawn curve in mm, open or closed, on its layer; `order` counts in the order of the file.
 
     `within` are the names it can be known by, outermost first, where those are more than its layer's: groups of groups.
+    `colour` and `linetype` are how it is drawn, "" where the file does not say; `filled` that it is an area without a
+    line round it.
     """
 
     curve: Curve
     layer: str
     order: int
     within: tuple[str, ...] | None = None
+    colour: str = ""
+    linetype: str = ""
+    filled: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -45,10 +50,11 @@ class DrawnCurve:
 class Drawing:
     """The pieces of a drawing in mm, y up, with what its reader wants said.
 
-    `units` is what it was read in; `page` the drawing area, for a format that has one.
+    `units` is what it was read in, `because` why; `page` the drawing area, for a format that has one.
     """
 
     pieces: tuple[DrawnCurve, ...]
     units: str
     notes: tuple[Note, ...] = ()
     page: Sheet | None = None
+    because: str = ""

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+import shapely
 from ezdxf import recover
 from ezdxf.document import Drawing as Document
 from ezdxf.entities.dxfgfx import DXFGraphic
@@ -16,15 +20,19 @@ from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
+from kerfwise.encoder.questions import Asking
 from kerfwise.encoder.still_going import so_much
 
+from .clipped import Clips, seen_through
 from .copies import check_copies
 from .drawing import Drawing, DrawnCurve
-from .dxf_entities import curve, entities
+from .dxf_entities import Hidden, curve, entities
+from .dxf_looks import Looks
+from .dxf_text import check_numbers, name_of
 from .foreign import FOREIGN_ERRORS
 from .options import ReadOptions
-from .units import DXF_UNITS, MM_PER
-from .unread import Unread
+from .units import DXF_UNITS, are_inches, dxf_units, mm_of
+from .unread import NO_LINES, Unread
 
 DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
 
@@ -32,7 +40,7 @@ DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 
 
-def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
+def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | None = None) -> Drawing:
     """Every curve of the model space, in mm.
 
     Parameters
@@ -41,29 +49,66 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
         The file and its bytes.
     options
         `units` overrides $INSUNITS; with `repair`, a file that breaks off is read as far as it goes.
+    asking
+        Takes the questions that the file raises; by default nobody answers but the options.
 
     Raises
     ------
     InputError
         When the file is no DXF, breaks off, or an entity in it cannot be understood.
     """
+    asking = Asking(dict(options.answers)) if asking is None else asking
     notes = _whole(data, options)
+    check_numbers(data)
     document = document_of(path)
-    units, unit_notes = _units(document, data, options)
-    hidden = hidden_layers(document)
-    pieces, unread = [], Unread()
+    hidden, looks = hidden_layers(document), Looks(document)
+    unread = Unread()
     try:
         _check_blocks(document)
         so_much(len(document.modelspace()), "entity", "entities")
-        for order, (entity, layer) in enumerate(entities(document.modelspace(), hidden, unread)):
-            drawn = _curve(entity, layer, MM_PER[units])
-            if drawn is None:
-                unread.types[entity.dxftype(), layer] += 1
-            else:
-                pieces.append(DrawnCurve(drawn, layer, order))
+        shown = list(entities(document.modelspace(), hidden, unread))
+        guess = options.units or DXF_UNITS.get(_header(document, data)[0] or 0, "mm")
+        read = _pieces(shown, mm_of(guess) or 1.0, looks)
+        units, because = _units(document, data, options, read, guess, asking)
+        if units != guess:
+            read = _pieces(shown, mm_of(units) or 1.0, looks)
     except DXF_ERRORS as error:
         raise InputError(f"an entity of this DXF file is damaged ({error}); save it again in CAD") from error
-    return Drawing(tuple(pieces), units, (*notes, *unit_notes, *unread.notes(options.layers)))
+    for kind, layer in read.unknown:
+        unread.types[kind, layer] += 1
+    pieces, clip_notes = seen_through(read.pieces, asking)
+    notes = (*notes, *unread.notes(options.layers), *clip_notes, *_paper(document))
+    return Drawing(tuple(pieces), units, notes, None, because)
+
+
+@dataclass(frozen=True, slots=True)
+class _Read:
+    """Pieces with what they are seen through, in mm, and types with layers of what is no curve."""
+
+    pieces: list[tuple[DrawnCurve, Clips]]
+    unknown: list[tuple[str, str]]
+
+
+def _pieces(shown: Sequence[tuple[DXFGraphic, str, Clips]], scale: float, looks: Looks) -> _Read:
+    found, unknown = [], []
+    for order, (entity, layer, clips) in enumerate(shown):
+        drawn = _curve(entity, layer, scale)
+        if drawn is None:
+            unknown.append((entity.dxftype(), layer))
+        else:
+            areas = tuple(shapely.transform(area, lambda points: points * scale) for area in clips)
+            piece = DrawnCurve(drawn, layer, order, None, looks.colour(entity), looks.linetype(entity))
+            found.append((piece, areas))
+    return _Read(found, unknown)
+
+
+def _paper(document: Document) -> tuple[Note, ...]:
+    """What is drawn in paper space: views of the model, frames and title blocks, none of it cut."""
+    count = sum(
+        entity.dxftype() not in NO_LINES for layout in document.layouts if layout.name != "Model" for entity in layout
+    )
+    which = "1 entity is" if count == 1 else f"{count} entities are"
+    return (Note("warning", f"left out: {which} in paper space, where a drawing is printed from"),) if count else ()
 
 
 def _curve(entity: DXFGraphic, layer: str, scale: float) -> Curve | None:
@@ -88,14 +133,17 @@ def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
     return (Note("repaired", "the DXF file breaks off before its end mark EOF: read as far as it goes"),)
 
 
-def hidden_layers(document: Document) -> frozenset[str]:
-    """The layers that are off or frozen, in lower case."""
-    return frozenset(str(x.dxf.name).lower() for x in document.layers if x.is_off() or x.is_frozen())
+def hidden_layers(document: Document) -> Hidden:
+    """The layers that are off, and those that are frozen."""
+    return Hidden(
+        frozenset(name_of(str(x.dxf.name)).lower() for x in document.layers if x.is_off()),
+        frozenset(name_of(str(x.dxf.name)).lower() for x in document.layers if x.is_frozen()),
+    )
 
 
 def mm_per_unit(path: Path, document: Document, options: ReadOptions) -> float:
     """Millimetres in a unit of the drawing."""
-    return MM_PER[_units(document, contents(path), options)[0]]
+    return mm_of(read_dxf(path, contents(path), options).units) or 1.0
 
 
 def document_of(path: Path) -> Document:
@@ -126,14 +174,24 @@ def _check_blocks(document: Document) -> None:
     check_copies(document.modelspace().block_record_name, made_of, "block")
 
 
-def _units(document: Document, data: bytes, options: ReadOptions) -> tuple[str, tuple[Note, ...]]:
+def _header(document: Document, data: bytes) -> tuple[int | None, int | None, int | None]:
+    """$INSUNITS, $MEASUREMENT and $LUNITS, None where the file does not have them: the library fills in its own."""
+    names = ("$INSUNITS", "$MEASUREMENT", "$LUNITS")
+    values = (document.header.get(name) if name.encode() in data else None for name in names)
+    insunits, measurement, lunits = (None if value is None else int(value) for value in values)
+    return insunits, measurement, lunits
+
+
+def _units(
+    document: Document, data: bytes, options: ReadOptions, read: _Read, guess: str, asking: Asking
+) -> tuple[str, str]:
+    """The unit of the drawing, and why."""
     if options.units is not None:
-        return options.units, ()
-    # ezdxf fills in a missing $INSUNITS with a value of its own
-    code = document.header.get("$INSUNITS", 0) if b"$INSUNITS" in data else 0
-    if code in DXF_UNITS or code == 0:
-        return DXF_UNITS.get(code, "mm"), ()
-    known = ", ".join(f"{k} {v}" for k, v in DXF_UNITS.items())
-    other = "pass --units (in Python: units=)"
-    text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; {other} if they are others"
-    return "mm", (Note("warning", text),)
+        return options.units, "as given (--units, drawing.units)"
+    if not read.pieces:
+        return guess, "by default"
+    lines = np.array([piece.curve.line(1.0) for piece, _ in read.pieces], dtype=object)
+    x0, y0, x1, y1 = shapely.total_bounds(lines).tolist()
+    per_unit = mm_of(guess) or 1.0
+    points = np.concatenate([piece.curve.vertices[:, :2] for piece, _ in read.pieces]) / per_unit
+    return dxf_units(*_header(document, data), max(x1 - x0, y1 - y0) / per_unit, asking, are_inches(points))

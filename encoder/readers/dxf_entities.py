@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import shapely
 from ezdxf.entities.arc import Arc
 from ezdxf.entities.circle import Circle
 from ezdxf.entities.dxfentity import DXFTagStorage
@@ -22,43 +24,83 @@ from ezdxf.entities.polyline import Polyline
 from ezdxf.entities.spline import Spline
 from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
 from ezdxf.path import Path, make_path
+from ezdxf.xclip import XClip
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 
 from .arcs import FLATTEN_MM, fitted
+from .clipped import Clips
 from .limits import LIMIT_MM, checked_curve
 from .unclamped import Unclamped
 from .unread import NO_LINES, Unread, layer_of
 
+EVERYWHERE = 1e9
+"""Half the side of a square that holds all that can be read, in any unit."""
 EXTERNAL = 4
 """The bit in a block's flags that says that its lines are in another file."""
 ROUND = 1e-6
 """An ellipse whose axes differ by less than this share is a circle."""
 
 
+@dataclass(frozen=True, slots=True)
+class Hidden:
+    """The layers that are not shown, in lower case: what is inserted on one that is `off` has its own."""
+
+    off: frozenset[str] = frozenset()
+    frozen: frozenset[str] = frozenset()
+
+
+NOTHING_CLIPPED: Clips = ()
+
+
 def entities(
-    drawn: Iterable[DXFGraphic], hidden: frozenset[str], unread: Unread, block_layer: str | None = None
-) -> Iterator[tuple[DXFGraphic, str]]:
+    drawn: Iterable[DXFGraphic],
+    hidden: Hidden,
+    unread: Unread,
+    block_layer: str | None = None,
+    clips: Clips = NOTHING_CLIPPED,
+) -> Iterator[tuple[DXFGraphic, str, Clips]]:
     """Every entity to read with its layer, blocks taken apart (scaled, mirrored and nested ones too).
 
-    An entity on layer 0 of a block lies on the layer of its insertion. `hidden` names the layers that are off or
-    frozen, in lower case. Blocks must not contain themselves (`check_copies`).
+    An entity on layer 0 of a block lies on the layer of its insertion. Each comes with the areas that it is seen
+    through, in units of the drawing, where blocks are clipped. Blocks must not contain themselves (`check_copies`).
     """
     for entity in drawn:
         layer = layer_of(entity)
         if block_layer is not None and layer == "0":
             layer = block_layer
-        if layer.lower() in hidden or _invisible(entity):
+        is_insert = isinstance(entity, Insert)
+        if layer.lower() in hidden.frozen or (layer.lower() in hidden.off and not is_insert) or _invisible(entity):
             unread.hidden(entity, layer)
         elif entity.dxftype() in NO_LINES:
             unread.add(entity, layer)
         elif isinstance(entity, Insert):
+            inside = (*clips, *_clip(entity))
             for insert in _inserted(entity, layer, unread):
                 skip = partial(_skipped, unread=unread, layer=layer)
-                yield from entities(insert.virtual_entities(skipped_entity_callback=skip), hidden, unread, layer)
+                inner = insert.virtual_entities(skipped_entity_callback=skip)
+                yield from entities(inner, hidden, unread, layer, inside)
         else:
-            yield entity, layer
+            yield entity, layer, clips
+
+
+def _clip(insert: Insert) -> Clips:
+    """The area that an insertion is seen through, where it is clipped."""
+    clip = XClip(insert)
+    if not (clip.has_clipping_path and clip.is_clipping_enabled):
+        return ()
+    path = clip.get_wcs_clipping_path()
+    inner = [(v.x, v.y) for v in path.inner_polygon()]
+    if len(inner) == 2:  # two opposite corners of a rectangle
+        (ax, ay), (bx, by) = inner
+        inner = [(ax, ay), (bx, ay), (bx, by), (ax, by)]
+    if len(inner) < 3:
+        return ()
+    area = shapely.make_valid(shapely.Polygon(inner))
+    if path.is_inverted_clip:
+        return (shapely.difference(shapely.box(-EVERYWHERE, -EVERYWHERE, EVERYWHERE, EVERYWHERE), area),)
+    return (area,)
 
 
 def _inserted(insert: Insert, layer: str, unread: Unread) -> Iterable[Insert]:

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.questions import Asking, Choice, Question
 from kerfwise.encoder.validate import coincident
 
 from .drawing import DrawnCurve
-from .layers import setting
 from .options import FrameName, ReadOptions
 
 STRAIGHT_MM = 0.05
@@ -20,6 +19,9 @@ STRAIGHT_MM = 0.05
 
 ALIKE_MM = 1.0
 """A frame and a sheet whose sides differ by less are one and the same."""
+
+PACKED = 0.5
+"""Openings seldom take more than this share of a part; parts on a sheet do."""
 
 ROUGHLY = 0.8
 """A rectangle with sides of at least this share of those of the sheet that is given may be that sheet's margin."""
@@ -39,33 +41,48 @@ def frame_of_drawing(rings: Sequence[DrawnCurve]) -> tuple[DrawnCurve, ...]:
 
 
 def use_of_frame(
-    frame: Sequence[DrawnCurve], rings: Sequence[DrawnCurve], page: Sheet | None, options: ReadOptions
-) -> FrameName:
-    """What the frame is: as the options say, or as the size of the sheet or of the page makes plain.
+    frame: Sequence[DrawnCurve],
+    rings: Sequence[DrawnCurve],
+    page: Sheet | None,
+    options: ReadOptions,
+    asking: Asking,
+) -> tuple[FrameName, str]:
+    """What the frame is, and why: as the options say, as the size of the sheet makes plain, or as is answered.
 
-    Raises
-    ------
-    InputError
-        When nothing says so: a sheet that is cut out as a part is scrap, and so is a part that is taken for the sheet.
+    A sheet that is cut out as a part is scrap, and so is a part that is taken for the sheet.
     """
     if options.frame is not None:
-        return options.frame
+        return options.frame, "as given (--frame, drawing.frame)"
     size = _size(frame[0])
-    if page is not None and alike(size, _sides(page.bounds)):
-        return "sheet"
     if options.sheet_size_mm is not None:
         if alike(size, options.sheet_size_mm):
-            return "sheet"
+            return "sheet", "a rectangle around everything of the size of --sheet"
         if any(side < ROUGHLY * given for side, given in zip(size, options.sheet_size_mm, strict=True)):
-            return "part"
-    own_layer = not {p.layer for p in frame} & {p.layer for p in rings if p not in frame}
-    layer = f", or {setting('sheet', frame[0].layer)}" if own_layer else ""
-    raise InputError(
-        f"a rectangle of {size[0]:g} × {size[1]:g} mm is drawn around everything, {frame[0].place}, and no layer says "
-        "whether it is the sheet or a part. Pass --frame sheet or --frame part (in Python: frame=), or say it in the "
-        "profile: "
-        f"drawing: {{frame: sheet}}{layer}"
+            return "part", ""
+    holds = _holds_parts(frame, rings)
+    on_page = page is not None and alike(size, _sides(page.bounds))
+    as_large = ", as large as the page" if on_page else ""
+    choices = (
+        Choice("sheet", "the sheet; what is in it is parts"),
+        Choice("part", "a part; what is in it is openings"),
     )
+    said = asking.ask(
+        Question(
+            "frame",
+            f"a rectangle of {size[0]:g} × {size[1]:g} mm is drawn around everything{as_large}, {frame[0].place}, and "
+            "no layer says whether it is the sheet or a part: what is it?",
+            choices if holds else choices[::-1],
+        )
+    )
+    return ("sheet" if said == "sheet" else "part"), "as answered (frame)"
+
+
+def _holds_parts(frame: Sequence[DrawnCurve], rings: Sequence[DrawnCurve]) -> bool:
+    """Whether what is in a frame is parts, most likely: some have holes, or they fill most of it."""
+    areas = np.array([p.area for p in rings if p not in frame], dtype=object)
+    inner, outer = shapely.STRtree(areas).query(shapely.point_on_surface(areas), predicate="within")
+    sizes = shapely.area(areas)
+    return bool((sizes[outer] > sizes[inner]).any()) or sizes.sum() > PACKED * frame[0].area.area
 
 
 def frame_note(frame: Sequence[DrawnCurve]) -> Note:

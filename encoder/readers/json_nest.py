@@ -15,11 +15,14 @@ from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet, as_scr
 from kerfwise.encoder.still_going import so_much
 from kerfwise.encoder.strict_json import strict_json
 
+from .frame import alike
 from .json_place import places
 from .json_schema import check_schema
 from .limits import checked_curve
 from .options import ReadOptions
-from .units import MM_PER, doubts
+from .reading import reading_of
+from .sheet import overridden
+from .units import doubts, mm_of
 
 PART_KEYS = ("id", "outer", "holes", "marks", "tabs")
 
@@ -40,14 +43,29 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
         [(line, column)] = places(text, [["parts"]])
         raise InputError("the nest has no parts: a sheet alone is there to nest parts on", line=line, column=column)
     units = options.units or document.get("units", "mm")
-    scale = MM_PER[units]
+    scale = mm_of(units) or 1.0
     _check_ids(document["parts"], text)
     parts = tuple(_part(given, scale) for given in document["parts"])
-    sheet = _sheet(document["sheet"], scale)
-    notes = (*_typing_slips(document["parts"]), *doubts(sheet, units))
+    sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
+    if options.sheet_size_mm is not None and not alike(_size(sheet), options.sheet_size_mm):
+        sheet, why, sheet_notes = overridden(sheet, options.sheet_size_mm)
+    notes = (*_typing_slips(document["parts"]), *sheet_notes, *doubts(sheet, units))
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
     bridges = _bridges(document.get("bridges", ()), text, scale)
-    return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap), bridges=bridges)
+    said = (
+        "as given (--units, drawing.units)"
+        if options.units
+        else "the file says so"
+        if "units" in document
+        else "by default"
+    )
+    reading = reading_of((units, said), sheet, why, (), notes, {})
+    return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap), bridges=bridges, reading=reading)
+
+
+def _size(sheet: Sheet) -> tuple[float, float]:
+    x0, y0, x1, y1 = sheet.bounds
+    return x1 - x0, y1 - y0
 
 
 def sheet_in_json(data: bytes, options: ReadOptions) -> Sheet:
@@ -63,7 +81,7 @@ def sheet_in_json(data: bytes, options: ReadOptions) -> Sheet:
     if document["parts"]:
         count = len(document["parts"])
         raise InputError(f'holds {count} parts: expected a sheet alone, with "parts": []')
-    return _sheet(document["sheet"], MM_PER[options.units or document.get("units", "mm")])
+    return _sheet(document["sheet"], mm_of(options.units or document.get("units", "mm")) or 1.0)
 
 
 def _bridges(given: Sequence[Mapping[str, Any]], text: str, scale: float) -> tuple[Bridge, ...]:

@@ -17,10 +17,12 @@ PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "bridge", "tab", "mark", "sh
 """In the order in which they are tried: `DIM_TEXT` is a dimension, `Plate text` is writing."""
 
 
-def _words(anywhere: str, whole: str = "") -> str:
-    """A pattern of words, sought anywhere in a name, and of short ones that no letter may stand beside."""
-    words = "|".join(anywhere.split())
-    return rf"{words}|(?<![^\W\d_])({'|'.join(whole.split())})(?![^\W\d_])" if whole else words
+def _words(anywhere: str, starts: str = "", whole: str = "") -> str:
+    """A pattern of words: some are sought anywhere in a name, some where a word begins, short ones as a whole word."""
+    patterns = anywhere.split()
+    patterns += [rf"(?<![^\W\d_])({'|'.join(starts.split())})"] if starts else []
+    patterns += [rf"(?<![^\W\d_])({'|'.join(whole.split())})(?![^\W\d_])"] if whole else []
+    return "|".join(patterns)
 
 
 EVERY_LAYER = ".*"
@@ -29,22 +31,23 @@ EVERY_LAYER = ".*"
 IGNORE_WORDS = _words(
     # dimensions, notes and title blocks
     "dimension dim_?(line|text|style) defpoints bema(ß|ss) ma(ß|ss)(linie|kette) cotation acotac wymiar quotatur размер"
-    " méret 标注 尺寸 annot adnotac comment kommentar bemerkung примечан title.?block schriftfeld cartouche"
-    " штамп water.?mark viewport"
+    " méret 标注 尺寸 kommentar bemerkung примечан title.?block schriftfeld cartouche штамп water.?mark viewport"
     # what is not seen, and what only helps to draw
-    " hidden phantom verdeckt unsichtbar nascost ukryt niewidoczn скрыт невидим rejtett 隐藏"
+    " phantom verdeckt unsichtbar nascost ukryt niewidoczn скрыт невидим rejtett 隐藏"
     " construction construcci costruzione konstruktion(slinie|sgeo) hilfs(linie|geo) pomocnicz построен вспомогат segéd"
     " guide.?line unconsumed schraff hachur tratteggi kreskow штрихов"
     # axes and bends
-    " cent(er|re)_?.?line mittellinie tengely 中心线 tool.?cent arc.?cent"
+    " cent(er|re)_?.?(line|mark) mittellinie tengely 中心线 tool.?cent arc.?cent"
     " bend_?.?(line|up|down|extent) abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít"
     " tangent осев 折弯",
+    "annot adnotac comment hidden",
     "hatch(es|ing)? dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei]"
     " osi[ea]? oś ось оси bends? plis? pieg[ah]e? гиб",
 )
 SCRAP_WORDS = _words(
-    "scrap off.?cut skeleton waste schrott abfall restgitter gitterschnitt trennschnitt d[ée]chet squelette ferraille"
-    " chatarra retal sfrido scarto rottam odpad złom ażur обрез отход решётк решетк hulladék 废料 余料",
+    "off.?cut schrott abfall restgitter gitterschnitt trennschnitt d[ée]chet squelette ferraille"
+    " chatarra sfrido scarto rottam odpad złom ażur обрез отход решётк решетк hulladék 废料 余料",
+    "scrap skeleton waste retal",
     "chutes?",
 )
 BRIDGE_WORDS = r"^(bridges?|br(ü|ue)cken?|ponts?|puentes?|pont[ei]|mostk?i?|мост(ики|ик|ы)?)$"
@@ -55,18 +58,62 @@ TAB_WORDS = (
 )
 """The whole of a name: a label, and a part, may be a tab as well."""
 MARK_WORDS = _words(
-    "grav mark marc marqu etch scrib text label v.?score cent(er|re).?punch prick"
+    "engrav gravur grav[ií]r gravure laser.?(etch|mark|text|scrib) v.?score cent(er|re).?punch"
     " beschrift signier anr(ei|i)(ß|ss) k(ö|oe)rn(er|ung|punkt) ritzen ritzlinie pointage grabado grabar rotul"
-    " incisione incidere testo bulin graw grawer trasow napis znakow znaczen маркир разметк грав текст надпис керн"
-    " felirat pontoz popis znač tekst 刻 打标 标记 文字",
-    "jel jelöl[a-zé]*",
+    " incisione incidere graw(er|ir) trasow znakow маркир разметк гравир надпис felirat pontoz 刻 打标 标记 文字",
+    "grav(?!el|it) bulin napis znaczen znač popis керн грав",
+    "mark(s|ing|ings|ed|er|ierung|ierungen|ieren)? marc(a|as|ado|ados|aje|ar|atura|ature)? marqu(e|es|age|er|é)"
+    " etch(ed|es|ing|ings)? scrib(e|es|ed|ing) texts? texte texto testo teksty? текст(ы|а)? label(s|led|ling)?"
+    " lettering pricks? jel jelöl[a-zé]*",
 )
 SHEET_WORDS = _words(
     # a Grundplatte, a base plate in one word, is a part
-    r"sheet (?<![^\W\d_])pla(te|tte|at) stock remnant blech tafel rohteil rohmaterial лист t[ôö]le chapa plancha"
+    "remnant blech tafel rohteil rohmaterial лист t[ôö]le chapa plancha"
     " l[áa]mina lamiera lastra foglio arkusz blach lemez tábla tabule plech 板材 钢板",
+    "sheet pla(te|tte|at) stock",
     "toles?",
 )
+
+
+def _set(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
+_SHEET = _set(
+    "sheet sheets stock remnant remnants arkusz лист листы foglio tabule tábla"
+    " tafel tafeln rohtafel blechtafel resttafel rohblech restblech rohmaterial"
+)
+_OF_A_SHEET = _set(
+    "outer contour outline border boundary edge frame size area layer the of nest nesting raw material umriss rand"
+    " kontur rahmen x w h mm"
+)
+_CUT = _set(
+    "cut cuts cutting outer inner outline outlines contour contours kontur konturen profile profiles hole holes schnitt"
+    " ausschnitt coupe découpe corte cortes taglio cięcie контур контуры резка vágás kivágás"
+)
+
+
+def surely_sheet(name: str) -> bool:
+    """Whether a name means the sheet and nothing else; PLATE, Blech or SHEET METAL PART name parts as often.
+
+    Examples
+    --------
+    >>> surely_sheet("Sheet_Outline 1"), surely_sheet("PLATE"), surely_sheet("SHEET METAL PART")
+    (True, False, False)
+    """
+    words = set(re.findall(r"[^\W\d_]+", _in_words(name).lower()))
+    return bool(words & _SHEET) and words <= _SHEET | _OF_A_SHEET
+
+
+def surely_cut(name: str) -> bool:
+    """Whether a name says that what is drawn there is cut.
+
+    Examples
+    --------
+    >>> surely_cut("CUT_OUTER"), surely_cut("Kontur 2"), surely_cut("0")
+    (True, True, False)
+    """
+    return bool(set(re.findall(r"[^\W\d_]+", _in_words(name).lower())) & _CUT)
 
 
 class Use(NamedTuple):
@@ -117,7 +164,7 @@ class Layers:
         defaults = [p for p in PURPOSES if p not in given and p != "cut"]
         for name in reversed(names):
             for purpose in (*given, *defaults):
-                if _found(getattr(self, purpose), name):
+                if _found(getattr(self, purpose), name if purpose in given else _in_words(name)):
                     return Use(purpose, purpose in given)
         return Use(None if "cut" in given else "cut", False)
 
@@ -128,6 +175,23 @@ DEFAULT = Layers()
 @lru_cache(maxsize=4096)
 def _found(pattern: str, name: str) -> bool:
     return re.search(pattern, unicodedata.normalize("NFC", name), re.IGNORECASE) is not None
+
+
+@lru_cache(maxsize=4096)
+def _in_words(name: str) -> str:
+    """A name with its words apart that are written as one, as in EtchLines.
+
+    Examples
+    --------
+    >>> _in_words("EtchLines"), _in_words("DIM_TEXT"), _in_words("CAMText")
+    ('Etch Lines', 'DIM_TEXT', 'CAM Text')
+    """
+    text = unicodedata.normalize("NFC", name)
+    apart = []
+    for k, sign in enumerate(text):
+        begins = sign.isupper() and (text[k - 1].islower() or (text[k - 1].isupper() and text[k + 1 : k + 2].islower()))
+        apart.append(f" {sign}" if k and begins else sign)
+    return "".join(apart)
 
 
 def setting(purpose: Purpose, *layers: str) -> str:

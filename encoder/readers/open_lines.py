@@ -10,8 +10,10 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.nest import Note, Part
+from kerfwise.encoder.questions import LAYER, Asking, Choice, Question
 from kerfwise.encoder.validate.metal import metal_of
 
+from .by_layer import ByLayer
 from .drawing import DrawnCurve
 from .layers import setting
 from .limits import SNAP_MM
@@ -38,14 +40,17 @@ def settled(
     sheet: Sequence[DrawnCurve],
     bridge_mm: float,
     options: ReadOptions,
+    told_apart: ByLayer,
+    asking: Asking,
 ) -> Settled:
     """What is done with open lines on layers that are cut.
 
     A line no longer than the join tolerance is a crumb, and is left out. On a layer that `layers.cut` names, a line
     that can be no broken contour is marked if it lies in the metal of a part and left out if it lies in waste, or as
     `open_lines` says. With `repair`, a stub on a closed line is left out if it is shorter than the widest gap that
-    repair closes, and so is a line that can be no broken contour, on another layer that holds nothing closed. All else
-    is refused: closed lines beside open ones may be marks too, and would be cut through.
+    repair closes, and so is a line that can be no broken contour, on another layer that holds nothing closed. What is
+    open on all other layers is asked about, layer by layer: closed lines beside open ones may be marks too. An outline
+    with a gap is refused.
 
     Raises
     ------
@@ -57,9 +62,10 @@ def settled(
     crumb_notes = tuple(_told(crumbs, "shorter than drawing.join_tolerance, and therefore left out"))
     if not chains:
         return Settled((), crumb_notes)
-    stated = [options.layers.use(c.names) == ("cut", True) for c in chains]
+    stated = [told_apart.stated(c) for c in chains]
     whole = [not broken for broken in _maybe_broken(chains, options)]
     metal_mm = _in_metal(chains, parts)
+    asked = _asked(chains, stated, whole, metal_mm, rings, options, asking)
     slack_mm = options.join_tolerance_mm
     closed = Counter(r.layer for r in rings)
     outlines = shapely.STRtree([r.curve.line() for r in rings])
@@ -67,11 +73,21 @@ def settled(
     marked: list[DrawnCurve] = []
     in_waste: list[DrawnCurve] = []
     ignored: list[DrawnCurve] = []
+    answered: list[DrawnCurve] = []
     left: list[DrawnCurve] = []
     for chain, is_stated, is_whole, inside_mm in zip(chains, stated, whole, metal_mm, strict=True):
         is_stray = is_whole and not is_stated and not closed[chain.layer]
-        if options.repair and (is_stray or (chain.curve.length_mm <= bridge_mm and _is_stub(chain, outlines, options))):
+        said = "" if is_stated else asked.get(chain.layer, "")
+        if (
+            options.repair
+            and not said
+            and (is_stray or (chain.curve.length_mm <= bridge_mm and _is_stub(chain, outlines, options)))
+        ):
             dropped.append(chain)
+        elif said in ("open:ignore", "ignore"):
+            answered.append(chain)
+        elif said:
+            (in_waste if inside_mm <= slack_mm else marked).append(chain)
         elif not (is_stated and is_whole) or options.open_lines == "refuse":
             left.append(chain)
         elif options.open_lines == "ignore":
@@ -83,14 +99,71 @@ def settled(
     if left:
         which = "1 line does" if len(left) == 1 else f"{len(left)} lines do"
         cut = {p.layer for p in (*rings, *chains)}
-        details = (*_by_layer(left, closed, cut, options), *open_end_problems(left, options))
+        details = (*_by_layer(left, closed, cut, options, told_apart), *open_end_problems(left, options))
         raise OpenLines(f"{which} not close to contours", left, details, parts, sheet)
     notes = [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in dropped]
     cut_and = "though the layer is cut, and therefore"
     notes += _told(marked, f"{cut_and} marked, not cut (drawing.open_lines)")
     notes += _told(ignored, f"{cut_and} left out (drawing.open_lines)")
+    notes += _told(answered, "left out, as answered")
     notes += _told(in_waste, f"{cut_and} left out, for it lies in no part")
     return Settled(tuple(marked), (*crumb_notes, *notes))
+
+
+def _asked(
+    chains: Sequence[DrawnCurve],
+    stated: Sequence[bool],
+    whole: Sequence[bool],
+    metal_mm: Sequence[float],
+    rings: Sequence[DrawnCurve],
+    options: ReadOptions,
+    asking: Asking,
+) -> dict[str, str]:
+    """What is answered of open lines, by layer; nothing of a layer that holds an outline with a gap.
+
+    What lies in the metal of a part may be engraved, whether it nearly closes or not.
+    """
+    if options.repair or options.open_lines == "refuse":
+        repaired = {layer for layer in {c.layer for c in chains} if asking.answered(f"{LAYER}{layer}") is None}
+    else:
+        repaired = set()
+    answers: dict[str, str] = {}
+    slack_mm = options.join_tolerance_mm
+    for layer in sorted({c.layer for c, own in zip(chains, stated, strict=True) if not own} - repaired):
+        rows = [k for k, c in enumerate(chains) if c.layer == layer]
+        inside = [k for k in rows if metal_mm[k] >= chains[k].curve.length_mm - slack_mm]
+        if any(not whole[k] and k not in inside for k in rows) and asking.answered(f"{LAYER}{layer}") is None:
+            continue
+        closed = [r for r in rings if r.layer == layer]
+        answers[layer] = asking.ask(_question(layer, [chains[k] for k in rows], len(inside), closed, rings))
+    return answers
+
+
+def _question(
+    layer: str, chains: Sequence[DrawnCurve], inside: int, closed: Sequence[DrawnCurve], rings: Sequence[DrawnCurve]
+) -> Question:
+    """What open lines of a layer are for; where it holds closed ones, what those are for, too."""
+    count = len(chains)
+    held = f"layer '{layer}' holds {count} open line{'s' if count != 1 else ''}"
+    where = f", {inside} of them in the metal of parts" if inside else ", none of them in the metal of a part"
+    first = f", the first {ends(chains[0])}"
+    mark, ignore = Choice("mark", "marked, not cut through"), Choice("ignore", "left out")
+    if not closed:
+        order = (mark, ignore) if inside else (ignore, mark)
+        scrap = Choice("scrap", "lines that cut up scrap")
+        return Question(
+            f"{LAYER}{layer}", f"{held} and nothing closed{where}{first}: what are they for?", (*order, scrap)
+        )
+    beside = f"{len(closed)} closed one{'s' if len(closed) != 1 else ''}"
+    some = (
+        Choice("open:mark", "the open ones are marked, the closed ones cut"),
+        Choice("open:ignore", "the open ones are left out, the closed ones cut"),
+    )
+    whole = (Choice("mark", "all of the layer is marked"), Choice("ignore", "all of the layer is left out"))
+    order = some if inside else some[::-1]
+    outer = max(rings, key=lambda ring: abs(ring.curve.signed_area_mm2))
+    choices = (*order, *whole) if outer in closed else (whole[0], *order, whole[1])
+    return Question(f"{LAYER}{layer}", f"{held} beside {beside}{where}{first}: what are they for?", choices)
 
 
 def _is_stub(chain: DrawnCurve, outlines: shapely.STRtree, options: ReadOptions) -> bool:
@@ -120,10 +193,12 @@ def _in_metal(chains: Sequence[DrawnCurve], parts: Sequence[Part]) -> list[float
     return lengths
 
 
-def _by_layer(left: Sequence[DrawnCurve], closed: Counter[str], cut: set[str], options: ReadOptions) -> list[str]:
+def _by_layer(
+    left: Sequence[DrawnCurve], closed: Counter[str], cut: set[str], options: ReadOptions, told_apart: ByLayer
+) -> list[str]:
     """A sentence for each layer: what it holds, and what a profile can say of it."""
     said = []
-    stated = {c.layer: options.layers.use(c.names) == ("cut", True) for c in left}
+    stated = {c.layer: told_apart.stated(c) for c in left}
     for layer, count in sorted(Counter(c.layer for c in left).items()):
         held = f"layer '{layer}' holds {count} open line{'s' if count != 1 else ''}"
         beside = closed[layer]

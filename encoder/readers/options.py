@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Answers
 
-from .layers import DEFAULT, Layers
-from .units import MM_PER
+from .layers import DEFAULT, Layers, Purpose
+from .units import MM_PER, mm_of
 
 FrameName = Literal["sheet", "part"]
 OpenLines = Literal["mark", "ignore", "refuse"]
@@ -23,9 +24,10 @@ class ReadOptions:
     Parameters
     ----------
     units
-        One of mm, cm, m, in, ft; overrides what the file says. None: the file's own, mm where it says nothing.
+        One of mm, cm, m, in, ft, pt, px, or dots an inch such as 90dpi; overrides what the file says. None: the file's
+        own; where it says nothing, that is asked about.
     sheet_size_mm
-        Width and height of the sheet, for a drawing that has no sheet of its own.
+        Width and height of the sheet, in the place of one that the file has.
     layers
         Which layers (DXF) or groups (SVG) are cut, marked, left out, the sheet, or scrap lines.
     frame
@@ -43,6 +45,12 @@ class ReadOptions:
         stay as they are.
     repair
         Mend what can be mended, and list each mend in the nest's notes.
+    answers
+        The id of a question that the drawing may raise, and the choice that was made.
+    colours, linetypes
+        What lines of a colour or of a line type are for, on layers that the plant's patterns do not give to others.
+    kerf_mm
+        Metal narrower than this is none: lines so near to each other are one line drawn twice.
 
     Raises
     ------
@@ -65,10 +73,17 @@ class ReadOptions:
     join_tolerance_mm: float = 0.1
     repair: bool = False
     refit_arcs_mm: float | None = None
+    answers: Answers = ()
+    colours: tuple[tuple[str, Purpose], ...] = ()
+    linetypes: tuple[tuple[str, Purpose], ...] = ()
+    kerf_mm: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.units is not None and self.units not in MM_PER:
-            raise InputError(f"unknown units '{self.units}': expected one of {', '.join(MM_PER)}")
+        if self.units is not None and mm_of(self.units) is None:
+            raise InputError(
+                f"unknown units '{self.units}': expected one of {', '.join(MM_PER)}, pt, px, or dots an inch "
+                "such as 90dpi"
+            )
         for name, given, words in (
             ("frame", self.frame or "sheet", get_args(FrameName)),
             ("open_lines", self.open_lines, get_args(OpenLines)),

@@ -5,13 +5,18 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from kerfwise.encoder.bridges.join import with_bridges
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Asking, Question, Questions, first_choices, with_gives
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import told_if_long
 from kerfwise.encoder.validate import validated
@@ -20,6 +25,12 @@ from .mend import mended
 from .not_closed import OpenLines
 from .options import ReadOptions
 from .refit import with_arcs
+
+if TYPE_CHECKING:
+    from .drawing import Drawing
+
+MOST_PIECES = 60_000
+"""Lines of a drawing times choices of its questions up to which it is said what each choice would give."""
 
 SUFFIXES = (".dxf", ".json", ".svg")
 
@@ -55,6 +66,8 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
 
     Raises
     ------
+    Questions
+        When the file does not decide how it is to be read: with all questions, and the choices of each.
     InputError
         When the file cannot be read, or what it holds cannot be cut; the one error lists all that is wrong.
 
@@ -82,25 +95,122 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
 
 def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
     data = file_bytes(file)
+    door, asking = _Door(file, suffix, data), Asking(dict(options.answers))
     try:
-        nest = _nest(file, suffix, data, options)
-        drawn = mended(nest) if options.repair else nest
-        drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
-    except OpenLines as error:
-        raise BrokenNest(replace(error.nest(), file=shown(file.name)), error, file) from error.__cause__
+        checked, failed = door.nest(options, asking), None
     except InputError as error:
-        raise InputError(
-            error.message, file=file, line=error.line, column=error.column, details=error.details
-        ) from error.__cause__
-    try:
-        checked = validated(drawn)
-        if checked.bridges:
-            joined = with_bridges(checked)
-            checked = replace(validated(joined), notes=joined.notes)
-    except InputError as error:
-        raise BrokenNest(replace(drawn, file=shown(file.name)), error, file) from error.__cause__
+        checked, failed = None, error
+    if asking.raised:
+        questions, viable = _with_gives(door, options, asking)
+        if viable or failed is None:
+            raise Questions(questions, file=file, reading=None if checked is None else checked.reading)
+    if failed is not None:
+        raise failed
+    assert checked is not None
     sha256 = hashlib.sha256(data).hexdigest()
     return replace(checked, file=shown(file.name), sha256=sha256, refit_arcs_mm=options.refit_arcs_mm)
+
+
+class _Door:
+    """One file, read as often as there are answers to try; a drawing is taken apart once for each unit."""
+
+    def __init__(self, file: Path, suffix: str, data: bytes) -> None:
+        self.file, self.suffix, self.data = file, suffix, data
+        self.pieces = 0
+        self._drawings: dict[tuple[object, ...], Drawing] = {}
+
+    def nest(self, options: ReadOptions, asking: Asking) -> Nest:
+        """The nest, checked."""
+        file = self.file
+        try:
+            nest = self._nest(options, asking)
+            drawn = mended(nest) if options.repair else nest
+            drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
+        except OpenLines as error:
+            raise BrokenNest(replace(error.nest(), file=shown(file.name)), error, file) from error.__cause__
+        except InputError as error:
+            raise InputError(
+                error.message, file=file, line=error.line, column=error.column, details=error.details
+            ) from error.__cause__
+        try:
+            checked = validated(drawn)
+            if checked.bridges:
+                joined = with_bridges(checked)
+                checked = replace(validated(joined), notes=joined.notes)
+            return checked
+        except InputError as error:
+            raise BrokenNest(replace(drawn, file=shown(file.name)), error, file) from error.__cause__
+
+    def _nest(self, options: ReadOptions, asking: Asking) -> Nest:
+        """Each format's libraries are imported only when such a file is read."""
+        if self.suffix == ".json":
+            from .json_nest import read_json
+
+            return read_json(self.data, options)
+        from .drawing_nest import nest_of
+
+        own = Asking(asking.given)
+        key = (options.units, asking.given.get("units"), asking.given.get("clip"), asking.given.get("mask"))
+        if key not in self._drawings or not options.answers:
+            self._drawings[key] = self._drawing(options, own)
+            self.pieces = len(self._drawings[key].pieces)
+            asking.raised |= own.raised
+            asking.used |= own.used
+        return nest_of(self._drawings[key], options, asking)
+
+    def _drawing(self, options: ReadOptions, asking: Asking) -> Drawing:
+        if self.suffix == ".dxf":
+            from .dxf import read_dxf
+
+            return read_dxf(self.file, self.data, options, asking)
+        from .svg import read_svg
+
+        return read_svg(self.data, options, asking)
+
+
+def _with_gives(door: _Door, options: ReadOptions, asking: Asking) -> tuple[list[Question], bool]:
+    """The questions with what each choice would give, the other questions answered by their likeliest choices.
+
+    Choices that cannot be cut come last. Whether any choice can be is the second thing. A large drawing is not read
+    once more for each choice.
+    """
+    questions = list(asking.raised.values())
+    choices = sum(len(question.choices) for question in questions)
+    if door.pieces * choices > MOST_PIECES:
+        return questions, True
+    likeliest = first_choices(questions)
+    told, viable = [], False
+    for question in questions:
+        gives: dict[str, str] = {}
+        refused = []
+        for choice in question.choices:
+            answers = {**dict(options.answers), **likeliest, question.id: choice.value}
+            trial = Asking(answers)
+            try:
+                nest = door.nest(replace(options, answers=tuple(answers.items())), trial)
+                for later in trial.raised.values():  # asked once these are answered
+                    answers.setdefault(later.id, later.choices[0].value)
+                gives[choice.value] = _given(nest)
+            except InputError as error:
+                gives[choice.value] = f"it could not be cut: {error.message}"
+                refused.append(choice.value)
+        viable = viable or len(refused) < len(question.choices)
+        told.append(with_gives(question, gives, refused))
+    return told, viable
+
+
+def _given(nest: Nest) -> str:
+    """What a reading gives, in a few words: contours, parts and sizes."""
+    kinds = Counter[str](contour.kind for contour in nest.contours)
+    words = [("outer", "part"), ("hole", "hole"), ("mark", "mark"), ("scrap", "scrap line")]
+    counts = ", ".join(f"{n} {word}{'s' if n != 1 else ''}" for kind, word in words if (n := kinds[kind]))
+    boxes = np.array([part.polygon.bounds for part in nest.parts])
+    sizes = boxes[:, 2:] - boxes[:, :2]
+    width, height = sizes[sizes.prod(axis=1).argmax()].tolist()
+    largest = f"{width:.6g} × {height:.6g} mm{' the largest' if len(nest.parts) > 1 else ''}"
+    reading = nest.reading
+    sheet = "" if reading is None else f", sheet {reading.sheet}{' assumed' if reading.assumed else ''}"
+    return f"{counts} ({largest}){sheet}"
 
 
 def file_bytes(file: Path) -> bytes:
@@ -114,20 +224,3 @@ def file_bytes(file: Path) -> bytes:
     if not data.strip():
         raise InputError("the file is empty", file=file)
     return data
-
-
-def _nest(file: Path, suffix: str, data: bytes, options: ReadOptions) -> Nest:
-    """Each format's libraries are imported only when such a file is read."""
-    if suffix == ".json":
-        from .json_nest import read_json
-
-        return read_json(data, options)
-    from .drawing_nest import nest_of
-
-    if suffix == ".dxf":
-        from .dxf import read_dxf
-
-        return nest_of(read_dxf(file, data, options), options)
-    from .svg import read_svg
-
-    return nest_of(read_svg(data, options), options)

@@ -16,7 +16,7 @@ from kerfwise.encoder.validate.rings import flat
 
 from .depth import surrounding
 from .drawing import DrawnCurve
-from .frame import alike
+from .frame import ALIKE_MM, alike
 from .options import ReadOptions
 
 NO_SHEET = "no layer is the sheet's"
@@ -24,9 +24,9 @@ NO_SHEET = "no layer is the sheet's"
 
 
 def choose_sheet(
-    drawn: Sequence[DrawnCurve], parts: Sequence[DrawnCurve], page: Sheet | None, options: ReadOptions
-) -> tuple[Sheet, list[Note]]:
-    """The sheet, and what is to be said about the choice.
+    drawn: Sequence[DrawnCurve], parts: Sequence[DrawnCurve], page: Sheet | None, options: ReadOptions, why: str = ""
+) -> tuple[Sheet, str, list[Note]]:
+    """The sheet, why it is that, and what is to be said about the choice.
 
     Parameters
     ----------
@@ -36,29 +36,30 @@ def choose_sheet(
         The rings of the parts.
     page
         The drawing area, for a format that has one.
+    why
+        Why the drawn ones are the sheet, where no layer says so.
 
     Raises
     ------
     InputError
         When several sheets are drawn.
     """
+    asked = options.sheet_size_mm
     if drawn:
-        sheet, asked = drawn_sheet(drawn), options.sheet_size_mm
+        sheet = drawn_sheet(drawn)
         x0, y0, x1, y1 = sheet.bounds
         if asked is None or alike((x1 - x0, y1 - y0), asked):
-            return sheet, []
-        return sheet, [
-            Note("warning", f"--sheet (in Python: sheet_mm) is not used: the sheet is drawn, {drawn[0].place}")
-        ]
+            return sheet, why or f"drawn on layer '{drawn[0].layer}'", []
+        return overridden(sheet, asked)
     # chords cut the round side of an arc short, by less than what is rounded here
     lines = np.array([p.curve.line(1e-3) for p in parts], dtype=object)
     x0, y0, x1, y1 = shapely.total_bounds(lines).round(2).tolist()
-    if options.sheet_size_mm is not None:
-        return _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
-    if page is not None and page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(x0, y0, x1, y1)):
+    if asked is not None:
+        return _given_sheet(asked, (x0, y0, x1, y1), options)
+    if page is not None and _is_page_of(page, (x0, y0, x1, y1), options):
         width, height = page.bounds[2], page.bounds[3]
         text = f"{NO_SHEET}: the page, {width:g} × {height:g} mm, is taken for it"
-        return replace(page, stated=False), [Note("warning", text)]
+        return replace(page, stated=False), "the page of the drawing", [Note("warning", text)]
     m = options.margin_mm
     sheet = _laid_around(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
@@ -66,7 +67,25 @@ def choose_sheet(
         f"{y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH (in Python: sheet_mm=), or name the sheet's layer "
         "in drawing.layers.sheet"
     )
-    return sheet, [Note("warning", text)]
+    return sheet, f"the parts' bounding box and {m:g} mm around it", [Note("warning", text)]
+
+
+def overridden(sheet: Sheet, size_mm: tuple[float, float]) -> tuple[Sheet, str, list[Note]]:
+    """A sheet of the size that was given in the place of the file's own, from its lower left corner on."""
+    x0, y0, x1, y1 = sheet.bounds
+    width, height = size_mm
+    text = (
+        f"--sheet (in Python: sheet_mm) takes the place of the file's sheet of {round(x1 - x0, 3):g} × "
+        f"{round(y1 - y0, 3):g} mm: {width:g} × {height:g} mm from ({x0:g}, {y0:g})"
+    )
+    return _rectangle(x0, y0, width, height, stated=True), "as given (--sheet)", [Note("warning", text)]
+
+
+def _is_page_of(page: Sheet, box: tuple[float, float, float, float], options: ReadOptions) -> bool:
+    """Whether a page may be the sheet: it holds the parts, and is no page that was fitted to the drawing."""
+    room = [abs(one - other) for one, other in zip(page.bounds, box, strict=True)]
+    fitted = max(room) <= ALIKE_MM
+    return not fitted and bool(page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(*box)))
 
 
 def drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
@@ -93,21 +112,31 @@ def drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
 
 
 def _given_sheet(
-    size_mm: tuple[float, float], bounds: tuple[float, float, float, float], margin_mm: float
-) -> tuple[Sheet, list[Note]]:
-    """At the origin if the parts are there, else around them."""
+    size_mm: tuple[float, float], bounds: tuple[float, float, float, float], options: ReadOptions
+) -> tuple[Sheet, str, list[Note]]:
+    """At the origin if the parts are there, with room to be cut out of it, else around them."""
     width, height = size_mm
     x0, y0, x1, y1 = bounds
-    if shapely.box(0, 0, width, height).covers(shapely.box(*bounds)) or x1 - x0 > width or y1 - y0 > height:
-        return Sheet.rectangle(width, height), []
+    room_mm = max(options.kerf_mm, ALIKE_MM)
+    on_it = shapely.box(0, 0, width, height).covers(shapely.box(*bounds))
+    at_its_edge = on_it and max(x0, y0) < room_mm
+    has_room = width - (x1 - x0) >= 2 * room_mm and height - (y1 - y0) >= 2 * room_mm
+    if (on_it and not (at_its_edge and has_room)) or x1 - x0 > width or y1 - y0 > height:
+        return Sheet.rectangle(width, height), "as given (--sheet)", []
     x, y = (
-        start - min(margin_mm, (size - (end - start)) / 2) for start, end, size in ((x0, x1, width), (y0, y1, height))
+        start - min(options.margin_mm, (size - (end - start)) / 2)
+        for start, end, size in ((x0, x1, width), (y0, y1, height))
     )
-    text = f"the parts do not lie in (0, 0)…({width:g}, {height:g}): the sheet is laid around them, from ({x:g}, {y:g})"
-    return _laid_around(x, y, width, height), [Note("warning", text)]
+    why = "touch the edge of" if on_it else "do not lie in"
+    text = f"the parts {why} (0, 0)…({width:g}, {height:g}): the sheet is laid around them, from ({x:g}, {y:g})"
+    return _laid_around(x, y, width, height), "as given (--sheet), laid around the parts", [Note("warning", text)]
 
 
 def _laid_around(x: float, y: float, width: float, height: float) -> Sheet:
     """A sheet whose place nobody has stated."""
+    return _rectangle(x, y, width, height, stated=False)
+
+
+def _rectangle(x: float, y: float, width: float, height: float, *, stated: bool) -> Sheet:
     outline = Curve.of([(x, y), (x + width, y), (x + width, y + height), (x, y + height)])
-    return Sheet(outline, stated=False)
+    return Sheet(outline, stated=stated)

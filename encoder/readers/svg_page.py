@@ -10,30 +10,39 @@ import svgelements
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Sheet
+from kerfwise.encoder.questions import Asking
 
 from .options import ReadOptions
-from .units import DRAWN_MM, MM_PER
+from .units import mm_of, units_question
 
 MM_PER_LENGTH = {"mm": 1.0, "cm": 10.0, "q": 0.25, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96}
+
+
+SVG_UNITS = ("px", "mm", "pt", "in")
+"""What a file without units may be in, the likeliest first."""
+
+HEAD_BYTES = 4000
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
     """How to get from svgelements' pixels (y down) to mm (y up); `sheet` is None where the file gives no size.
 
-    `units` names what the drawing was taken to be in.
+    `units` names what the drawing was taken to be in, `because` why.
     """
 
     to_mm: Any
     units: str
     sheet: Sheet | None
+    because: str = ""
 
 
-def page_of(svg: Any, options: ReadOptions) -> Page:
+def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | None = None) -> Page:
     """The page of a parsed file.
 
-    A user unit is what `options.units` says; else the page's width and height over those of its viewBox; else a
-    pixel of 1/96 inch. svgelements' own conversion is undone first: it rounds the inch and guesses a missing side.
+    A user unit is what `options.units` says; else the page's width and height over those of its viewBox; else what the
+    program that wrote the file counts in, by its own words in `data`; else that is asked about. svgelements' own
+    conversion is undone first: it rounds the inch and guesses a missing side.
 
     Raises
     ------
@@ -49,15 +58,45 @@ def page_of(svg: Any, options: ReadOptions) -> Page:
     stretched = len(scales) == 2 and abs(scales[0] - scales[1]) > 1e-6 * scales[0]
     if stretched and "none" in str(svg.values.get("preserveAspectRatio")):
         raise InputError("the page stretches the drawing in one direction; give it a viewBox of its own shape")
-    units = "mm" if any(unit for _, unit in sides) else "px"
-    scale = min(scales, default=DRAWN_MM["px"])
+    measured = any(unit.lower() not in ("", "px") for _, unit in sides)
     if options.units is not None:
-        scale, units = MM_PER[options.units], options.units
+        scale, units, because = mm_of(options.units) or 1.0, options.units, "as given (--units, drawing.units)"
+    elif measured and scales:
+        scale, units, because = min(scales), "mm", "the page's width and height say so"
+    else:
+        extent = max(width, height) or max((mm or 0.0) * 96 / 25.4 for mm, _ in sides)
+        units, because = _pixels(data, extent, None if measured else asking)
+        scale = min(scales, default=25.4 / 96) * (mm_of(units) or 1.0) * 96 / 25.4
+    if not box:
+        pixel = scale * 96 / 25.4
+        sides = [(mm if mm is None or unit.lower() not in ("", "px") else mm * pixel, unit) for mm, unit in sides]
     size = (width * scale, height * scale) if box else tuple(mm or 0.0 for mm, _ in sides)
     sheet = Sheet.rectangle(*size) if min(size) > 0 else None
     to_user = ~svgelements.Matrix(svg.viewbox_transform or "")
     upright = svgelements.Matrix(scale, 0, 0, -scale, -x0 * scale, y0 * scale + (size[1] if sheet else 0.0))
-    return Page(to_user * upright, units, sheet)
+    return Page(to_user * upright, units, sheet, because)
+
+
+def _pixels(data: bytes, extent: float, asking: Asking | None) -> tuple[str, str]:
+    """What the units of a file without any are, and why: by the words of the program that wrote it, or answered."""
+    head = data[:HEAD_BYTES].decode("utf-8", "replace")
+    if "Adobe Illustrator" in head:
+        return "pt", "Illustrator counts 72 an inch"
+    if found := re.search(r'inkscape:version="(\d+)\.(\d+)', data.decode("utf-8", "replace")):
+        old = (int(found[1]), int(found[2])) < (0, 92)
+        return (
+            ("90dpi", f"Inkscape {found[1]}.{found[2]} counts 90 an inch")
+            if old
+            else ("px", "Inkscape counts 96 an inch")
+        )
+    question = units_question(
+        f"the file names no unit{f', its page is {extent:g} units long' if extent else ''}: what is it in?",
+        SVG_UNITS,
+        extent,
+    )
+    if asking is None:
+        return "px", "pixels of a page that has a size are 96 an inch"
+    return asking.ask(question), "asked: the file names no unit"
 
 
 def _length(given: object) -> tuple[float | None, str]:

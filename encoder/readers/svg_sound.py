@@ -6,14 +6,17 @@ import re
 from collections.abc import Iterator
 from typing import Any
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 from kerfwise.encoder.errors import InputError
 
 from .copies import check_copies
-from .svg_style import plain_rules, too_long
+from .svg_css import styled
+from .svg_seen import Seen, laid_out
+from .svg_style import too_long
 
-UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter"})
-"""Elements whose shapes are tools of drawing, and no lines to cut."""
+UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter", "symbol", "style"})
+"""Elements whose shapes are tools of drawing, and no lines to cut; they are drawn where something uses them."""
 XLINK = "{http://www.w3.org/1999/xlink}href"
 
 _NUMBER = r"(?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
@@ -26,33 +29,50 @@ _SIZES = {
     "circle": ("cx", "cy", "r"),
     "ellipse": ("cx", "cy", "rx", "ry"),
     "line": ("x1", "y1", "x2", "y2"),
+    "svg": ("width", "height"),
+    "use": ("x", "y", "width", "height"),
 }
 
 
-def sound(data: bytes) -> bytes:
-    """The file without elements that are not drawn, its style sheets made plain.
+def sound(data: bytes) -> tuple[bytes, Seen]:
+    """The file with what it shows and nothing else: styles on their shapes, clones drawn; and what was taken out.
 
     Raises
     ------
     InputError
-        For a shape with a number or a path that cannot be read, by name: SVG would leave it out, or part of it. For
-        more clones than can be drawn.
+        For a shape with a number or a path that cannot be read, by name and line: SVG would leave it out, or part of
+        it. For more clones than can be drawn, and for styles that cannot be told.
     xml.etree.ElementTree.ParseError
         For what is no XML.
     """
     root = ElementTree.fromstring(data)
+    for number, element in enumerate(root.iter()):
+        for wrong in _wrong(element):
+            name = f" '{element.get('id')}'" if element.get("id") else ""
+            raise InputError(
+                f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG",
+                line=_line_of(data, number),
+            )
+    _check_clones(root)
+    styled(root)
+    seen = laid_out(root)
     for element in list(root.iter()):
         for child in list(element):
             if _tag(child) in UNDRAWN:
                 element.remove(child)
-    for element in root.iter():
-        if _tag(element) == "style":
-            element.text = plain_rules(element.text or "")
-        for wrong in _wrong(element):
-            name = f" '{element.get('id')}'" if element.get("id") else ""
-            raise InputError(f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG")
-    _check_clones(root)
-    return ElementTree.tostring(root)
+    return ElementTree.tostring(root), seen
+
+
+def _line_of(data: bytes, number: int) -> int | None:
+    """The line on which an element begins, by its number in the file."""
+    lines: list[int] = []
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = lambda name, attributes: lines.append(parser.CurrentLineNumber)
+    try:
+        parser.Parse(data, True)
+    except (expat.ExpatError, ValueError):
+        return None
+    return lines[number] if number < len(lines) else None
 
 
 def _check_clones(root: ElementTree.Element) -> None:
@@ -78,6 +98,9 @@ def _wrong(element: Any) -> Iterator[str]:
         given = element.get(key)
         if given is not None and not _LENGTH.fullmatch(given):
             yield f"{key} is {given!r}, expected a length"
+    box = element.get("viewBox", "") if tag in ("svg", "symbol") else ""
+    if box.strip() and (not _only_numbers(box) or len(re.findall(_NUMBER, box)) != 4):
+        yield f"its viewBox {_short(box)!r} is not four numbers"
     points = element.get("points", "") if tag in ("polygon", "polyline") else ""
     if not _only_numbers(points):
         yield f"its points {_short(points)!r} are no list of numbers"

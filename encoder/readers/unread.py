@@ -11,6 +11,7 @@ from ezdxf.entities.text import Text
 
 from kerfwise.encoder.nest import Note
 
+from .dxf_text import name_of
 from .layers import Layers, counted
 from .writing import writing_note
 
@@ -76,10 +77,10 @@ class Unread:
 
 
 def layer_of(entity: DXFEntity) -> str:
-    """The layer of an entity, also of a type that nobody knows."""
+    """The layer of an entity, also of a type that nobody knows, as its author wrote it."""
     if isinstance(entity, DXFTagStorage):
-        return next((str(tag.value) for part in entity.xtags.subclasses for tag in part if tag.code == 8), "0")
-    return str(entity.dxf.get("layer", "0")) if entity.dxf.is_supported("layer") else "0"
+        return name_of(next((str(tag.value) for part in entity.xtags.subclasses for tag in part if tag.code == 8), "0"))
+    return name_of(str(entity.dxf.get("layer", "0"))) if entity.dxf.is_supported("layer") else "0"
 
 
 def _text(entity: DXFEntity) -> str:

@@ -10,6 +10,7 @@ from typing import Literal
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Answers, with_answers
 from kerfwise.jobs.as_it_was_read import refit_as_made
 from kerfwise.jobs.given import Given, NestLike, ProfileLike, Tell, drawn_nest, plant_of, silent
 from kerfwise.models.plan.plan import Plan
@@ -41,6 +42,7 @@ class Asked:
     job: JobLike = None
     settings: tuple[Setting, ...] = ()
     locks: tuple[Lock, ...] = ()
+    answers: Answers = ()
     last: Plan | str | Path | None = None
 
 
@@ -93,7 +95,16 @@ def profile_for(
         tell(f"{job.name} names the profile {job.profile}: the one that is given, {plant.name}, goes before it")
     if job is not None and job.machine is not None and job.machine.casefold() != plant.name.casefold():
         tell(f"{job.name} is for the machine {job.machine}, and the profile is {plant.name}")
-    return with_values(plant, job, asked.settings, asked.locks)
+    return with_values(answered(plant, job, asked.answers), job, asked.settings, asked.locks)
+
+
+def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
+    """The profile with the answers of the job file, and those given beside it, to questions that the drawing raises."""
+    told = with_answers(() if job is None else job.answers, answers)
+    if not told:
+        return plant
+    drawing = replace(plant.drawing, answers=with_answers(plant.drawing.answers, told))
+    return replace(plant, drawing=drawing)
 
 
 def locked_for(

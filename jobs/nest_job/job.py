@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number, Text
+from kerfwise.rules.options.plain_values import Number, Pairs, Text
 from kerfwise.rules.options.yaml_positions import Place
 from kerfwise.rules.profile.files import shipped_profiles
 from kerfwise.rules.profile.one_nest import Setting
@@ -49,6 +50,9 @@ class Job:
     )
     order: str | None = field(default=None, metadata=option(Text(), "the order that the nest is cut for"))
     due: datetime.date | None = field(default=None, metadata=option(Day(), "day on which the sheets have to be ready"))
+    answers: Answers = field(
+        default=(), metadata=option(Pairs(), "answers to questions that the drawing raises, as in {frame: sheet}")
+    )
     locks: tuple[Lock, ...] = ()
     settings: tuple[Setting, ...] = ()
     file: str = ""

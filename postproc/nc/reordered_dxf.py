@@ -66,7 +66,7 @@ def _pieces(entity: Any, document: Any, order: DrawnOrder, scale: float) -> Iter
     from kerfwise.encoder.readers.dxf_entities import curve, entities
     from kerfwise.encoder.readers.unread import Unread
 
-    for piece, layer in entities([entity], hidden_layers(document), Unread()):
+    for piece, layer, _ in entities([entity], hidden_layers(document), Unread()):
         drawn = curve(piece, scale)
         if piece is not entity:
             piece.dxf.layer = layer

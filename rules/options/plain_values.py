@@ -134,6 +134,32 @@ class Text(OptionKind):
 
 
 @dataclass(frozen=True, slots=True)
+class Pairs(OptionKind):
+    """A mapping of texts, each to a text, or to one of a few `words`: kept as pairs, in the order that is written."""
+
+    words: tuple[str, ...] = ()
+
+    def read(self, node: yaml.Node) -> tuple[tuple[str, str], ...]:
+        if not isinstance(node, yaml.MappingNode):
+            raise self.refuse(node)
+        value = Choice(self.words) if self.words else Text()
+        found: dict[str, str] = {}
+        for key, given in node.value:
+            found[Text().read(key)] = str(value.read(given))
+        return tuple(found.items())
+
+    def write(self, value: tuple[tuple[str, str], ...]) -> str:
+        return "{" + ", ".join(f"{Text().write(key)}: {Text().write(given)}" for key, given in value) + "}"
+
+    def schema(self) -> dict[str, Any]:
+        given: dict[str, Any] = {"enum": list(self.words)} if self.words else {"type": ["string", "number"]}
+        return {"type": "object", "additionalProperties": given}
+
+    def expected(self) -> str:
+        return f"a mapping such as {{red: {self.words[0]}}}" if self.words else "a mapping such as {frame: sheet}"
+
+
+@dataclass(frozen=True, slots=True)
 class TextOrWord(OptionKind):
     """A text, or the word that stands for None."""
 

@@ -12,7 +12,7 @@ from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.facts.links import LinkOptions
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Kind, Nest
-from kerfwise.encoder.readers.layers import Layers
+from kerfwise.encoder.readers.layers import PURPOSES, Layers
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.slits import with_slits
@@ -20,7 +20,6 @@ from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.encoder.tabs import TabOptions
 from kerfwise.encoder.touching import with_loss
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
-from kerfwise.rules.options.option import options_of
 from kerfwise.rules.own import own_pairs
 
 from .frame import Frame, frame_of, reach_of
@@ -245,7 +244,11 @@ class Profile(ProfileSections):
         drawing = self.drawing
         return ReadOptions(
             units=drawing.units,
-            layers=Layers(**{o.name: getattr(drawing.layers, o.name) for o in options_of(drawing.layers)}),
+            layers=Layers(**{name: getattr(drawing.layers, name) for name in PURPOSES}),
+            colours=drawing.layers.colour,
+            linetypes=drawing.layers.linetype,
+            answers=drawing.answers,
+            kerf_mm=self.material.kerf_mm,
             frame=drawing.frame,
             open_lines=drawing.open_lines,
             scrap_lines=drawing.scrap_lines,

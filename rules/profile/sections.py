@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 from typing import get_args
 
 from kerfwise.encoder.candidates.candidate import LeadKind
+from kerfwise.encoder.questions import Answers
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
+from kerfwise.encoder.readers.layers import PURPOSES, Purpose
 from kerfwise.encoder.readers.options import FrameName, OpenLines, ScrapLines
-from kerfwise.encoder.readers.units import MM_PER
+from kerfwise.encoder.readers.units import UNITS
 from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
+from kerfwise.rules.options.plain_values import Choice, Flag, Number, Pairs, Text
 from kerfwise.rules.options.quantities import LENGTH, OrWord, over_zero
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
@@ -52,6 +54,7 @@ class LeadsSection:
 
 
 _LAYER = Text(pattern=True)
+_LOOKS = Pairs(PURPOSES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,12 @@ class LayerMap:
         default=LAYERS.bridge, metadata=option(_LAYER, "layers of rectangles, each a bridge between two parts")
     )
     tab: str = field(default=LAYERS.tab, metadata=option(_LAYER, "layers of short lines, each a tab of a part"))
+    colour: tuple[tuple[str, Purpose], ...] = field(
+        default=(), metadata=option(_LOOKS, "what lines of a colour are for, as in {red: cut, '#0000ff': mark}")
+    )
+    linetype: tuple[tuple[str, Purpose], ...] = field(
+        default=(), metadata=option(_LOOKS, "what lines of a type are for, as in {dashed: mark, CENTER: ignore}")
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +87,7 @@ class DrawingSection:
     units: str | None = field(
         default=None,
         metadata=option(
-            Choice(("auto", *MM_PER), none="auto"), "units of the drawing (auto: what the file says, else mm)"
+            Choice(("auto", *UNITS), none="auto"), "units of the drawing (auto: what the file says, else that is asked)"
         ),
     )
     layers: LayerMap = field(
@@ -98,6 +107,9 @@ class DrawingSection:
     scrap_lines: ScrapLines = field(
         default="ignore",
         metadata=option(Choice(get_args(ScrapLines)), "what becomes of lines on layers that layers.scrap names"),
+    )
+    answers: Answers = field(
+        default=(), metadata=option(Pairs(), "answers to questions that drawings raise, as in {frame: sheet}")
     )
     margin_mm: float = field(
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")

@@ -24,7 +24,8 @@ FUNCTIONS = (
     "compare", "resequence", "nest", "make", "facts", "read_plan", "read_job",
 )  # fmt: skip
 CLASSES = (
-    "Result", "Reached", "NoPlan", "InputError", "RulesConflict", "KerfwiseError", "Conflict", "CheckResult",
+    "Result", "Reached", "NoPlan", "InputError", "Questions", "RulesConflict", "KerfwiseError", "Conflict",
+    "CheckResult",
     "Explanation", "Times", "Simulation", "Offer", "Comparison", "Resequenced", "Nests", "Picture", "Lock", "Job",
     "Plan", "Nest", "Profile",
 )  # fmt: skip

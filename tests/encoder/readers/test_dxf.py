@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, sheet, square, texts
@@ -30,18 +31,61 @@ def test_units_can_be_overridden(tmp_path: Path) -> None:
     assert read_nest(path, ReadOptions(units="cm")).sheet.bounds[2] == 4000
 
 
-def test_metres_make_an_implausible_sheet(tmp_path: Path) -> None:
-    [said] = texts(read_dxf(tmp_path, one_part, units=6).notes)
-    assert (
-        said == "the sheet is 400000 × 300000 mm, too large to be one: if m is the wrong unit, "
-        "pass --units (in Python: units=) mm, cm or in"
-    )
+def units_asked(path: Path) -> list[str]:
+    with pytest.raises(Questions) as error:
+        read_nest(path, ReadOptions(frame="part"))
+    [question] = error.value.questions
+    assert question.id == "units"
+    return [choice.value for choice in question.choices]
 
 
-def test_an_unknown_unit_is_read_as_mm_and_said(tmp_path: Path) -> None:
-    nest = read_dxf(tmp_path, one_part, units=3)
-    assert nest.sheet.bounds[2] == 400
-    assert "$INSUNITS is 3, which is no unit of a nest" in nest.notes[0].text
+def test_an_implausible_size_is_asked_about(tmp_path: Path) -> None:
+    assert units_asked(save_dxf(tmp_path, one_part, units=6)) == ["mm", "in", "cm", "m"]
+
+
+def test_an_unknown_unit_is_asked_about_where_it_may_be_inches(tmp_path: Path) -> None:
+    def small(space: Any) -> None:
+        lines(space, square(0, 0, 48))
+
+    path = save_dxf(tmp_path, small, units=3)
+    assert units_asked(without(path, "$MEASUREMENT")) == ["mm", "in"]
+    assert read_nest(path, ReadOptions(units="mm")).parts[0].polygon.bounds[2] == 48
+
+
+def without(path: Path, name: str) -> Path:
+    """The file without a variable of its header."""
+    text = path.read_text()
+    at = text.index(f"  9\n{name}\n")
+    path.write_text(text[:at] + text[text.index("  9\n", at + 4) :])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("header", "expected"),
+    [
+        ({"$INSUNITS": 0, "$MEASUREMENT": 0}, ["in", "mm"]),
+        ({"$INSUNITS": 0, "$MEASUREMENT": 1, "$LUNITS": 4}, None),
+        ({"$INSUNITS": 0, "$MEASUREMENT": 0, "$LUNITS": 4}, ["in", "mm"]),
+        ({"$INSUNITS": 4, "$LUNITS": 4}, ["mm", "in"]),
+        ({"$INSUNITS": 4, "$MEASUREMENT": 0}, None),
+        ({"$INSUNITS": 1, "$MEASUREMENT": 1}, None),
+    ],
+)
+def test_what_the_header_says_and_what_it_contradicts(
+    tmp_path: Path, header: dict[str, int], expected: list[str] | None
+) -> None:
+    import ezdxf
+
+    document = ezdxf.new("R2010")
+    lines(document.modelspace(), square(0, 0, 48))
+    for name, value in header.items():
+        document.header[name] = value
+    path = tmp_path / "drawing.dxf"
+    document.saveas(path)
+    if expected is None:
+        assert read_nest(path).parts
+    else:
+        assert units_asked(path) == expected
 
 
 def test_a_file_without_header_is_in_mm(tmp_path: Path) -> None:
@@ -50,7 +94,8 @@ def test_a_file_without_header_is_in_mm(tmp_path: Path) -> None:
     for (x0, y0), (x1, y1) in zip(square(0, 0, 30), square(0, 0, 30)[1:] + square(0, 0, 30)[:1], strict=True):
         body += ["0", "LINE", "8", "0", "10", str(x0), "20", str(y0), "11", str(x1), "21", str(y1)]
     path.write_text("\n".join([*body, "0", "ENDSEC", "0", "EOF", ""]))
-    assert areas(read_nest(path)) == {"P1.outer": 900}
+    assert units_asked(path) == ["mm", "in"]
+    assert areas(read_nest(path, ReadOptions(units="mm"))) == {"P1.outer": 900}
 
 
 @pytest.mark.parametrize("version", ["R12", "R2000", "R2007", "R2018"])
@@ -59,7 +104,7 @@ def test_every_version_of_the_format(tmp_path: Path, version: str) -> None:
         lines(space, square(10, 10, 50))
         space.add_circle((35, 35), 10)
 
-    nest = read_nest(save_dxf(tmp_path, draw, version=version), ReadOptions(frame="part"))
+    nest = read_nest(save_dxf(tmp_path, draw, version=version), ReadOptions(frame="part", units="mm"))
     assert [c.id for c in nest.contours] == ["P1.hole1", "P1.outer"]
 
 
@@ -98,13 +143,17 @@ def test_layers_by_the_plants_own_names(tmp_path: Path) -> None:
     ]
 
 
-def test_nothing_left_to_cut_names_the_layers(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as error:
-        read_dxf(tmp_path, lambda s: lines(s, square(0, 0, 200), layer="PLATE 8"))
-    assert error.value.message == (
-        "nothing to cut: every line is on a layer that is not cut ('PLATE 8' is the sheet); to cut one, say so in "
-        "the profile: drawing: {layers: {cut: '^PLATE 8$'}}"
-    )
+def test_a_layer_that_sounds_like_the_sheet_and_is_all_there_is_is_asked_about(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        lines(space, square(0, 0, 200), layer="PLATE 8")
+
+    with pytest.raises(Questions) as error:
+        read_dxf(tmp_path, draw)
+    [question] = error.value.questions
+    assert (question.id, question.choices[0].value) == ("layer:PLATE 8", "cut")
+    assert areas(read_dxf(tmp_path, draw, answers=(("layer:PLATE 8", "cut"),))) == {"P1.outer": 40_000}
+    with pytest.raises(InputError, match="nothing to cut: every line is on a layer that is not cut"):
+        read_dxf(tmp_path, draw, answers=(("layer:PLATE 8", "ignore"),))
 
 
 def test_an_empty_drawing(tmp_path: Path) -> None:
@@ -118,13 +167,24 @@ def test_open_lines_are_listed_in_one_error(tmp_path: Path) -> None:
         lines(space, [(100, 100), (150, 100), (150, 150), (100, 100.4)], closed=False)
         lines(space, [(300, 100), (350, 100)], closed=False, layer="CUT")
 
-    with pytest.raises(InputError, match="2 lines do not close to contours") as error:
+    with pytest.raises(InputError, match="1 line does not close to contours") as error:
         read_dxf(tmp_path, draw)
-    of_layer_0, of_layer_cut, first, second = error.value.details
+    of_layer_0, first = error.value.details
     assert of_layer_0.startswith("layer '0' holds 1 open line beside 1 closed one, which would be cut through. Say in ")
-    assert of_layer_cut.startswith("layer 'CUT' holds 1 open line and nothing closed. If they are no contours, say in ")
     assert "raise drawing.join_tolerance over 0.400 mm" in first
-    assert "from (300.000, 100.000) to (350.000, 100.000) on layer 'CUT'" in second
+
+
+def test_an_open_line_in_waste_is_asked_about(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        one_part(space)
+        lines(space, [(300, 100), (350, 100)], closed=False, layer="CUT")
+
+    with pytest.raises(Questions) as error:
+        read_dxf(tmp_path, draw)
+    [question] = error.value.questions
+    assert [choice.value for choice in question.choices] == ["ignore", "mark", "scrap"]
+    assert "layer 'CUT' holds 1 open line and nothing closed, none of them in the metal of a part" in question.text
+    assert areas(read_dxf(tmp_path, draw, answers=(("layer:CUT", "ignore"),))) == {"P1.outer": 2500}
 
 
 def test_repair_closes_and_drops_and_says_each(tmp_path: Path) -> None:

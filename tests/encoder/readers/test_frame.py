@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Question, Questions
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, square, texts
 
 ASKED = (
     "a rectangle of 200 × 200 mm is drawn around everything, at (0.000, 0.000) on layer '0', and no layer says whether "
-    "it is the sheet or a part. Pass --frame sheet or --frame part (in Python: frame=), or say it in the profile: "
-    "drawing: {frame: sheet}"
+    "it is the sheet or a part: what is it?"
 )
 
 
@@ -21,16 +21,39 @@ def framed(space: Any, layer: str = "0") -> None:
     lines(space, square(50, 60, 20))
 
 
-def test_it_is_asked_about(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as error:
-        read_dxf(tmp_path, framed)
-    assert error.value.message == ASKED
+def asked(folder: Path, draw: Any, **options: Any) -> Question:
+    with pytest.raises(Questions) as error:
+        read_dxf(folder, draw, **options)
+    [question] = error.value.questions
+    return question
 
 
-def test_a_layer_of_its_own_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as error:
-        read_dxf(tmp_path, lambda space: framed(space, "Rahmen"))
-    assert error.value.message == ASKED.replace("'0'", "'Rahmen'") + ", or drawing: {layers: {sheet: '^Rahmen$'}}"
+def test_it_is_asked_about_with_what_each_choice_gives(tmp_path: Path) -> None:
+    question = asked(tmp_path, framed)
+    assert (question.id, question.text) == ("frame", ASKED)
+    assert [(choice.value, choice.gives) for choice in question.choices] == [
+        ("part", "1 part, 1 hole (200 × 200 mm), sheet 220 × 220 mm assumed"),
+        ("sheet", "1 part (20 × 20 mm), sheet 200 × 200 mm"),
+    ]
+
+
+def test_its_layer_is_named(tmp_path: Path) -> None:
+    assert asked(tmp_path, lambda space: framed(space, "Rahmen")).text == ASKED.replace("'0'", "'Rahmen'")
+
+
+def test_parts_with_holes_make_it_the_sheet_most_likely(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        framed(space)
+        space.add_circle((60, 70), 5)
+
+    assert [choice.value for choice in asked(tmp_path, draw).choices] == ["sheet", "part"]
+
+
+def test_an_answer_is_taken(tmp_path: Path) -> None:
+    assert areas(read_dxf(tmp_path, framed, answers=(("frame", "sheet"),))) == {"P1.outer": 400}
+    assert areas(read_dxf(tmp_path, framed, answers=(("frame", "part"),))) == {"P1.outer": 40_000, "P1.hole1": 400}
+    with pytest.raises(InputError, match="the answer frame=board is none of the choices: expected part, sheet"):
+        read_dxf(tmp_path, framed, answers=(("frame", "board"),))
 
 
 def test_it_is_what_the_options_say(tmp_path: Path) -> None:
@@ -52,8 +75,7 @@ def test_the_size_of_the_sheet_may_make_it_plain(tmp_path: Path, size: tuple[flo
 
 
 def test_a_rectangle_a_little_smaller_than_the_sheet_may_be_its_margin(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="around everything"):
-        read_dxf(tmp_path, framed, sheet_size_mm=(220, 220))
+    assert asked(tmp_path, framed, sheet_size_mm=(220, 220)).text == ASKED
 
 
 def test_a_frame_drawn_twice_is_one(tmp_path: Path) -> None:
@@ -88,10 +110,13 @@ def test_rings_that_enclose_nothing_are_no_frame(tmp_path: Path) -> None:
         read_dxf(tmp_path, draw)
 
 
-def test_the_page_of_an_svg_file_is_the_sheet(tmp_path: Path) -> None:
+def test_a_rectangle_as_large_as_the_page_is_asked_about(tmp_path: Path) -> None:
     path = tmp_path / "page.svg"
     path.write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="100mm" viewBox="0 0 200 100">'
         '<rect width="200" height="100"/><rect x="20" y="20" width="40" height="40"/></svg>'
     )
-    assert areas(read_nest(path)) == {"P1.outer": 1600}
+    with pytest.raises(Questions) as error:
+        read_nest(path)
+    assert "as large as the page" in error.value.questions[0].text
+    assert areas(read_nest(path, ReadOptions(answers=(("frame", "sheet"),)))) == {"P1.outer": 1600}

@@ -47,7 +47,7 @@ def small(suffix: str) -> bytes:
         <circle cx="60" cy="20" r="9" transform="rotate(5)"/></svg>"""
     document = ezdxf.new("R12")
     space = document.modelspace()
-    lines(space, square(0, 0, 100), layer="SHEET")
+    lines(space, square(0, 0, 300), layer="SHEET")
     lines(space, square(5, 5, 20))
     space.add_arc((60, 60), 10, 0, 180)
     space.add_line((50, 60), (70, 60))

@@ -3,12 +3,12 @@
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers.layers import DEFAULT, Layers, Use, counted, setting
+from kerfwise.encoder.readers.layers import DEFAULT, Layers, Use, counted, setting, surely_sheet
 
 NAMES = {
     "mark": "Engraving SCRIBE ETCH Part_Text Gravur Körnerpunkte Beschriftung Anriss Gravure Marquage Grabado Marcado"
     " Rotulado Incisione Marcatura Testo Grawerowanie Trasowanie Napisy Гравировка Маркировка Разметка Текст Керн"
-    " Gravír Gravir Jel Jelölés",
+    " Gravír Gravir Jel Jelölés LaserEtch Top-Text LASERMARK",
     "ignore": "DIM DIM2 DIMLINES BENDLINES A-ANNO Annotation Defpoints HIDDEN Construction CENTER_LINE CenterLine Axis"
     " IV_BEND IV_TOOL_CENTER Bemaßung Bemassung Maßlinie Hilfslinien Mittellinie Biegelinien Verdeckt Cotation Cotes"
     " Axes Pli Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка"
@@ -19,7 +19,8 @@ NAMES = {
     " Обрезь",
     "cut": "0 CUT OUTER HOLES Contour Kontur Außenkante Schnitt Bohrungen Découpe Corte Taglio Cięcie Контур Резка"
     " Template BASEPLATE Grundplatte Dimple Sediment Hatchback Corner Score Jelly Notch Layer_1"
-    " CuttingLine IV_OUTER_PROFILE Punching",
+    " CuttingLine IV_OUTER_PROFILE Punching Sketch001 Structure Texture Extrude Stretch MARCO Marcos Context Gravel"
+    " Cannot Denmark Benchmark Describe",
 }
 
 
@@ -27,6 +28,23 @@ NAMES = {
 def test_names_as_shops_write_them(purpose: str, name: str) -> None:
     for written in (name, name.lower(), name.upper()):
         assert DEFAULT.use([written]) == Use(purpose, False), written  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["EtchLines", "PartText", "myDIM", "TopEtch2"])
+def test_words_written_as_one_are_told_apart_by_their_capitals(name: str) -> None:
+    assert DEFAULT.use([name]).purpose in ("mark", "ignore")
+
+
+@pytest.mark.parametrize(
+    ("name", "sure"),
+    [(name, True) for name in ("SHEET", "Sheet 1", "Stock", "Blechtafel", "Лист", "sheet_outline", "Sheet 3000x1500")]
+    + [
+        (name, False)
+        for name in ("PLATE", "SHEET METAL PART", "Blechteil", "Tole", "Lámina", "base_plate", "ЛИСТ_КРЫШКИ")
+    ],
+)
+def test_some_names_mean_the_sheet_and_nothing_else(name: str, sure: bool) -> None:
+    assert surely_sheet(name) == sure
 
 
 def test_an_accent_written_as_a_sign_of_its_own_is_the_same_letter() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, sheet, square, texts
@@ -21,10 +22,37 @@ def engraved(space: Any) -> None:
     space.add_circle((45, 45), 3, dxfattribs={"layer": "G2"})
 
 
-@pytest.mark.parametrize("repair", [False, True])
-def test_a_circle_beside_an_open_line_is_not_cut_through(tmp_path: Path, repair: bool) -> None:
+def test_a_circle_beside_an_open_line_is_not_cut_through(tmp_path: Path) -> None:
+    with pytest.raises(Questions) as error:
+        read_dxf(tmp_path, engraved)
+    [question] = error.value.questions
+    assert question.id == "layer:G2"
+    assert question.text.startswith("layer 'G2' holds 1 open line beside 1 closed one, 1 of them in the metal of parts")
+    assert [(choice.value, choice.gives) for choice in question.choices] == [
+        ("mark", "1 part, 2 marks (50 × 50 mm), sheet 400 × 300 mm"),
+        ("open:mark", "1 part, 1 hole, 1 mark (50 × 50 mm), sheet 400 × 300 mm"),
+        ("open:ignore", "1 part, 1 hole (50 × 50 mm), sheet 400 × 300 mm"),
+        ("ignore", "1 part (50 × 50 mm), sheet 400 × 300 mm"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("answer", "contours"),
+    [
+        ("mark", ["P1.mark1", "P1.mark2", "P1.outer"]),
+        ("open:mark", ["P1.mark1", "P1.hole1", "P1.outer"]),
+        ("open:ignore", ["P1.hole1", "P1.outer"]),
+        ("ignore", ["P1.outer"]),
+    ],
+)
+def test_each_answer_does_what_it_says(tmp_path: Path, answer: str, contours: list[str]) -> None:
+    nest = read_dxf(tmp_path, engraved, answers=(("layer:G2", answer),))
+    assert [c.id for c in nest.contours] == contours
+
+
+def test_with_repair_a_circle_beside_an_open_line_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="1 line does not close to contours") as error:
-        read_dxf(tmp_path, engraved, repair=repair)
+        read_dxf(tmp_path, engraved, repair=True)
     assert error.value.details[0] == (
         "layer 'G2' holds 1 open line beside 1 closed one, which would be cut through. Say in the profile what it is: "
         "drawing: {layers: {mark: '^G2$'}} marks all of it; with ignore in place of mark it is left out; "

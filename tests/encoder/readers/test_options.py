@@ -7,7 +7,10 @@ from kerfwise.encoder.readers import ReadOptions
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"units": "inch"}, "unknown units 'inch': expected one of mm, cm, m, in, ft"),
+        (
+            {"units": "inch"},
+            "unknown units 'inch': expected one of mm, cm, m, in, ft, pt, px, or dots an inch such as 90dpi",
+        ),
         ({"sheet_size_mm": (100, 0)}, "sheet_size_mm has 0: expected a width and a height over 0"),
         ({"margin_mm": -1}, "margin_mm is -1: expected 0 or more"),
         ({"frame": "board"}, "unknown frame 'board': expected one of sheet, part"),

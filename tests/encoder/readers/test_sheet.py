@@ -11,7 +11,7 @@ PARTS = pieces(square(50, 60, 20), square(80, 60, 20), closed=True)
 
 def test_a_drawn_sheet_with_a_hole() -> None:
     drawn = pieces(square(0, 0, 200), square(150, 150, 20), closed=True)
-    sheet, notes = choose_sheet(drawn, PARTS, None, ReadOptions())
+    sheet, _, notes = choose_sheet(drawn, PARTS, None, ReadOptions())
     assert sheet.bounds == (0, 0, 200, 200)
     assert sheet.polygon.area == 40_000 - 400
     assert notes == []
@@ -29,22 +29,39 @@ def test_two_sheets_are_refused() -> None:
     assert error.value.details == ("at (0.000, 0.000) on layer '0'", "at (300.000, 0.000) on layer '0'")
 
 
-def test_a_drawn_sheet_comes_before_a_given_size_and_says_so() -> None:
-    drawn = pieces(square(0, 0, 200), closed=True)
-    sheet, notes = choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(500, 500)))
-    assert (sheet.bounds, sheet.stated) == ((0, 0, 200, 200), True)
+def test_a_given_size_takes_the_place_of_a_drawn_sheet_and_that_is_said() -> None:
+    drawn = pieces(square(5, 0, 200), closed=True)
+    sheet, why, notes = choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(500, 300)))
+    assert (sheet.bounds, sheet.stated, why) == ((5, 0, 505, 300), True, "as given (--sheet)")
     assert texts(notes) == [
-        "--sheet (in Python: sheet_mm) is not used: the sheet is drawn, at (0.000, 0.000) on layer '0'"
+        "--sheet (in Python: sheet_mm) takes the place of the file's sheet of 200 × 200 mm: 500 × 300 mm from (5, 0)"
     ]
 
 
+def test_a_part_at_the_edge_of_a_given_sheet_gets_room_to_be_cut() -> None:
+    at_zero = pieces(square(0, 0, 50), closed=True)
+    sheet, _, notes = choose_sheet([], at_zero, None, ReadOptions(sheet_size_mm=(500, 300)))
+    assert (sheet.bounds, sheet.stated) == ((-10, -10, 490, 290), False)
+    assert texts(notes) == [
+        "the parts touch the edge of (0, 0)…(500, 300): the sheet is laid around them, from (-10, -10)"
+    ]
+    tight = choose_sheet([], at_zero, None, ReadOptions(sheet_size_mm=(50, 50)))[0]
+    assert tight.bounds == (0, 0, 50, 50)
+
+
+def test_a_page_that_was_fitted_to_the_drawing_is_no_sheet() -> None:
+    fitted = Sheet.rectangle(50, 50)
+    sheet, why, _ = choose_sheet([], pieces(square(0, 0, 50), closed=True), fitted, ReadOptions())
+    assert (sheet.bounds, why) == ((-10, -10, 60, 60), "the parts' bounding box and 10 mm around it")
+
+
 def test_a_given_size_lies_at_the_origin_where_the_parts_are() -> None:
-    sheet, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(100, 80)))
+    sheet, _, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(100, 80)))
     assert (sheet.bounds, sheet.stated, notes) == ((0, 0, 100, 80), True, [])
 
 
 def test_a_given_size_is_laid_around_parts_that_lie_elsewhere() -> None:
-    sheet, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(90, 24)))
+    sheet, _, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(90, 24)))
     assert sheet.bounds == (40, 58, 130, 82)
     assert not sheet.stated
     assert texts(notes) == ["the parts do not lie in (0, 0)…(90, 24): the sheet is laid around them, from (40, 58)"]
@@ -55,7 +72,7 @@ def test_a_size_too_small_for_the_parts_stays_at_the_origin() -> None:
 
 
 def test_the_page_is_the_sheet_if_it_holds_the_parts() -> None:
-    sheet, [note] = choose_sheet([], PARTS, Sheet.rectangle(210, 297), ReadOptions())
+    sheet, _, [note] = choose_sheet([], PARTS, Sheet.rectangle(210, 297), ReadOptions())
     assert sheet.bounds == (0, 0, 210, 297)
     assert not sheet.stated
     assert "the page, 210 × 297 mm, is taken for it" in note.text
@@ -63,7 +80,7 @@ def test_the_page_is_the_sheet_if_it_holds_the_parts() -> None:
 
 
 def test_the_bounding_box_is_the_last_resort() -> None:
-    sheet, [note] = choose_sheet([], PARTS, None, ReadOptions(margin_mm=5))
+    sheet, _, [note] = choose_sheet([], PARTS, None, ReadOptions(margin_mm=5))
     assert sheet.bounds == (45, 55, 105, 85)
     assert not sheet.stated
     assert "bounding box and 5 mm around it, 60 × 30 mm" in note.text
@@ -71,4 +88,4 @@ def test_the_bounding_box_is_the_last_resort() -> None:
 
 def test_a_given_size_that_is_that_of_the_drawn_sheet_needs_no_word() -> None:
     drawn = pieces(square(0, 0, 200), closed=True)
-    assert choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(200, 200.4)))[1] == []
+    assert choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(200, 200.4)))[2] == []

@@ -177,7 +177,7 @@ def test_bare_profile_gives_the_defaults_of_the_encoder() -> None:
         LeadOptions(), pierce_clearance_mm=1.5, holes=HoleLimits(least_mm=6.0, room_mm=3.0)
     )
     assert profile.fact_options() == FactOptions()
-    assert profile.read_options() == ReadOptions()
+    assert profile.read_options() == ReadOptions(kerf_mm=profile.material.kerf_mm)
 
 
 def test_options_of_the_encoder_follow_the_rules(tmp_path: Path) -> None:

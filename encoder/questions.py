@@ -1,0 +1,198 @@
+"""Questions that a drawing raises: what it does not decide, with the choices, and the answers that were given.
+
+Whoever reads a nest asks through `Asking.ask`. An answer that was given is taken; without one the likeliest choice is
+taken for the time being, so that later questions are found too, and `Questions` is raised once all are known.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from .errors import InputError
+from .shown import shown
+
+Answers = tuple[tuple[str, str], ...]
+"""The id of a question and the value of the choice, in the order in which they were given: the last one stands."""
+
+LAYER = "layer:"
+"""How the id of a question about a layer begins; the layer's name follows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One answer: the value that a flag takes, what it means, and what it would give, as far as that is known."""
+
+    value: str
+    words: str
+    gives: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What nobody but a person can say; the likeliest choice stands first.
+
+    Examples
+    --------
+    >>> choices = Choice("sheet", "the sheet", "3 parts"), Choice("part", "a part")
+    >>> frame = Question("frame", "is it the sheet?", choices)
+    >>> print(frame.told())
+    frame: is it the sheet?
+        --answer frame=sheet   the sheet: 3 parts
+        --answer frame=part    a part
+    """
+
+    id: str
+    text: str
+    choices: tuple[Choice, ...]
+
+    def flag(self, choice: Choice) -> str:
+        """The option that gives this answer, as it is typed in a shell."""
+        said = f"{self.id}={choice.value}"
+        plain = said.replace(":", "").replace("=", "").replace("_", "").replace("-", "").replace(",", "")
+        return f"--answer {said}" if plain.isalnum() and said.isascii() else f'--answer "{said}"'
+
+    def told(self) -> str:
+        """The question and its choices, a line each."""
+        flags = [self.flag(choice) for choice in self.choices]
+        wide = max(map(len, flags), default=0)
+        rows = [
+            f"    {flag:{wide}}   {choice.words}{f': {choice.gives}' if choice.gives else ''}"
+            for flag, choice in zip(flags, self.choices, strict=True)
+        ]
+        return "\n".join([f"{self.id}: {self.text}", *rows])
+
+    def as_json(self) -> dict[str, Any]:
+        """The question as data."""
+        rows = [
+            {"value": c.value, "words": c.words, "gives": c.gives, "flag": self.flag(c).removeprefix("--answer ")}
+            for c in self.choices
+        ]
+        return {"id": self.id, "text": self.text, "choices": rows}
+
+
+class Questions(InputError):
+    """A drawing raises questions that nobody has answered; nothing is made of it until they are.
+
+    `questions` are all of them. `reading` is how the drawing is read with the first choice of each, where that is
+    known. The command line shows them and ends with exit code 3.
+    """
+
+    def __init__(self, questions: Sequence[Question], *, file: str | Path | None = None, reading: Any = None) -> None:
+        self.questions, self.reading = tuple(questions), reading
+        count = len(self.questions)
+        which = "a question that nobody has answered" if count == 1 else f"{count} questions that nobody has answered"
+        super().__init__(f"the drawing raises {which}", file=file, details=tuple(q.told() for q in self.questions))
+
+    def _text(self) -> str:
+        place = f"{shown(str(self.file))}: " if self.file is not None else ""
+        told = [
+            f"  {k}. " + "\n".join(shown(line) for line in question.told().split("\n")).replace("\n", "\n  ")
+            for k, question in enumerate(self.questions, 1)
+        ]
+        job = f"{Path(str(self.file)).stem}.job.yaml" if self.file is not None else "NEST.job.yaml"
+        first = json.dumps(first_choices(self.questions), ensure_ascii=False)
+        kept = (
+            f"Answers are kept in {shown(job)} (in Python: answers=). A profile may answer for a plant: "
+            f"drawing: {{answers: {shown(first)}}}"
+        )
+        return "\n".join([f"{place}{self.message}:", *told, kept])
+
+    def in_file(self, file: str | Path) -> Questions:
+        """The same, of a file by this name."""
+        return Questions(self.questions, file=file, reading=self.reading)
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """All questions as data."""
+        return [question.as_json() for question in self.questions]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _questions, (self.questions, self.file)
+
+
+def _questions(questions: tuple[Question, ...], file: str | Path | None) -> Questions:
+    return Questions(questions, file=file)
+
+
+@dataclass(slots=True)
+class Asking:
+    """Takes questions, and answers those that were answered: `given` by question id.
+
+    `raised` are those without an answer, by their ids; `used` are the answers that a question was met by.
+    """
+
+    given: Mapping[str, str] = field(default_factory=dict)
+    raised: dict[str, Question] = field(default_factory=dict)
+    used: dict[str, str] = field(default_factory=dict)
+
+    def ask(self, question: Question) -> str:
+        """The value that was answered, or that of the likeliest choice, with the question put down as raised.
+
+        Raises
+        ------
+        InputError
+            For an answer that is none of the choices.
+        """
+        said = self.given.get(question.id)
+        if said is None:
+            return self.raised.setdefault(question.id, question).choices[0].value
+        values = [choice.value for choice in question.choices]
+        if said not in values:
+            raise InputError(
+                f"the answer {question.id}={said} is none of the choices: expected {', '.join(values)} "
+                f"({question.text})"
+            )
+        self.used[question.id] = said
+        return said
+
+    def answered(self, question_id: str) -> str | None:
+        """What was answered to a question, None where nobody has answered."""
+        return self.given.get(question_id)
+
+
+def answers_of(given: Iterable[str]) -> Answers:
+    """Answers as they are written on the command line, `QUESTION=CHOICE` each.
+
+    Raises
+    ------
+    InputError
+        For a text without `=`.
+
+    Examples
+    --------
+    >>> answers_of(["frame=sheet", "layer:0=open:mark"])
+    (('frame', 'sheet'), ('layer:0', 'open:mark'))
+    """
+    found = []
+    for text in given:
+        question, sign, choice = text.rpartition("=")
+        if not (sign and question.strip() and choice.strip()):
+            raise InputError(f"--answer {text!r}: expected QUESTION=CHOICE, such as frame=sheet")
+        found.append((question.strip(), choice.strip()))
+    return tuple(found)
+
+
+def with_answers(before: Answers, later: Iterable[tuple[str, str]]) -> Answers:
+    """Both, where the later ones take the place of those before.
+
+    Examples
+    --------
+    >>> with_answers((("frame", "part"), ("units", "in")), [("frame", "sheet")])
+    (('frame', 'sheet'), ('units', 'in'))
+    """
+    return tuple((dict(before) | dict(later)).items())
+
+
+def first_choices(questions: Iterable[Question]) -> dict[str, str]:
+    """The answers that take the likeliest choice of each."""
+    return {question.id: question.choices[0].value for question in questions}
+
+
+def with_gives(question: Question, gives: Mapping[str, str], refused: Iterable[str]) -> Question:
+    """The question with what each choice would give; choices that cannot be cut stand behind the others."""
+    last = set(refused)
+    rows = [replace(choice, gives=gives.get(choice.value, choice.gives)) for choice in question.choices]
+    return replace(question, choices=tuple(sorted(rows, key=lambda choice: choice.value in last)))

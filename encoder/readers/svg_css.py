@@ -1,0 +1,231 @@
+"""Style sheets of SVG files: which rules a shape falls under, and what it is styled by in the end."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element
+
+from kerfwise.encoder.errors import InputError
+
+from .svg_style import plain_rules
+
+_PART = re.compile(
+    r"(?P<name>\*|[\w-]+)|#(?P<id>[\w-]+)|\.(?P<cls>[\w-]+)"
+    r"|\[\s*(?P<attr>[\w:-]+)\s*(?:(?P<op>[~^$*|]?=)\s*[\"']?(?P<value>[^\]\"']*)[\"']?\s*)?\]"
+    r"|:(?P<pseudo>[\w-]+)(?:\((?P<arg>[^()]*)\))?"
+)
+_NEVER = frozenset({"hover", "active", "focus", "visited", "target", "focus-visible", "focus-within"})
+"""States of a page that somebody is looking at: no drawing is in one."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Rule:
+    """One selector with what it says: simple selectors from left to right, each with the sign before it."""
+
+    chain: tuple[tuple[str, str], ...]
+    says: Mapping[str, tuple[str, bool]]
+    weight: tuple[int, int, int]
+
+
+def styled(root: Element) -> None:
+    """Give every element, in its `style`, all that the style sheets and its own style say of it.
+
+    Raises
+    ------
+    InputError
+        For a selector that is not known: what it selects may be what is hidden.
+    """
+    sheets = [element for element in root.iter() if _tag(element) == "style"]
+    rules = [rule for sheet in sheets for rule in _rules("".join(sheet.itertext()))]
+    for sheet in sheets:
+        sheet.text = ""
+        sheet[:] = []
+    if not rules:
+        return
+    parents = {child: parent for parent in root.iter() for child in parent}
+    for element in root.iter():
+        if not isinstance(element.tag, str):
+            continue
+        found: dict[str, tuple[str, tuple[int, ...]]] = {}
+        said = [(rule.says, rule.weight) for rule in rules if _matches(element, rule.chain, parents)]
+        for order, (says, weight) in enumerate([*said, (declarations(element.get("style", "")), (1000, 0, 0))]):
+            for name, (value, important) in says.items():
+                rank = (int(important), *weight, order)
+                if name not in found or rank >= found[name][1]:
+                    found[name] = value, rank
+        if found:
+            element.set("style", ";".join(f"{name}:{value}" for name, (value, _) in found.items()))
+
+
+def declarations(text: str) -> dict[str, tuple[str, bool]]:
+    """What a style says: property → value, and whether it is important.
+
+    Examples
+    --------
+    >>> declarations("fill: none; display:none !important")
+    {'fill': ('none', False), 'display': ('none', True)}
+    """
+    found = {}
+    for one in text.split(";"):
+        name, colon, value = one.partition(":")
+        if colon and name.strip():
+            plain = re.sub(r"\s*!\s*important\s*$", "", value.strip(), flags=re.IGNORECASE)
+            found[name.strip().lower()] = plain, plain != value.strip()
+    return found
+
+
+def _tag(element: Element) -> str:
+    return str(element.tag).rpartition("}")[2]
+
+
+def _rules(text: str) -> Iterator[_Rule]:
+    for selectors, says in _blocks(plain_rules(_screen_only(text))):
+        for selector in selectors.split(","):
+            if selector.strip():
+                chain = tuple(_chain(selector.strip()))
+                yield _Rule(chain, declarations(says), _weight([part for _, part in chain]))
+
+
+def _screen_only(text: str) -> str:
+    """A sheet without what holds on paper only; rules for screens are taken out of their block."""
+    kept, at = "", 0
+    while (found := re.compile(r"@[\w-]+").search(text, at)) is not None:
+        kept += text[at : found.start()]
+        opens, semicolon = text.find("{", found.end()), text.find(";", found.end())
+        if opens < 0 or 0 <= semicolon < opens:
+            at = semicolon + 1 if semicolon >= 0 else len(text)
+            continue
+        depth, end = 1, opens + 1
+        while depth and end < len(text):
+            depth += {"{": 1, "}": -1}.get(text[end], 0)
+            end += 1
+        query = text[found.start() : opens].lower()
+        if query.startswith("@media") and not ("print" in query and "screen" not in query):
+            kept += text[opens + 1 : end - 1]
+        at = end
+    return kept + text[at:]
+
+
+def _blocks(text: str) -> Iterator[tuple[str, str]]:
+    for block in text.split("}"):
+        selectors, brace, says = block.partition("{")
+        if brace:
+            yield selectors, says
+
+
+def _chain(selector: str) -> Iterator[tuple[str, str]]:
+    """Simple selectors with the sign that joins each to the one before: a blank, >, + or ~."""
+    words = re.findall(r"\s*([>+~])\s*|(\s+)|((?:\[[^\]]*\]|\([^)]*\)|[^\s>+~\[(])+)", selector)
+    joined = ""
+    for sign, blank, simple in words:
+        if simple:
+            yield joined or " ", simple
+            joined = ""
+        else:
+            joined = sign or joined or (blank[:1] and " ")
+
+
+def _weight(parts: Sequence[str]) -> tuple[int, int, int]:
+    found = [match for part in parts for match in _PART.finditer(part)]
+    ids = sum(match["id"] is not None for match in found)
+    names = sum(match["name"] is not None and match["name"] != "*" for match in found)
+    return ids, len(found) - ids - names - sum(match["name"] == "*" for match in found), names
+
+
+def _matches(element: Element, chain: Sequence[tuple[str, str]], parents: Mapping[Element, Element]) -> bool:
+    sign, simple = chain[-1]
+    if not _is(element, simple, parents):
+        return False
+    if len(chain) == 1:
+        return True
+    before = chain[:-1]
+    parent = parents.get(element)
+    if sign == ">":
+        return parent is not None and _matches(parent, before, parents)
+    if sign in "+~":
+        older = [] if parent is None else list(parent)[: list(parent).index(element)]
+        return any(_matches(one, before, parents) for one in (older[-1:] if sign == "+" else older))
+    while parent is not None:
+        if _matches(parent, before, parents):
+            return True
+        parent = parents.get(parent)
+    return False
+
+
+def _is(element: Element, simple: str, parents: Mapping[Element, Element]) -> bool:
+    at = 0
+    while at < len(simple):
+        found = _PART.match(simple, at)
+        if found is None or found.end() == at:
+            raise _unknown(simple)
+        at = found.end()
+        if not _has(element, found, simple, parents):
+            return False
+    return True
+
+
+def _has(element: Element, part: re.Match[str], simple: str, parents: Mapping[Element, Element]) -> bool:
+    if part["name"] is not None:
+        return part["name"] in ("*", _tag(element))
+    if part["id"] is not None:
+        return element.get("id") == part["id"]
+    if part["cls"] is not None:
+        return part["cls"] in element.get("class", "").split()
+    if part["attr"] is not None:
+        return _has_attribute(element, part["attr"], part["op"], part["value"] or "")
+    pseudo, arg = part["pseudo"], part["arg"]
+    if pseudo in _NEVER:
+        return False
+    if pseudo == "not" and arg:
+        return not _is(element, arg.strip(), parents)
+    parent = parents.get(element)
+    if pseudo == "root":
+        return parent is None
+    others = [element] if parent is None else [e for e in parent if isinstance(e.tag, str)]
+    if pseudo.endswith("of-type"):
+        others = [e for e in others if _tag(e) == _tag(element)]
+    place, count = others.index(element) + 1, len(others)
+    kind = pseudo.removesuffix("-of-type").removesuffix("-child")
+    if kind == "first":
+        return place == 1
+    if kind == "last":
+        return place == count
+    if kind == "only":
+        return count == 1
+    if kind in ("nth", "nth-last") and arg:
+        return _is_nth(place if kind == "nth" else count - place + 1, arg, simple)
+    raise _unknown(simple)
+
+
+def _is_nth(place: int, text: str, simple: str) -> bool:
+    plain = text.replace(" ", "").lower()
+    plain = {"odd": "2n+1", "even": "2n"}.get(plain, plain)
+    found = re.fullmatch(r"(?:([+-]?\d*)n)?([+-]?\d+)?", plain)
+    if found is None:
+        raise _unknown(simple)
+    step = 0 if found[1] is None else int(found[1] + "1" if found[1] in ("", "+", "-") else found[1])
+    off = place - int(found[2] or 0)
+    return off == 0 if step == 0 else off % step == 0 and off // step >= 0
+
+
+def _has_attribute(element: Element, name: str, op: str | None, value: str) -> bool:
+    given = next((v for k, v in element.attrib.items() if k.rpartition("}")[2] == name.rpartition(":")[2]), None)
+    if given is None or op is None:
+        return given is not None
+    return {
+        "=": given == value,
+        "~=": value in given.split(),
+        "^=": value != "" and given.startswith(value),
+        "$=": value != "" and given.endswith(value),
+        "*=": value != "" and value in given,
+        "|=": given == value or given.startswith(f"{value}-"),
+    }[op]
+
+
+def _unknown(simple: str) -> InputError:
+    return InputError(
+        f"the style sheet's selector {simple!r} is not known, so that it is not clear what is shown; save the drawing "
+        "as plain SVG, with styles on each shape"
+    )
