@@ -12,6 +12,7 @@ from . import __version__
 
 VERBS = {
     "solve": "Turn a nest into a checked cutting program.",
+    "read": "Say what a drawing is taken for, and what it leaves open.",
     "check": "Judge a plan or a program by every rule, independently.",
     "explain": "Say why a contour is cut where it is, then, and so.",
     "time": "Say how long a plan or a program takes, and what it costs.",

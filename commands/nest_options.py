@@ -47,7 +47,7 @@ _OPTIONS = (
                  help="Layouts that are planned with --for cutting."),
     click.option("--weigh-work", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="W",
                  help="Limit of each such plan."),
-    click.option("--units", metavar="UNIT", help="Unit of the drawings: mm, cm, m, in or ft."),
+    click.option("--units", metavar="UNIT", help="Unit of the drawings: mm, cm, m, in, ft, pt, px, or as 90dpi."),
     click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings, and say what was done."),
     click.argument("parts", metavar="PARTS…", nargs=-1, required=True),
 )  # fmt: skip

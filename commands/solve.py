@@ -154,6 +154,8 @@ def command(
         write_files(files)
     if verbose:
         click.echo("\n".join(made.notes))
+    if given.nest.reading is not None:
+        click.echo(shown(given.nest.reading.short()))
     click.echo(summary(made.plan, made.verdict))
     if given.job is not None and (told := job_line(given.job, made.plan)):
         click.echo(told)

@@ -18,6 +18,9 @@ from .shown import shown
 Answers = tuple[tuple[str, str], ...]
 """The id of a question and the value of the choice, in the order in which they were given: the last one stands."""
 
+ANSWERED, LIKELIEST = "as answered", "the likeliest, until it is answered"
+"""Why something is taken for what it is that a question is about."""
+
 LAYER = "layer:"
 """How the id of a question about a layer begins; the layer's name follows."""
 
@@ -113,6 +116,24 @@ class Questions(InputError):
         return _questions, (self.questions, self.file)
 
 
+class QuestionsOfFiles(Questions):
+    """What several drawings ask: all of it at once; `of` are the questions of each."""
+
+    def __init__(self, of: Sequence[Questions]) -> None:
+        self.of = tuple(of)
+        super().__init__([question for one in of for question in one.questions])
+
+    def _text(self) -> str:
+        return "\n".join(map(str, self.of))
+
+    def in_file(self, file: str | Path) -> Questions:
+        """The same: each has its file."""
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return QuestionsOfFiles, (self.of,)
+
+
 def _questions(questions: tuple[Question, ...], file: str | Path | None) -> Questions:
     return Questions(questions, file=file)
 
@@ -147,6 +168,10 @@ class Asking:
             )
         self.used[question.id] = said
         return said
+
+    def because(self, question_id: str) -> str:
+        """Why something is taken for what it is: it was answered, or it is the likeliest choice so far."""
+        return ANSWERED if question_id in self.used else LIKELIEST
 
     def answered(self, question_id: str) -> str | None:
         """What was answered to a question, None where nobody has answered."""

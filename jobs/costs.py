@@ -60,6 +60,8 @@ def _sheet(nest: Nest, profile: Profile) -> tuple[float, float]:
     prices, area_mm2 = profile.prices, nest.sheet.polygon.area
     if not (prices.sheet_kg or prices.sheet_each) or not area_mm2:
         return 0.0, 0.0
+    if nest.reading is not None and nest.reading.assumed:  # nobody has stated a sheet: it has no price
+        return 0.0, 0.0
     kg_per_mm2 = MATERIALS[profile.heat.material].density * profile.material.thickness_mm * _M3_PER_MM3
     whole = prices.sheet_each or area_mm2 * kg_per_mm2 * prices.sheet_kg
     side = profile.cuts.scrap.remnant

@@ -14,7 +14,7 @@ import shapely
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Note
-from kerfwise.encoder.questions import LAYER, Asking, Choice, Question
+from kerfwise.encoder.questions import ANSWERED, LAYER, LIKELIEST, Asking, Choice, Question
 
 from .drawing import DrawnCurve
 from .layers import DEFAULT, Purpose, counted, setting, surely_cut, surely_sheet
@@ -105,7 +105,8 @@ class ByLayer:
 
 def answered_as_cut(told: ByLayer, piece: DrawnCurve) -> bool:
     """Whether somebody has answered that the layer of a piece is cut, and no profile for all drawings."""
-    return told.uses[look_of(piece)] == ("cut", "as answered", True)
+    use = told.uses[look_of(piece)]
+    return use.purpose == "cut" and use.because in (ANSWERED, LIKELIEST) and use.stated
 
 
 def look_of(piece: DrawnCurve) -> Look:
@@ -151,7 +152,7 @@ def _use(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) ->
     answered = (asking.answered(f"{LAYER}{piece.layer}") or "").split(",")[0]
     if answered in PURPOSES:
         asking.used[f"{LAYER}{piece.layer}"] = asking.given[f"{LAYER}{piece.layer}"]
-        return Use(cast(Purpose, answered), "as answered", True)
+        return Use(cast(Purpose, answered), ANSWERED, True)
     for what, drawn, given in (
         ("colour", look.colour, options.colours),
         ("linetype", look.linetype, options.linetypes),
@@ -188,7 +189,7 @@ def _by_colour(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking: A
                 tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
             )
         )
-        found |= {look_of(p): Use(cast(Purpose, said), f"as answered (colour:{colour})", False) for p in same}
+        found |= {look_of(p): Use(cast(Purpose, said), asking.because(f"colour:{colour}"), False) for p in same}
     return found
 
 
@@ -231,7 +232,7 @@ def _by_linetype(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking:
                 tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
             )
         )
-        found |= {look_of(p): Use(cast(Purpose, said), f"as answered (linetype:{kind})", False) for p in same}
+        found |= {look_of(p): Use(cast(Purpose, said), asking.because(f"linetype:{kind}"), False) for p in same}
     return found
 
 
@@ -260,7 +261,7 @@ def sheet_by_name(told: ByLayer, options: ReadOptions, asking: Asking) -> ByLaye
             )
         )
         if said != "sheet":
-            told = _moved(told, own, Use(cast(Purpose, said), "as answered", said == "cut"))
+            told = _moved(told, own, Use(cast(Purpose, said), asking.because(f"{LAYER}{layer}"), said == "cut"))
     return told
 
 
@@ -309,8 +310,8 @@ def _moved(told: ByLayer, pieces: Sequence[DrawnCurve], use: Use) -> ByLayer:
 
 
 def _left_out(ignored: Sequence[DrawnCurve], uses: Mapping[Look, Use]) -> list[Note]:
-    by_name = [p for p in ignored if not uses[look_of(p)].because.startswith("as answered")]
-    answered = [p for p in ignored if uses[look_of(p)].because.startswith("as answered")]
+    by_name = [p for p in ignored if uses[look_of(p)].because not in (ANSWERED, LIKELIEST)]
+    answered = [p for p in ignored if uses[look_of(p)].because in (ANSWERED, LIKELIEST)]
     notes = []
     if by_name:
         text = f"left out, as drawing.layers.ignore matches their layers: {counted(p.layer for p in by_name)}"

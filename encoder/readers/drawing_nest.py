@@ -63,6 +63,16 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
     return Nest(sheet, parts, notes=tuple(notes), scrap=scrap, bridges=bridges, reading=reading)
 
 
+def taken_apart(drawing: Drawing, options: ReadOptions, asking: Asking) -> tuple[tuple[str, DrawnCurve], ...]:
+    """Every line of a drawing with what its layer is taken for."""
+    told = sheet_by_name(by_layer(drawing.pieces, options, asking), options, asking)
+    groups = {
+        "cut": told.cut, "mark": told.mark, "sheet": told.sheet, "scrap": told.scrap, "bridge": told.bridge,
+        "tab": told.tab, "ignore": told.ignored,
+    }  # fmt: skip
+    return tuple((purpose, piece) for purpose, pieces in groups.items() for piece in pieces)
+
+
 def _without_thin(
     rings: tuple[DrawnCurve, ...], options: ReadOptions, asking: Asking
 ) -> tuple[tuple[DrawnCurve, ...], tuple[Part, ...], list[DrawnCurve], list[Note]]:

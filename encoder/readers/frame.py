@@ -74,7 +74,7 @@ def use_of_frame(
             choices if holds else choices[::-1],
         )
     )
-    return ("sheet" if said == "sheet" else "part"), "as answered (frame)"
+    return ("sheet" if said == "sheet" else "part"), asking.because("frame")
 
 
 def _holds_parts(frame: Sequence[DrawnCurve], rings: Sequence[DrawnCurve]) -> bool:

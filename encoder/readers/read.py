@@ -6,17 +6,20 @@ import hashlib
 import os
 import re
 from collections import Counter
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 
 from kerfwise.encoder.bridges.join import with_bridges
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Asking, Question, Questions, first_choices, with_gives
+from kerfwise.encoder.questions import LAYER, Asking, Question, Questions, first_choices, with_gives
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import told_if_long
 from kerfwise.encoder.validate import validated
@@ -24,10 +27,11 @@ from kerfwise.encoder.validate import validated
 from .mend import mended
 from .not_closed import OpenLines
 from .options import ReadOptions
+from .reading import Reading
 from .refit import with_arcs
 
 if TYPE_CHECKING:
-    from .drawing import Drawing
+    from .drawing import Drawing, DrawnCurve
 
 MOST_PIECES = 60_000
 """Lines of a drawing times choices of its questions up to which it is said what each choice would give."""
@@ -111,6 +115,91 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
     return replace(checked, file=shown(file.name), sha256=sha256, refit_arcs_mm=options.refit_arcs_mm)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Seen:
+    """A file as far as it is understood: the nest with the likeliest answers, its reading, and its lines.
+
+    `lines` are the lines of a drawing, each with what it is taken for: cut, mark, ignore, … or unknown. `error` is why
+    it cannot be cut, or the questions that it raises; None where it can.
+    """
+
+    nest: Nest | None
+    reading: Reading | None
+    lines: tuple[tuple[str, Curve], ...]
+    error: InputError | None
+
+
+def seen(path: str | Path, options: ReadOptions) -> Seen:
+    """How a file is understood, whether it can be cut or not.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read at all, such as one that is damaged.
+    """
+    file = Path(path)
+    try:
+        nest, error = read_nest(file, options), None
+    except Questions as questions:
+        likeliest = {**dict(options.answers), **first_choices(questions.questions)}
+        found = seen(file, replace(options, answers=tuple(likeliest.items())))
+        lines = _asked_about(found.lines, _rows(file, replace(options, answers=tuple(likeliest.items()))), questions)
+        return Seen(found.nest, questions.reading or found.reading, lines, questions)
+    except InputError as refused:
+        nest, error = None, refused
+    return Seen(nest, None if nest is None else nest.reading, _as_made(_rows(file, options), nest), error)
+
+
+def _rows(file: Path, options: ReadOptions) -> tuple[tuple[str, DrawnCurve], ...]:
+    """The lines of a drawing with what their layers are taken for; none where that cannot be told."""
+    if file.suffix.lower() == ".json":
+        return ()
+    from .drawing_nest import taken_apart
+
+    door, asking = _Door(file, file.suffix.lower(), file_bytes(file)), Asking(dict(options.answers))
+    try:
+        return taken_apart(door.drawing(options, asking), options, asking)
+    except InputError:
+        return ()
+
+
+def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple[tuple[str, Curve], ...]:
+    """The lines of a drawing, those to be cut as the nest has them: open ones may be marked, others are left out."""
+    if nest is None:
+        return tuple(("unknown" if purpose == "cut" else purpose, piece.curve) for purpose, piece in rows)
+    made = [(_KINDS.get(contour.kind, "cut"), contour.curve) for contour in (nest.drawn or nest).contours]
+    tree = shapely.STRtree([curve.line() for _, curve in made])
+    found: list[tuple[str, Curve]] = []
+    for purpose, piece in rows:
+        middle = shapely.Point(piece.curve.point_at(piece.curve.length_mm / 2))
+        if purpose in ("cut", "mark") and not len(tree.query(middle, predicate="dwithin", distance=_OFF_MM)):
+            on_sheet = purpose == "cut" and nest.sheet.outline.line().distance(middle) <= _OFF_MM
+            found.append(("sheet" if on_sheet else "ignore", piece.curve))
+        elif purpose not in ("cut", "mark"):
+            found.append((purpose, piece.curve))
+    return (*found, *made)
+
+
+_KINDS = {"mark": "mark", "scrap": "scrap"}
+_OFF_MM = 0.2
+"""How far a line may lie off the contour that it has become a piece of."""
+
+
+def _asked_about(
+    lines: Sequence[tuple[str, Curve]], rows: Sequence[tuple[str, DrawnCurve]], questions: Questions
+) -> tuple[tuple[str, Curve], ...]:
+    """All lines, and those that a question is about once more, as unknown: a frame is the largest one."""
+    asked = {question.id for question in questions.questions}
+    about = [
+        piece.curve
+        for _, piece in rows
+        if asked & {f"{LAYER}{piece.layer}", f"colour:{piece.colour}", f"linetype:{piece.linetype}"}
+    ]
+    if "frame" in asked and rows:
+        about.append(max((piece.curve for _, piece in rows), key=lambda c: shapely.box(*c.line().bounds).area))
+    return (*lines, *(("unknown", curve) for curve in about))
+
+
 class _Door:
     """One file, read as often as there are answers to try; a drawing is taken apart once for each unit."""
 
@@ -149,6 +238,10 @@ class _Door:
             return read_json(self.data, options)
         from .drawing_nest import nest_of
 
+        return nest_of(self.drawing(options, asking), options, asking)
+
+    def drawing(self, options: ReadOptions, asking: Asking) -> Drawing:
+        """The drawing, not yet taken for anything."""
         own = Asking(asking.given)
         key = (options.units, asking.given.get("units"), asking.given.get("clip"), asking.given.get("mask"))
         if key not in self._drawings or not options.answers:
@@ -156,7 +249,7 @@ class _Door:
             self.pieces = len(self._drawings[key].pieces)
             asking.raised |= own.raised
             asking.used |= own.used
-        return nest_of(self._drawings[key], options, asking)
+        return self._drawings[key]
 
     def _drawing(self, options: ReadOptions, asking: Asking) -> Drawing:
         if self.suffix == ".dxf":

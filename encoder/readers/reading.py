@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kerfwise.encoder.nest import Note, Sheet
 
-if TYPE_CHECKING:
-    from .drawing import DrawnCurve
+GIVEN = "as given"
+"""How it is said that somebody has stated the sheet's size; where it lies may still be nobody's word."""
 
 DONE = {
     "cut": "cut",
@@ -142,16 +142,9 @@ def reading_of(
         *units,
         size_of_sheet(sheet),
         sheet_because,
-        not sheet.stated,
+        not sheet.stated and not sheet_because.startswith(GIVEN),
         tuple(taken),
         tuple(left),
         tuple(mended),
         dict(answers),
     )
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Shapes:
-    """The lines of a drawing by what they are taken for, to be drawn."""
-
-    rows: tuple[tuple[str, DrawnCurve], ...] = ()

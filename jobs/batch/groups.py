@@ -15,6 +15,7 @@ _COUNTED = re.compile(r"\b\d+ (\w+?)s?\b")
 """Such as `1 problem` and `3 problems`."""
 
 HEADS = {
+    "asks": "The drawing raises questions that nobody has answered",
     "refused": "The nest cannot be cut as it is drawn",
     "no fit": "The nest and what is asked for it do not fit",
     "no plan": "The rules leave no plan",
@@ -22,6 +23,8 @@ HEADS = {
     "fault": "Something went wrong that has nothing to do with the nest",
 }
 _REMEDIES = {
+    "asks": "Write the answers in the job file beside the nest, or in the profile's drawing.answers, and run the same "
+    "command again.",
     "refused": "Mend the drawing and run the same command again: what has changed is planned then.",
     "no fit": "Change what is named, in the nest, its job file or the profile, and run the same command again.",
     "no plan": "Change the lock, the rule or the nest that is named, and run the same command again.",

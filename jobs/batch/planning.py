@@ -10,6 +10,7 @@ from typing import Any, Self
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import said
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.given import Given
@@ -56,6 +57,9 @@ def plan_piece(piece: Piece, key: str) -> Made:
         return made
     except Changed as changed:
         return _without_plan(piece, "fault", str(changed))
+    except Questions as error:
+        asks = "\n".join(f"  - {shown(line)}" for question in error.questions for line in question.told().split("\n"))
+        return _without_plan(piece, "asks", f"{error.message}\n{asks}")
     except InputError as error:
         seen = _seen(error.nest, error.wrong) if isinstance(error, BrokenNest) else ""
         wrong = "refused" if _is_of(error, piece.source) else "no fit"

@@ -57,6 +57,8 @@ def _plant(machine: Machine) -> Profile:
 
 def _notes(drawn: Nest, given: Given) -> Iterator[str]:
     """What a planner should know of the nest, as `solve` says it on standard error."""
+    if drawn.reading is not None and drawn.reading.taken:
+        yield f"note: {drawn.reading.short()}"
     yield from (f"{note.severity}: {note.text}" for note in given.profile.without_losses(drawn).notes)
     if cut_all_the_same := tabs_not_left(drawn, given.profile):
         yield f"warning: {cut_all_the_same}"

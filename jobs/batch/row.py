@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
-Ended = Literal["planned", "refused", "no fit", "no plan", "not safe", "fault"]
+Ended = Literal["planned", "asks", "refused", "no fit", "no plan", "not safe", "fault"]
 FORMAT = "kerfwise-batch/1"
 PLAN = ".plan.json"
 RECORD = ".batch.json"

@@ -76,11 +76,16 @@ class Batch:
 
     @property
     def exit_code(self) -> int:
-        """0 where every nest was planned on every machine, 1 where one was refused, 70 after a fault of kerfwise."""
+        """0 where every nest was planned on every machine, 1 where one was refused, 70 after a fault of kerfwise.
+
+        3 where some raise questions and all others were planned.
+        """
         if self.interrupted:
             return 130
         ends = {row.ended for row in self.rows}
-        return 70 if "fault" in ends else 0 if ends <= {"planned"} else 1
+        if "fault" in ends:
+            return 70
+        return 0 if ends <= {"planned"} else 3 if ends <= {"planned", "asks"} else 1
 
 
 def run_batch(

@@ -10,10 +10,12 @@ from pathlib import Path
 from kerfwise.encoder.contents import contents, is_file
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.encoder.questions import Questions, QuestionsOfFiles, with_answers
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.readers.read import read_nest
 from kerfwise.encoder.readers.stock import read_sheet, without_place
 from kerfwise.jobs.given import Tell, silent
+from kerfwise.jobs.nest_job import job_beside, read_job
 from kerfwise.nesting.defining_line import sides_on_axes
 from kerfwise.nesting.wanted import QUARTERS, PartType, Stock, Wanted, turns_along
 
@@ -57,7 +59,16 @@ def order_of(
             stock += ((row, folder) for row in listed.sheets)
     stock += ((_sheet_row(text, remnant=False), Path()) for text in sheets)
     stock += ((_sheet_row(text, remnant=True), Path()) for text in remnants)
-    types = _named(kind for row, folder in rows for kind in _types(row, folder, reading, tell))
+    found: list[PartType] = []
+    asked: list[Questions] = []
+    for row, folder in rows:
+        try:
+            found += _types(row, folder, reading, tell)
+        except Questions as questions:
+            asked.append(questions)
+    if asked:
+        raise QuestionsOfFiles(asked)
+    types = _named(found)
     if not stock:
         raise InputError(
             "there is nothing to lay parts on: name sheets such as 3000x1500, or give them in the list of parts"
@@ -113,8 +124,10 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
 
 
 def _read(file: Path, row: PartRow, reading: ReadOptions) -> Nest:
+    own = None if (beside := job_beside(file)) is None else read_job(beside)
+    answers = with_answers(reading.answers, () if own is None else own.answers)
     with _placed(file, row):
-        return read_nest(file, replace(reading, frame="part", sheet_size_mm=None))
+        return read_nest(file, replace(reading, frame="part", sheet_size_mm=None, answers=answers))
 
 
 @contextmanager

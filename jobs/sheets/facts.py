@@ -26,6 +26,8 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     )
     shares = ", ".join(f"{name} {clock_text(seconds)}" for name, seconds in spent)
     yield "sheet", f"{_stock(sheet)}, {_parts(sheet)}"
+    if sheet.nest.reading is not None and sheet.nest.reading.taken:
+        yield "drawing", sheet.nest.reading.short()
     yield "machine", f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     yield "feeds", f"{told} mm/min; kerf {material.kerf_mm:g} mm, pierce {machine.pierce_time_s:g} s"
     yield "settings", _settings(sheet)
@@ -66,7 +68,8 @@ def _settings(sheet: WorkSheet) -> str:
 
 def _stock(sheet: WorkSheet) -> str:
     material, (left, bottom, right, top) = sheet.profile.material, sheet.nest.sheet.bounds
-    return f"{material.name}, {material.thickness_mm:g} mm, {right - left:g} × {top - bottom:g} mm"
+    assumed = " assumed" if sheet.nest.reading is not None and sheet.nest.reading.assumed else ""
+    return f"{material.name}, {material.thickness_mm:g} mm, {right - left:g} × {top - bottom:g} mm{assumed}"
 
 
 def _parts(sheet: WorkSheet) -> str:

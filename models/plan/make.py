@@ -119,9 +119,10 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
 
 
 def _named(nest: Nest) -> dict[str, str]:
-    """The file of a nest, its sha256, and how near to it arcs were made, where they were."""
+    """The file of a nest, its sha256, how near to it arcs were made, where they were, and how a drawing was read."""
     refit = {} if nest.refit_arcs_mm is None else {"refit_arcs_mm": f"{nest.refit_arcs_mm:.9g}"}
-    return {"file": nest.file, "sha256": nest.sha256, **refit}
+    read = {} if nest.reading is None or not nest.reading.taken else {"reading": nest.reading.short()}
+    return {"file": nest.file, "sha256": nest.sha256, **refit, **read}
 
 
 def _charted(profile: Profile) -> dict[str, str]:

@@ -15,6 +15,7 @@ from .blocks import comment, number, numbered, plain, room_for, seconds_text
 from .body import body_of_plan
 from .names import name_comments, program_names
 from .plan_paths import SHA_DIGITS
+from .reading_comments import reading_comments
 from .resume_comments import out_comments, resume_comment
 from .setting_comments import setting_comments
 
@@ -56,6 +57,7 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield comment(dialect, "NEST", PurePath(nest.file).name, of_file)
     if nest.refit_arcs_mm is not None:
         yield comment(dialect, f"{ARCS_REFITTED} {number(nest.refit_arcs_mm, 9)} MM")
+    yield from reading_comments(nest, dialect)
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
     if profile.for_one_nest is not None and (job := profile.for_one_nest).file:
         yield comment(dialect, "JOB", job.file, f"SHA256 {job.sha256[:SHA_DIGITS]}")

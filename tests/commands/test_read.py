@@ -1,0 +1,132 @@
+"""`kerfwise read`: what a drawing is taken for, its questions, and its picture."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, sheet, square
+from kerfwise.tests.encoder.readers.test_frame import framed
+
+
+def mixed(space: Any) -> None:
+    sheet(space)
+    lines(space, square(10, 10, 50))
+    space.add_circle((35, 35), 10, dxfattribs={"layer": "Gravur"})
+    space.add_line((0, 5), (400, 5), dxfattribs={"layer": "DIM"})
+    space.add_line((10, 10), (60, 10))
+
+
+def test_what_each_layer_is_taken_for(tmp_path: Path) -> None:
+    nest, picture = save_dxf(tmp_path, mixed), tmp_path / "reading.png"
+    ended = kerfwise("read", nest, "-o", picture)
+    assert ended.code == 0
+    assert ended.out.splitlines() == [
+        "units: mm: $INSUNITS 4",
+        "sheet: 400 × 300 mm: drawn on layer 'Plate H300 W400'",
+        "layer '0': cut, by default (5 lines)",
+        "layer 'DIM': left out, by its name (1 line)",
+        "layer 'Gravur': marked, by its name (1 line)",
+        "layer 'Plate H300 W400': the sheet, by its name (1 line)",
+        "left out: as drawing.layers.ignore matches their layers: 1 on 'DIM'",
+        f"written: {picture}",
+    ]
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_questions_are_printed_and_given_as_data(tmp_path: Path) -> None:
+    nest, picture = save_dxf(tmp_path, framed), tmp_path / "reading.svg"
+    asked = kerfwise("read", nest, "-o", picture)
+    assert asked.code == 3
+    assert "sheet: 220 × 220 mm, assumed: the parts' bounding box and 10 mm around it" in asked.out
+    assert "--answer frame=part" in asked.err
+    assert "unknown: a question" in picture.read_text(encoding="utf-8")
+    data = kerfwise("read", nest, "--json")
+    assert data.code == 3
+    told = json.loads(data.out)
+    [question] = told["questions"]
+    assert (question["id"], [choice["flag"] for choice in question["choices"]]) == (
+        "frame",
+        ["frame=part", "frame=sheet"],
+    )
+    assert told["reading"]["sheet"]["assumed"] is True
+
+
+def test_an_answer_is_kept(tmp_path: Path) -> None:
+    nest = save_dxf(tmp_path, framed)
+    assert kerfwise("read", nest, "--answer", "frame=sheet").code == 0
+    again = kerfwise("read", nest)
+    assert (again.code, "answered: frame=sheet" in again.out) == (0, True)
+
+
+def test_a_nest_that_cannot_be_cut_is_drawn_all_the_same(tmp_path: Path) -> None:
+    def crossed(space: Any) -> None:
+        sheet(space)
+        space.add_lwpolyline([(10, 10), (60, 60), (60, 10), (10, 60)], close=True)
+
+    nest, picture = save_dxf(tmp_path, crossed), tmp_path / "reading.svg"
+    ended = kerfwise("read", nest, "-o", picture)
+    assert (ended.code, "crosses itself" in ended.err, picture.exists()) == (2, True, True)
+
+
+def test_program_and_plan_say_how_the_drawing_was_read(tmp_path: Path) -> None:
+    nest, program, plan = save_dxf(tmp_path, mixed), tmp_path / "out.nc", tmp_path / "out.plan.json"
+    ended = kerfwise("solve", nest, "-o", program, "--plan", plan, "--work", "1")
+    told = "read in mm; sheet 400 × 300 mm; cut: '0' (5); left out: 'DIM' (1); marked: 'Gravur' (1); the sheet:"
+    assert ended.code == 0
+    assert told in ended.out
+    assert "DRAWING READ IN MM, SHEET 400 X 300 MM" in program.read_text()
+    assert json.loads(plan.read_text())["nest"]["reading"].startswith(told)
+    assert kerfwise("check", nest, plan).code == 0
+    assert kerfwise("check", nest, program).code == 0
+
+
+def test_a_size_takes_the_place_of_the_sheet_of_a_json_nest(tmp_path: Path) -> None:
+    nest = tmp_path / "nest.json"
+    part = {"id": "A", "outer": [[300, 10], [480, 10], [480, 90], [300, 90]]}
+    nest.write_text(json.dumps({"format": "kerfwise-nest/1", "sheet": {"width": 500, "height": 100}, "parts": [part]}))
+    small = kerfwise("read", nest, "--sheet", "400x100")
+    assert (small.code, "A.outer reaches 80.000 mm off the sheet" in small.err) == (2, True)
+    assert "sheet: 600 × 100 mm: as given (--sheet)" in kerfwise("read", nest, "--sheet", "600x100").out
+
+
+def test_an_assumed_sheet_has_no_price(tmp_path: Path) -> None:
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("prices: {sheet_each: 1000}\n")
+    nest = save_dxf(tmp_path, lambda space: lines(space, square(10, 10, 50)))
+    argv = ("solve", nest, "-p", plant, "-o", tmp_path / "out.nc", "--work", "1")
+    assert "1000.00" not in kerfwise(*argv).out
+    assert "1000.00" in kerfwise(*argv, "--sheet", "500x300").out
+
+
+def test_a_batch_lists_all_questions_and_plans_the_rest(tmp_path: Path) -> None:
+    folder = tmp_path / "nests"
+    folder.mkdir()
+    for name, draw in (("asks", framed), ("plain", mixed)):
+        save_dxf(tmp_path, draw).rename(folder / f"{name}.dxf")
+    ended = kerfwise("batch", folder, "-o", tmp_path / "out", "--work", "1", "--jobs", "1")
+    assert (ended.code, "1 of 2 planned" in ended.out) == (3, True)
+    assert "The drawing raises questions that nobody has answered" in ended.out
+    assert "--answer frame=part" in ended.out
+    (folder / "asks.job.yaml").write_text("answers: {frame: part}\n")
+    assert kerfwise("batch", folder, "-o", tmp_path / "out", "--work", "1", "--jobs", "1").code == 0
+
+
+def test_nest_lists_the_questions_of_all_parts(tmp_path: Path) -> None:
+    def plate(space: Any) -> None:
+        lines(space, square(0, 0, 200), layer="PLATE")
+        space.add_circle((100, 100), 20, dxfattribs={"layer": "HOLES"})
+
+    files = []
+    for name in ("one", "two"):
+        files.append(tmp_path / f"{name}.dxf")
+        save_dxf(tmp_path, plate).rename(files[-1])
+    argv = ("nest", *files, "--sheet", "1000x500", "-o", tmp_path / "out")
+    ended = kerfwise(*argv)
+    assert ended.code == 3
+    assert [f"{name}.dxf: the drawing raises a question" in ended.err for name in ("one", "two")] == [True, True]
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.job.yaml").write_text("answers: {'layer:PLATE': cut}\n")
+    assert kerfwise(*argv).code == 0
