@@ -23,6 +23,7 @@ def tell_conflict(no_plan: NoPlan, picture: str | Path) -> int:
         from kerfwise.postproc.report import plot_spot
 
         caption = f"in conflict: {', '.join(dict.fromkeys(about.rule for about in conflict.clash))}"
-        plot_spot(facts.nest, conflict.contours, picture, caption=caption, home=profile.home_on(facts.nest))
+        nest = facts.whole_nest  # after a stop what is out may be in conflict, too
+        plot_spot(nest, conflict.contours, picture, caption=caption, home=profile.home_on(nest))
         click.echo(f"the contours in conflict: {picture}", err=True)
     return 1

@@ -116,18 +116,25 @@ def tabs_not_left(nest: Nest, plant: Profile) -> str:
 
 
 def common_cuts_not_made(given: Given) -> str:
-    """Which parts are cut all round because tabs hold some of their group, in a sentence; "" where none are."""
+    """Which parts are cut all round though they have common edges, and why, in a sentence; "" where none are."""
     edges, tabs = given.profile.common_options(), given.profile.tabs()
-    if edges is None or tabs is None:
+    if edges is None:
         return ""
-    from kerfwise.encoder.candidates.common_ways import whole_for_tabs
+    from kerfwise.encoder.candidates.common_ways import whole_for_tabs, whole_for_want_of_an_order
 
+    kerf_mm = given.profile.material.kerf_mm
     try:
-        whole, held = whole_for_tabs(given.nest, given.profile.material.kerf_mm, edges, tabs)
+        whole, held = whole_for_tabs(given.nest, kerf_mm, edges, tabs) if tabs is not None else ([], [])
+        stuck = whole_for_want_of_an_order(given.nest, kerf_mm, edges, [given.nest.index[name] for name in held])
     except InputError:  # such a contour is told of when its candidates are made
         return ""
     if not whole:
-        return ""
+        return (
+            f"cuts.common: no common cuts for {listed(stuck, MOST_NAMED)}: in any order some part would be left with "
+            "two stretches to cut, as rounded corners between two neighbours are; these parts are all cut all round"
+            if stuck
+            else ""
+        )
     return (
         f"cuts.common: no common cuts for {listed(whole, MOST_NAMED)}: tabs hold {listed(held, MOST_NAMED)}, and parts "
         "that hang together by common edges are all cut all round where tabs hold one of them; without tabs on these "

@@ -18,6 +18,8 @@ from kerfwise.encoder.tolerance import tolerance_mm
 from .candidate import Candidate, CommonOptions, LeadOptions
 from .common_edges import CommonEdges, Junction, Stretches, common_edges, point_on, rounds_at_corners
 
+_MOST_ORDERS = 4000
+"""So many sets of parts that are out are tried, to see whether a group with common edges can be cut at all."""
 _MOST_STATES = 64
 """Sets of neighbours that are out for which a contour has ways, at the most: a rectangle among four has 12."""
 
@@ -76,6 +78,19 @@ def whole_for_tabs(nest: Nest, kerf_mm: float, asked: CommonOptions, tabs: TabOp
     return [nest.contours[k].id for k in lost], [nest.contours[k].id for k in lost if k in held]
 
 
+def whole_for_want_of_an_order(nest: Nest, kerf_mm: float, asked: CommonOptions, held: Collection[int]) -> list[str]:
+    """Ids of the contours with common edges that are yet cut all round, for no order cuts every edge once.
+
+    Raises
+    ------
+    InputError
+        If the kerf leaves nothing of a contour to cut.
+    """
+    numbers = [nest.index[part.outer.id] for part in nest.parts]
+    every = common_edges(nest, numbers, kerf_mm, asked, held).of.keys()
+    return [nest.contours[k].id for k in sorted(every - _cut_once(nest, numbers, kerf_mm, asked, held)[0].of.keys())]
+
+
 Sets = list[tuple[frozenset[int], Run]]
 
 
@@ -96,19 +111,45 @@ def _sets(nest: Nest, edges: CommonEdges, number: int, kerf_mm: float, out: Coll
 def _that_have_an_order(
     nest: Nest, edges: CommonEdges, found: Mapping[int, Sequence[tuple[frozenset[int], Run]]]
 ) -> CommonEdges:
-    """The common edges but for groups with two parts of which neither can be cut after the other.
+    """The common edges but for groups that no order cuts: whatever is out, some part is left with two stretches to cut.
 
-    So are a channel and the plate that both its legs end at: whichever is out leaves two stretches of the other.
+    So are a channel and the plate that both its legs end at, and plates with rounded corners in a grid: where two
+    neighbours of one are out, its corner between them is left apart from the rest. Such groups are cut by whole rounds.
     """
-    after = {number: frozenset[int]().union(*(out for out, _ in sets)) for number, sets in found.items()}
-    pairs = edges.pairs.tolist()
-    stuck = {a for a, b in pairs if a in after and b in after and b not in after[a] and a not in after[b]}
-    if not stuck:
-        return edges
     label = weak_components(len(nest.contours), edges.pairs)
-    spoilt = {int(label[k]) for k in stuck}
+    groups: dict[int, list[int]] = {}
+    for number in edges.of:
+        groups.setdefault(int(label[number]), []).append(number)
+    spoilt = {
+        name
+        for name, group in groups.items()
+        if not _may_be_cut({k: frozenset(edges.of[k]) for k in group}, {k: {out for out, _ in found[k]} for k in group})
+    }
+    if not spoilt:
+        return edges
     kept = {k: beside for k, beside in edges.of.items() if int(label[k]) not in spoilt}
     return CommonEdges(kept, {k: edges.junctions[k] for k in kept})
+
+
+def _may_be_cut(beside: Mapping[int, frozenset[int]], states_of: Mapping[int, set[frozenset[int]]]) -> bool:
+    """Whether some order cuts each part of a group whole first, or with such neighbours out as leave one stretch.
+
+    Orders are tried within bounds; where these do not tell, there may be one.
+    """
+    if not any(beside[k] in states_of[k] for k in beside):  # the last one has all its neighbours out
+        return False
+    tried: set[frozenset[int]] = set()
+    waiting = [frozenset[int]()]
+    while waiting:
+        out = waiting.pop()
+        if len(out) == len(beside) or len(tried) > _MOST_ORDERS:
+            return True
+        tried.add(out)
+        for k in sorted(beside.keys() - out, reverse=True):
+            now = beside[k] & out
+            if (not now or now in states_of[k]) and (more := out | {k}) not in tried:
+                waiting.append(more)
+    return False
 
 
 def with_neighbours_in(

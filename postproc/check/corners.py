@@ -18,6 +18,8 @@ from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.options.by_thickness import length_at
 from kerfwise.rules.profile.profile import Profile
 
+from .program_rules import step_mm
+
 _LEAST_MM, _MOST_MM = 0.01, 0.03
 """Shorter lines and arcs make no corners; what lies between the two may."""
 _ANGLE_DEG, _ROUNDED_MM = 1.0, 0.005
@@ -41,6 +43,7 @@ def wrong_at_corners(
     ends_mm = np.concatenate([[0.0], np.cumsum([s.length_mm for s in segments])])
     sure, maybe = (np.array(list(found)) for found in _corners(segments, ends_mm, profile.corners.corner_angle))
     share, reach_mm = profile.corners.corner_feed, _reach_mm(profile)
+    place_mm = _PLACE_MM + 2 * step_mm()
     low, high = asked_mm_s[0] * (1 - _FEED_SHARE), asked_mm_s[1] * (1 + _FEED_SHARE)
     for k, feed in enumerate(feeds):
         at_mm = _samples(ends_mm[k], ends_mm[k + 1])
@@ -49,10 +52,10 @@ def wrong_at_corners(
         if slow and full:
             continue
         if full:
-            bad = at_mm[_apart_mm(at_mm, sure) < reach_mm - _PLACE_MM]
+            bad = at_mm[_apart_mm(at_mm, sure) < reach_mm - place_mm]
             says = f"{high / (1 + _FEED_SHARE) * share * 60:.0f} mm/min near this corner"
         elif slow:
-            bad = at_mm[_apart_mm(at_mm, maybe) > reach_mm + _PLACE_MM]
+            bad = at_mm[_apart_mm(at_mm, maybe) > reach_mm + place_mm]
             says = f"{high / (1 + _FEED_SHARE) * 60:.0f} mm/min, no corner being near"
         else:
             bad, says = at_mm[:1], f"{low * 60:.0f} mm/min, {share:g} of it at corners"
@@ -89,14 +92,15 @@ def _reach_mm(profile: Profile) -> float:
 def _corners(segments: tuple[Segment, ...], ends_mm: Floats, limit_deg: float) -> tuple[set[float], set[float]]:
     """Where the path surely turns as far as a corner does, and where it may, mm along it."""
     found = []
-    for least_mm in (_LEAST_MM, _MOST_MM):
+    rounded_mm = max(_ROUNDED_MM, step_mm() / math.sqrt(2))
+    for least_mm in (_LEAST_MM, _MOST_MM + 2 * step_mm()):
         sure: set[float] = set()
         maybe: set[float] = set()
         known = [(s, at) for s, at in zip(segments, ends_mm.tolist(), strict=False) if s.length_mm > least_mm]
         for (before, _), (after, at) in pairwise(known):
             turn_deg = _turn_deg(before, after)
             shortest_mm = min(before.length_mm, after.length_mm)
-            off_deg = _ANGLE_DEG + math.degrees(2 * _ROUNDED_MM / shortest_mm)
+            off_deg = _ANGLE_DEG + math.degrees(2 * rounded_mm / shortest_mm)
             if turn_deg >= limit_deg + off_deg:
                 sure.add(at)
             if turn_deg >= limit_deg - off_deg:

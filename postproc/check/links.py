@@ -9,7 +9,7 @@ import shapely
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
-from .program_rules import tolerance_mm
+from .program_rules import tolerance_mm, written_from_profile
 from .torch_run import TorchRun
 
 _RULE = "links"
@@ -17,7 +17,6 @@ _CORNERS_MM = 1.0
 """Leads are longer than the profile says by what their arcs and the places where they meet the ring add."""
 _OTHERS_MM = 25.0
 """How much longer leads of programs may be that were not written from the profile: what others do is no fault yet."""
-_OURS, _RETOLD = "KERFWISE FOR ", "TOLD FROM AN OLDER PROGRAM"
 
 
 def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> Iterator[Violation]:
@@ -68,8 +67,7 @@ def long_leads(
 
     What it burns there of its own ring again is told as that. `run_up_mm` is how far off the sheet a cut may begin.
     """
-    said = [text.upper() for text in comments]
-    ours = any(text.startswith(_OURS) for text in said) and not any(_RETOLD in text for text in said)
+    ours = written_from_profile(comments)
     leads, kerf_mm = profile.leads, profile.material.kerf_mm
     more_mm = 2 * kerf_mm + _CORNERS_MM + (0.0 if ours else _OTHERS_MM)
     in_mm = 1.6 * max(profile.length_mm(leads.lead_in_mm), leads.lead_in_min_mm) + run_up_mm + more_mm

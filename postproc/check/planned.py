@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.machine_section import Origin
 from kerfwise.rules.rule import Violation
@@ -41,10 +42,23 @@ class Planned:
 
 
 def _completed(cut: Cut, told: Cut | None) -> Cut:
+    """The cut with what the plan knows of it; where it joins the torch's ring as planned, its entry is the plan's.
+
+    Beside a corner the ring is as near to several points of the contour, so that nobody can tell the entry from it.
+    """
     if told is None:
         return cut
     excused = tuple(dict.fromkeys((*cut.excused, *told.excused)))
-    return replace(cut, zone=cut.zone or told.zone, excused=excused)
+    joins = told.lead_in is not None and math.dist(_join(cut), _join(told)) <= 2 * tolerance_mm()
+    return replace(cut, zone=cut.zone or told.zone, excused=excused, entry=told.entry if joins else cut.entry)
+
+
+def _join(cut: Cut) -> Point:
+    """Where the torch joins its ring: the end of the lead-in."""
+    if cut.lead_in is None:
+        return cut.pierce
+    x, y = cut.lead_in.vertices[-1, :2].tolist()
+    return x, y
 
 
 def strays_from(planned: Planned, nest: Nest, made: CutSequence, kerf_mm: float) -> Iterator[Violation]:

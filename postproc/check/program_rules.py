@@ -12,6 +12,7 @@ from kerfwise.rules.rule import Violation
 
 from .judgement import Judgement
 
+_WRITTEN, _RETOLD = "KERFWISE FOR ", "TOLD FROM AN OLDER PROGRAM"
 _STEP_MM: ContextVar[float] = ContextVar("step_mm", default=0.0)
 
 
@@ -27,6 +28,23 @@ def tolerance_mm(kerf_mm: float = 0.0) -> float:
     0.1
     """
     return max(_tolerance_mm(kerf_mm), _STEP_MM.get())
+
+
+def step_mm() -> float:
+    """The least step that the control of what is judged counts in, 0 where no digit is missed."""
+    return _STEP_MM.get()
+
+
+def written_from_profile(comments: Iterable[str]) -> bool:
+    """Whether a program says that kerfwise wrote all of it: from a plan and a profile, not from an older program.
+
+    Examples
+    --------
+    >>> written_from_profile(["KERFWISE FOR LINUXCNC", "NEST a.dxf SHA256 0123"])
+    True
+    """
+    said = [text.upper() for text in comments]
+    return any(text.startswith(_WRITTEN) for text in said) and not any(_RETOLD in text for text in said)
 
 
 @contextmanager

@@ -14,13 +14,13 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.controls import Control
 from kerfwise.postproc.check.reader.on_machine import control_of
 from kerfwise.postproc.check.reader.program import Burn, NcProgram, at_holes, of_all_torches
-from kerfwise.postproc.dialects import pierce_dwell_of
+from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
 from .corners import slow_at_corners, wrong_at_corners
 from .judgement import Judgement
-from .program_rules import judgement, tolerance_mm
+from .program_rules import judgement, tolerance_mm, written_from_profile
 from .small_holes import Shares
 from .torch_run import TorchRun
 
@@ -55,7 +55,7 @@ def judge_running(
         said, is_at = (f"({x:g}, {y:g})" for x, y in (program.zero, corner))
         text = f"it says that its zero is at {said} of the drawing, by its origin it is at {is_at}"
         found["program-state"].append((0, text))
-    found["program-state"] += _powers(program.burns, profile, control)
+    found["program-state"] += _powers(program, profile, control)
     for fault in program.faults:
         found[fault.rule].append((fault.line, fault.text))
     return [
@@ -94,23 +94,30 @@ def _feeds(
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
 
 
-def _powers(burns: Sequence[Burn], profile: Profile, control: Control) -> Iterator[tuple[int, str]]:
-    """Powers of a laser that are not the profile's, where that says one."""
+def _powers(program: NcProgram, profile: Profile, control: Control) -> Iterator[tuple[int, str]]:
+    """Powers of a laser that are not the profile's, where that says one; else the dialect's, in programs from it."""
     material, full = profile.material, control.full_power
     if not full:
         return
     pierces = material.power if material.pierce_power is None else material.pierce_power
-    for burn in burns:
+    own = fitting_dialect(profile).powers if written_from_profile(program.comments) else None
+    words: Mapping[str, float] = {} if own is None else {"cut": own.cut, "pierce": own.pierce, "mark": own.mark}
+    for burn in program.burns:
         cuts = burn.tool == 0
         asked = (
-            ("cuts" if cuts else "marks", burn.powers, material.power if cuts else material.mark_power),
-            ("pierces" if cuts else "starts to mark", burn.pierce_powers, pierces if cuts else material.mark_power),
+            ("cuts", "cut", burn.powers, material.power)
+            if cuts
+            else ("marks", "mark", burn.powers, material.mark_power),
+            ("pierces", "pierce", burn.pierce_powers, pierces)
+            if cuts
+            else ("starts to mark", "mark", burn.pierce_powers, material.mark_power),
         )
-        for does, powers, share in asked:
-            for power in powers if share is not None else ():
-                if abs(power - full * (share or 0.0) / 100) > _POWER:
-                    says = f"the profile says {share:g} %, S{full * (share or 0.0) / 100:g}"
-                    yield burn.line, f"it {does} with S{power:g}, {says}"
+        for does, kind, powers, share in asked:
+            right = words.get(kind) if share is None else full * share / 100
+            for power in powers if right is not None else ():
+                if abs(power - (right or 0.0)) > _POWER:
+                    by = "the dialect has" if share is None else f"the profile says {share:g} %,"
+                    yield burn.line, f"it {does} with S{power:g}, {by} S{right:g}"
 
 
 def _waits(

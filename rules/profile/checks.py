@@ -39,6 +39,13 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             deepest(root, "leads", "lead_in_min"),
             f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm",
         )
+    pierce = next((name for name, setting in rules.items() if hasattr(setting.options, "clearance_mm")), "")
+    if leads.lead == "none" and pierce and rules[pierce].strength != "off":
+        problems.add(
+            deepest(root, "leads", "lead"),
+            f"leads.lead: without a lead the torch pierces on its path, {material.kerf_mm / 2:g} mm from the contour, "
+            f"and rules.{pierce} asks for more: give a lead (line, arc), or switch that off: rules: {{{pierce}: off}}",
+        )
     if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
         problems.add(
             deepest(root, "leads", "edge_start"),

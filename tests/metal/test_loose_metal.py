@@ -180,3 +180,12 @@ def test_however_thin_the_kerf_a_hole_after_its_outline_is_seen(kerf_mm: float) 
     found = made(sheet, profile)
     assert [planned.cut.contour for planned in found.plan.cuts] == ["A.hole1", "A.outer"]
     assert loose(check_plan(sheet, in_order(found.plan, "A.outer", "A.hole1"), profile))
+
+
+def test_a_plant_without_leads_pierces_on_the_path() -> None:
+    profile = laser("pierce", base="plasma-carbon-steel")
+    profile = replace(profile, leads=replace(profile.leads, lead="none"))
+    sheet = read_nest(CASES / "11-triangular-hole.json")
+    found = made(sheet, profile)
+    assert found.verdict.ok
+    assert simulate(sheet, found.program, **plant(profile)) == []

@@ -55,6 +55,10 @@ MISTAKES = {
     "machine: {travel_y: [1500, 0]}": (
         "1:21: machine.travel_y: expected [least, most] in mm, the least first, or 'unknown', got 1500 and 0"
     ),
+    "based_on: plasma-carbon-steel\nleads: {lead: none}": (
+        "2:15: leads.lead: without a lead the torch pierces on its path, 0.75 mm from the contour, and rules.pierce "
+        "asks for more: give a lead (line, arc), or switch that off: rules: {pierce: off}"
+    ),
     "leads: {edge_start: true}\nmachine: {process: oxyfuel}": (
         "1:21: leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such "
         "as 7 s"
