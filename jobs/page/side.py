@@ -98,6 +98,8 @@ def _cut(nest: Nest, made: Toolpath, profile: Profile) -> Data:
 
 def _stands_s(made: Toolpath, profile: Profile) -> float:
     """How long the torch stands where a cut begins; a mark is begun without a pierce."""
-    if made.linked or made.pierced or made.marks:
+    if made.linked or made.marks:
         return 0.0
-    return profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s
+    if made.pierced:
+        return profile.machine.at_hole_s
+    return profile.machine.unpierced_s if made.edge_start else profile.machine.pierce_time_s

@@ -78,8 +78,10 @@ def heatings_of_cuts(
         cut = cuts[run.position - 1]
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
         pierced_here = run.position not in unpierced and _pierced(nest, cut.pierce)
-        pierce_s = machine.pierce_time_s if pierced_here else machine.edge_preheat_s
-        pierce_s = 0.0 if cut.linked or cut.contour in holes else pierce_s
+        pierce_s = machine.pierce_time_s if pierced_here else _preheat_s(profile)
+        cold = profile.machine.process == "oxyfuel"
+        pierce_s = _preheat_s(profile) * cold if cut.contour in holes else pierce_s
+        pierce_s = 0.0 if cut.linked else pierce_s
         end_s = max(cut.start_s, cut.end_s)
         yield Heating(run.name, points, cut.start_s, end_s, pierce_s, cut.start_s, slowness_of(points, profile))
 
@@ -91,6 +93,12 @@ def heatings_of_program(program: NcProgram) -> Iterator[Heating]:
             points, slowness = chords(burn.path, burn.paced, _CHORD_MM)
             stood_s = burn.held_s + burn.pierce_s
             yield Heating(f"line {burn.line}", points, burn.start_s, burn.end_s, stood_s, burn.start_s, slowness)
+
+
+def _preheat_s(profile: Profile) -> float:
+    """How long the torch stands where it pierces nothing: a flame heats the edge at least as long as for a pierce."""
+    machine = profile.machine
+    return machine.edge_preheat_s or (machine.pierce_time_s if machine.process == "oxyfuel" else 0.0)
 
 
 def _pierced(nest: Nest, point: tuple[float, float]) -> bool:

@@ -133,7 +133,8 @@ def _waits(
         return
     machine = profile.machine
     waits = pierce_dwell_of(profile) == "program"
-    cooling_s = _longest_dwell_s(profile)
+    cooling_s, flame = _longest_dwell_s(profile), machine.process == "oxyfuel"
+    preheat_s = machine.edge_preheat_s or (machine.pierce_time_s if flame else 0.0)
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
     inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-tolerance_mm(), tolerance_mm()))
@@ -141,9 +142,9 @@ def _waits(
     holes = at_holes(program) if passes else [False] * len(burns)
     for burn, pierced, maybe, hole in zip(burns, inside.tolist(), near.tolist(), holes, strict=True):
         marks, in_kerf = burn.tool != 0, (f"line {burn.line}", burn.torch) in in_kerfs
-        start_s = {machine.pierce_time_s} if pierced and not in_kerf else {machine.edge_preheat_s}
+        start_s = {machine.pierce_time_s} if pierced and not in_kerf else {preheat_s}
         start_s |= {machine.pierce_time_s} if maybe and not in_kerf else set()
-        start_s = {0.0} if hole else start_s
+        start_s = {preheat_s if flame else 0.0} if hole else start_s
         allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
             says, torch = " or ".join(f"{s:g} s" for s in sorted(allowed)), _torch(burn)

@@ -59,7 +59,7 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
             rounds_s[number] = motion.run_s(ring.opened_at(0.0), False, contour.feed_share) + stop_s + corner_s
         leads = (lead for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
         leads_s = sum(motion.run_s(lead, False, contour.feed_share) for lead in leads)
-        on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.unpierced else machine.pierce_time_s)
+        on_s = rounds_s[number] + leads_s + (machine.unpierced_s if candidate.unpierced else machine.pierce_time_s)
         if contour.kind == "outer" and links is not None:
             out_s = 0.0 if candidate.lead_out is None else motion.run_s(candidate.lead_out, False, contour.feed_share)
             on_s = max(on_s, rounds_s[number] + out_s + link_s / contour.feed_share)

@@ -49,9 +49,11 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
 
 def _stands_s(made: Toolpath, profile: Profile) -> float:
     """How long the torch burns where a cut begins."""
-    if made.linked or made.pierced:
+    if made.linked:
         return 0.0
-    return profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s
+    if made.pierced:
+        return profile.machine.at_hole_s
+    return profile.machine.unpierced_s if made.edge_start else profile.machine.pierce_time_s
 
 
 def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:

@@ -71,7 +71,7 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
                 not (made.edge_start or made.pierced),
                 travels_mm,
                 made.planned.dwell_s,
-                standing_s=0.0 if made.pierced else None,
+                standing_s=profile.machine.at_hole_s if made.pierced else None,
                 feed_share=made.feed_share,
                 linked=made.linked,
                 unlit_mm=sum(high - low for low, high in made.unlit),

@@ -163,7 +163,8 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stay
         if made.planned.dwell_s > 0:  # metal cools, the torch being off
             yield from pen.wait(made.planned.dwell_s)
         waits = pierce_dwell_of(profile, dialect) == "program"
-        start_s = machine.edge_preheat_s if made.edge_start else 0.0 if made.pierced else machine.pierce_time_s
+        start_s = machine.unpierced_s if made.edge_start else machine.pierce_time_s
+        start_s = machine.at_hole_s if made.pierced and not made.edge_start else start_s
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()

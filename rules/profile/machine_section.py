@@ -115,3 +115,18 @@ class Machine:
     head: str = field(
         default="up", metadata=option(Choice(("up", "down")), "whether the head is lifted on idle travel")
     )
+
+    @property
+    def unpierced_s(self) -> float:
+        """How long the torch stands, lit, where a cut begins without a pierce: at the sheet's edge, or in an old kerf.
+
+        A flame cuts no cold metal: where the profile has no preheat of its own it takes as long as for a pierce.
+        """
+        if self.process == "oxyfuel" and self.edge_preheat_s <= 0:
+            return self.pierce_time_s
+        return self.edge_preheat_s
+
+    @property
+    def at_hole_s(self) -> float:
+        """How long it stands at a hole that was pierced before: a flame has to heat its edge again."""
+        return self.unpierced_s if self.process == "oxyfuel" else 0.0

@@ -66,7 +66,7 @@ def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
     machine = profile.machine
     if contour.kind == "mark":
         return machine.mark_time_s
-    return machine.edge_preheat_s if candidate.unpierced else machine.pierce_time_s
+    return machine.unpierced_s if candidate.unpierced else machine.pierce_time_s
 
 
 def lead_in_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:

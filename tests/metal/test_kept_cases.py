@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.given import Given, common_cuts_not_made
+from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.plant import plant
@@ -30,6 +33,33 @@ def test_rounded_plates_in_a_grid_are_cut_by_whole_rounds_and_that_is_said() -> 
         "left with two stretches to cut, as rounded corners between two neighbours are; these parts are all "
         "cut all round"
     )
+
+
+def test_a_flame_is_heated_wherever_it_begins() -> None:
+    """Counted in the text: after each M3 the flame stands for 10 s, also where scrap lines begin at the edge."""
+    sheet = read_nest(CASES / "03-oxyfuel-scrap-cold-edge.json")
+    profile = load_profile(CASES / "03-oxyfuel-scrap-cold-edge.yaml")
+    found = made(sheet, profile)
+    assert found.verdict.ok
+    rows = [row.split(" ", 1)[-1] for row in found.program.split("\n")]
+    lit = [k for k, row in enumerate(rows) if row == "M3 S1"]
+    assert len(lit) == 8
+    assert {rows[k + 1] for k in lit} == {"G4 P10"}
+    at_edge = [k for k in lit if rows[k - 1].split()[1] == "X0" or rows[k - 1].split()[2] in ("Y0", "Y200")]
+    assert len(at_edge) >= 2
+    cold = [row for k, row in enumerate(found.program.split("\n")) if k - 1 not in at_edge]
+    (judged,) = [rule for rule in check_program(sheet, "\n".join(cold), profile).rules if rule.id == "pierce-delay"]
+    assert len(judged.violations) == len(at_edge)
+
+
+def test_so_is_one_that_begins_at_holes_that_were_pierced_before() -> None:
+    sheet = nest(300, 200, part("A", rect(30, 30, 90, 120)), part("B", rect(160, 30, 90, 120)))
+    profile = load_profile("oxyfuel-thick-plate")
+    profile = replace(profile, cuts=replace(profile.cuts, pierce_pass="sheet"))
+    found = made(sheet, profile)
+    assert found.verdict.ok
+    rows = [row.split(" ", 1)[-1] for row in found.program.split("\n")]
+    assert [rows[k + 1] for k, row in enumerate(rows) if row == "M3 S1"] == ["G4 P10"] * 4
 
 
 def test_a_conflict_with_what_is_out_after_a_stop_ends_with_1(tmp_path: Path) -> None:

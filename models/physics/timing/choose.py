@@ -20,7 +20,7 @@ def machine_feeds(profile: Profile) -> Feeds:
         machine.travel_mm_s,
         machine.pierce_time_s,
         machine.mark_time_s,
-        machine.edge_preheat_s,
+        machine.unpierced_s,
         profile.corner_feed(),
     )
 
