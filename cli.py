@@ -69,7 +69,7 @@ class Verbs(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The verb that was asked for; a mistyped one is answered with the nearest."""
         if args[0] not in VERBS and not args[0].startswith("-"):
-            from kerfwise.rules.options.suggest import unknown
+            from kerfwise.encoder.text import unknown
 
             raise click.UsageError(unknown("verb", args[0], VERBS), ctx)
         return super().resolve_command(ctx, args)
@@ -124,10 +124,10 @@ def _ended(argv: list[str] | None) -> int:
         click.echo(f"kerfwise: {error}", err=True)
         return 1
     except BaseException as error:
-        from kerfwise.commands.unforeseen import arguments, told
+        from kerfwise.commands.crash_report import arguments, crash_message
 
         fault = error.__cause__ if isinstance(error, Unforeseen) and error.__cause__ else error
-        click.echo(f"kerfwise: {told(fault, arguments(argv))}", err=True)
+        click.echo(f"kerfwise: {crash_message(fault, arguments(argv))}", err=True)
         return UNFORESEEN
     return code if isinstance(code, int) else 0
 

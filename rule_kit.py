@@ -14,7 +14,6 @@ Examples
 
 from __future__ import annotations
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
 from kerfwise.encoder.cut import Cut, CutSequence, Direction, Side
 from kerfwise.encoder.errors import InputError
@@ -22,14 +21,23 @@ from kerfwise.encoder.facts.facts import FactOptions, Facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
-from kerfwise.rules.case import Case, cut, in_order
-from kerfwise.rules.judging.placement import host_holes, places
-from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS
+from kerfwise.rules.case import Case, circle, cut, in_order, nest, part, rect
+from kerfwise.rules.judging.metal import host_holes, places
+from kerfwise.rules.options.kind import Choice, Flag, Number, Text
 from kerfwise.rules.options.option import NoOptions, option
-from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
-from kerfwise.rules.options.quantities import DURATION, ENERGY, LENGTH, SPEED, TEMPERATURE, OrWord
-from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Forced, Ids, NoGoodIds, OrderRule, Rule, RuleSetting, Strength, Violation
+from kerfwise.rules.options.quantities import DURATION, ENERGY, LENGTH, LENGTH_BY_THICKNESS, SPEED, TEMPERATURE, OrWord
+from kerfwise.rules.rule import (
+    Forced,
+    Ids,
+    NoGoodIds,
+    OrderRule,
+    Plant,
+    Rule,
+    RuleSetting,
+    Strength,
+    TemperatureLimit,
+    Violation,
+)
 from kerfwise.rules.statements import (
     About,
     AtLeast,
@@ -44,7 +52,6 @@ from kerfwise.rules.statements import (
     Precede,
     Statement,
 )
-from kerfwise.rules.temperature_limit import TemperatureLimit
 
 __all__ = [
     "DURATION",

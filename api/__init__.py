@@ -20,16 +20,16 @@ from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
 from kerfwise.jobs.compare import Comparison
-from kerfwise.jobs.listening import Reached
+from kerfwise.jobs.display import Picture
 from kerfwise.jobs.nest_job import Job
-from kerfwise.jobs.nesting.laid import Nests
-from kerfwise.jobs.no_plan import NoPlan
-from kerfwise.jobs.picture import Picture
-from kerfwise.jobs.resequenced import Resequenced
+from kerfwise.jobs.nesting.result import Nests
+from kerfwise.jobs.pareto import Offer
+from kerfwise.jobs.programs import Times
+from kerfwise.jobs.progress import Reached
+from kerfwise.jobs.request import NoPlan
+from kerfwise.jobs.resequence.result import Resequenced
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.simulation import Simulation
-from kerfwise.jobs.times import Times
-from kerfwise.jobs.trade_off import Offer
 from kerfwise.models.plan.conflict import Conflict
 from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.plan import Plan
@@ -37,12 +37,10 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
-from .comparing import compare
-from .judging import check, draw, explain, simulate, times
+from .judging import check, compare, draw, explain, simulate, times
 from .nesting import make, nest
-from .planning import conflict, facts, solve, trade_off
+from .planning import conflict, facts, resequence, solve, trade_off
 from .reading import load_profile, read_job, read_nest, read_plan
-from .reordering import resequence
 
 __all__ = [
     "CheckResult",

@@ -1,4 +1,4 @@
-"""What a finished plan or program is worth: verdicts, reasons, times, temperatures, pictures."""
+"""What a finished plan or program is worth: verdicts, reasons, times, pictures; two of them compared."""
 
 from __future__ import annotations
 
@@ -6,31 +6,35 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kerfwise.jobs.checking import check_made
-from kerfwise.jobs.explaining import Explainer
-from kerfwise.jobs.given import NestLike, ProfileLike
-from kerfwise.jobs.nest_job.asked import JobLike, given_for
-from kerfwise.jobs.picture import Picture, PictureKind
+from kerfwise.jobs.compare import Comparison, SideAsked, expect_two, pair_of, side_of
+from kerfwise.jobs.compare import compare as compared
+from kerfwise.jobs.compare.sides import Side
+from kerfwise.jobs.display import Picture, PictureKind
+from kerfwise.jobs.explainer import Explainer
+from kerfwise.jobs.inputs import NestLike, ProfileLike
+from kerfwise.jobs.nest_job.request import JobLike, inputs_for
+from kerfwise.jobs.programs import Times, check_made, time_made
+from kerfwise.jobs.progress import Listener, OnProgress
+from kerfwise.jobs.request import WORK, NoPlan
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.simulation import Simulation, simulate_made
-from kerfwise.jobs.times import Times, time_made
 from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.report import draw as drawn
 from kerfwise.postproc.report.picture import Spot
 
-if TYPE_CHECKING:
-    from kerfwise.rules.profile.heat_section import HeatModel
+from .reading import LockLike, PlanOrResult, Settings, nest_request, plan_of, plan_or_path
 
-from .reading import Made, asked_of, plan_of, plan_or_path
+if TYPE_CHECKING:
+    from kerfwise.rules.profile.plant_sections import HeatModel
 
 
 def check(
     nest: NestLike,
-    made: Made,
+    made: PlanOrResult,
     profile: ProfileLike | None = None,
-    plan: Made | None = None,
+    plan: PlanOrResult | None = None,
     *,
     job: JobLike = None,
 ) -> CheckResult:
@@ -70,7 +74,7 @@ def check(
     (True, 'holds')
     """
     of_plan = None if plan is None else plan_or_path(plan)
-    return check_made(given_for(nest, asked_of(profile, job, last=made)), plan_or_path(made), plan=of_plan)
+    return check_made(inputs_for(nest, nest_request(profile, job, last=made)), plan_or_path(made), plan=of_plan)
 
 
 def explain(
@@ -107,10 +111,10 @@ def explain(
     >>> str(told).splitlines()[0]  # doctest: +ELLIPSIS
     'part#1.outer is cut ...'
     """
-    return Explainer(given_for(nest, asked_of(profile, job, last=made)), plan_of(made)).explain(contour)
+    return Explainer(inputs_for(nest, nest_request(profile, job, last=made)), plan_of(made)).explain(contour)
 
 
-def times(nest: NestLike, made: Made, profile: ProfileLike | None = None, *, job: JobLike = None) -> Times:
+def times(nest: NestLike, made: PlanOrResult, profile: ProfileLike | None = None, *, job: JobLike = None) -> Times:
     """Say how long a plan or an NC program takes by the profile's time model, and what it costs.
 
     Parameters
@@ -136,12 +140,12 @@ def times(nest: NestLike, made: Made, profile: ProfileLike | None = None, *, job
     >>> took.total_s > took.report.cut_s > 0
     True
     """
-    return time_made(given_for(nest, asked_of(profile, job, last=made)), plan_or_path(made))
+    return time_made(inputs_for(nest, nest_request(profile, job, last=made)), plan_or_path(made))
 
 
 def simulate(
     nest: NestLike,
-    made: Made,
+    made: PlanOrResult,
     profile: ProfileLike | None = None,
     *,
     model: HeatModel | None = None,
@@ -174,7 +178,7 @@ def simulate(
     >>> heat.peak_c > 20, len(heat.parts)
     (True, 8)
     """
-    return simulate_made(given_for(nest, asked_of(profile, job, last=made)), plan_or_path(made), model)
+    return simulate_made(inputs_for(nest, nest_request(profile, job, last=made)), plan_or_path(made), model)
 
 
 def draw(
@@ -218,13 +222,99 @@ def draw(
     >>> kerfwise.draw("examples/nests/e1x_6.json").content[:4]
     b'<svg'
     """
-    given = given_for(nest, asked_of(profile, job, last=made))
+    given = inputs_for(nest, nest_request(profile, job, last=made))
     plan = None if made is None else plan_of(made)
     plant = given.profile if plan is None else given.profile.at_origin(plan.origin)
     named = frozenset([contours] if isinstance(contours, str) else contours)
     spot = Spot(named, caption) if named else None
     if kind == "html" and plan is not None and spot is None:
-        from kerfwise.jobs.page.page import page_bytes, page_data
+        from kerfwise.jobs.page import page_bytes, page_data
 
         return Picture(page_bytes(page_data(given, plan)), kind)
     return Picture(drawn(given.nest, plan, f".{kind}", plant.home_on(given.nest), spot), kind)
+
+
+def compare(
+    nest: NestLike,
+    a: PlanOrResult | None = None,
+    b: PlanOrResult | None = None,
+    profile: ProfileLike | None = None,
+    profile_b: ProfileLike | None = None,
+    *,
+    with_: Iterable[str] | str = (),
+    without: Iterable[str] | str = (),
+    heat: bool = False,
+    locks: Iterable[LockLike] | LockLike = (),
+    job: JobLike = None,
+    settings: Settings = (),
+    time_s: float | None = None,
+    work: float = WORK,
+    seed: int = 1,
+    relax: bool = False,
+    on_progress: OnProgress | None = None,
+) -> Comparison:
+    """Put two ways to cut a nest side by side: figures, what each rule costs, which cuts differ, both routes.
+
+    Parameters
+    ----------
+    nest
+        A nest, or the path of its file.
+    a, b
+        Plans, results, or the paths of plans (.json) or of NC programs. What is None is planned now.
+    profile, profile_b
+        Profiles, names or paths: that of A, or of both, and that of B. None as for `solve`.
+    with_, without
+        Rules that B is planned with, such as "t-max" or "hull-before=soft", and without.
+    heat
+        Simulate how hot both make the sheet.
+    locks, job, settings, time_s, work, seed, relax, on_progress
+        As for `solve`, for both; limits are those of each plan.
+
+    Returns
+    -------
+    Comparison
+        `figures`, `rules`, `changed`, `claim`; print it to read it; `picture()`, `save(…)`, `as_json()`.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used, or a plan or program is of another nest.
+    NoPlan
+        If a side is to be planned, and no plan keeps the hard rules: a note of the error says which side.
+    KeyboardInterrupt
+        If Ctrl-C was pressed before there was a plan.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> made = kerfwise.compare("examples/nests/e1x_6.json", without="level-ahead", work=2)
+    >>> [figure.texts for figure in made.figures if figure.key == "idle_mm"]
+    [('1.873 m', '1.682 m', '-10.2%')]
+    >>> made.a.plan.solve.status, made.b.verdict.ok, [pair.told for pair in made.changed][0]
+    ('optimal', True, 'moved, entry 32.6 mm away')
+    """
+    on, off = _listed(with_), _listed(without)
+    first, second = (None if made is None else plan_or_path(made) for made in (a, b))
+    profiles = [profile] if profile_b is None else [profile, profile_b]
+    expect_two(first, second, len(profiles), on, off)
+    notes: list[str] = []
+    given = [inputs_for(nest, nest_request(one, job, settings, locks, a), notes.append) for one in profiles]
+    limits = {"work": work, "seed": seed, "time_s": time_s}
+    of_a, of_b = pair_of((given[0], given[-1]), first, second, on, off, limits, relax)
+    side_a, side_b = _side("A", of_a, heat, on_progress, notes), _side("B", of_b, heat, on_progress, notes)
+    return compared(side_a, side_b, notes=tuple(dict.fromkeys(notes)))
+
+
+def _side(letter: str, asked: SideAsked, heat: bool, on_progress: OnProgress | None, notes: list[str]) -> Side:
+    listener = Listener(on_progress)
+    try:
+        return side_of(asked, heat, listener, lambda text: notes.append(f"{letter}: {text}"))
+    except NoPlan as error:
+        if listener.interrupted:
+            raise KeyboardInterrupt from None
+        error.add_note(f"{letter}: {asked.name}")
+        raise
+
+
+def _listed(given: Iterable[str] | str) -> list[str]:
+    return [given] if isinstance(given, str) else list(given)

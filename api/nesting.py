@@ -6,19 +6,29 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.given import ProfileLike, plant_of, reading
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.nesting.engines import Engine, expect_engine
-from kerfwise.jobs.nesting.job import PURPOSES, WEIGH_WORK, WEIGHED, Asked, Found, Purpose, find_nests
-from kerfwise.jobs.nesting.laid import Nests, nests_of_job
-from kerfwise.jobs.nesting.made import made_of
-from kerfwise.jobs.nesting.order import order_of
-from kerfwise.jobs.nesting.spacing import burnt, spacing_of
-from kerfwise.jobs.nesting.watching import Watching
-from kerfwise.jobs.solve_options import WORK
-from kerfwise.nesting.allot import Layout
+from kerfwise.encoder.text import unknown
+from kerfwise.jobs.inputs import ProfileLike, plant_of, reading
+from kerfwise.jobs.nesting.find_nests import (
+    PURPOSES,
+    WEIGH_WORK,
+    WEIGHED,
+    Engine,
+    NestingRequest,
+    NestingResult,
+    Purpose,
+    Watching,
+    expect_engine,
+    find_nests,
+    spacing_of,
+    spacing_warning,
+)
+from kerfwise.jobs.nesting.programs import make_programs
+from kerfwise.jobs.nesting.request import order_of
+from kerfwise.jobs.nesting.result import Nests, nests_of_job
+from kerfwise.jobs.progress import Listener
+from kerfwise.jobs.request import WORK
+from kerfwise.nesting.layout import Layout
 from kerfwise.nesting.rounds import Effort
-from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.load import DEFAULT
 
 Files = Mapping[str | Path, int] | Iterable[str | Path] | str | Path
@@ -156,7 +166,7 @@ def make(
         (parts, sheets, remnants), profile, distances, effort, engine, purpose, weigh, weigh_work, units, repair, notes
     )
     found = _found(asked, on_round, notes)
-    made = made_of(found.nested, asked.plant, work, relax, lambda name: Listener())
+    made = make_programs(found.nested, asked.plant, work, relax, lambda name: Listener())
     return nests_of_job(asked.plant, found, made, seed, notes)
 
 
@@ -172,7 +182,7 @@ def _asked(
     units: str | None,
     repair: bool,
     notes: list[str],
-) -> Asked:
+) -> NestingRequest:
     if purpose not in PURPOSES:
         raise InputError(unknown("purpose", str(purpose), PURPOSES))
     for name, value in (("rounds", effort.rounds), ("weigh", weigh)):
@@ -187,11 +197,11 @@ def _asked(
     plant = plant_of(profile)
     expect_engine(engine)
     spacing = spacing_of(plant, *distances_mm)
-    if said := burnt(plant, spacing):
+    if said := spacing_warning(plant, spacing):
         notes.append(said)
     parts, sheets, remnants = (_words(named) for named in files)
     wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), notes.append)
-    return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
+    return NestingRequest(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
 
 
 def _words(files: Files) -> list[str]:
@@ -215,5 +225,5 @@ class _Watch(Watching):
         return super().__call__(number, best)
 
 
-def _found(asked: Asked, on_round: OnRound | None, notes: list[str]) -> Found:
+def _found(asked: NestingRequest, on_round: OnRound | None, notes: list[str]) -> NestingResult:
     return find_nests(asked, _Watch(on_round), lambda name: Listener(), notes.append)

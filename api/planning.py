@@ -8,27 +8,27 @@ from pathlib import Path
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.ask import facts_of
-from kerfwise.jobs.given import Given, NestLike, ProfileLike
-from kerfwise.jobs.listening import Listener, OnProgress
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.nest_job.asked import JobLike, given_for
-from kerfwise.jobs.no_plan import NOT_SHOWN, NoPlan
-from kerfwise.jobs.prices import PRICES_MM
+from kerfwise.encoder.text import unknown
+from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
+from kerfwise.jobs.nest_job.request import JobLike, inputs_for
+from kerfwise.jobs.pareto import Offer
+from kerfwise.jobs.pareto import trade_off as made_trade_off
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.programs import ProgramRequest
+from kerfwise.jobs.progress import Listener, OnProgress
+from kerfwise.jobs.request import NOT_SHOWN, WORK, NoPlan, facts_of, options_for
+from kerfwise.jobs.resequence.resequence import resequence as resequenced
+from kerfwise.jobs.resequence.result import Paths, Resequenced
 from kerfwise.jobs.result import Result
-from kerfwise.jobs.solve_options import WORK, options_for
-from kerfwise.jobs.stopped import already_cut
-from kerfwise.jobs.trade_off import Offer
-from kerfwise.jobs.trade_off import trade_off as made_trade_off
-from kerfwise.models.engines.baselines import STRATEGIES, Strategy
-from kerfwise.models.engines.budget import Budget
-from kerfwise.models.engines.names import OLD_NAMES, Engine
-from kerfwise.models.engines.solution import MEMORY_GB
+from kerfwise.jobs.resume import already_cut
+from kerfwise.models.engines import OLD_NAMES, STRATEGIES, Engine, Strategy
+from kerfwise.models.engines.solution import MEMORY_GB, Budget
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
-from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.profile.load import DEFAULT
+from kerfwise.rules.profile.plant_sections import PRICES_MM
 
-from .reading import LockLike, Settings, asked_of, plan_or_path
+from .reading import LockLike, Settings, nest_request, plan_or_path
 
 
 def solve(
@@ -132,7 +132,7 @@ def solve(
     '(KERFWISE FOR LINUXCNC, QTPLASMAC)'
     """
     notes: list[str] = []
-    given = given_for(nest, asked_of(profile, job, settings, locks, resume_from, answers), notes.append)
+    given = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from, answers), notes.append)
     engine = OLD_NAMES.get(engine, engine)
     limits = options_for(
         given.nest, given.profile,
@@ -201,7 +201,7 @@ def conflict(
     >>> kerfwise.conflict(nest) is None
     True
     """
-    given = given_for(nest, asked_of(profile, job, settings, locks))
+    given = inputs_for(nest, nest_request(profile, job, settings, locks))
     limits = options_for(given.nest, given.profile, work=work, time_s=time_s)
     known = facts_of(given.nest, given.profile)
     try:
@@ -232,7 +232,7 @@ def facts(nest: NestLike, profile: ProfileLike | None = None, *, job: JobLike = 
     >>> found.n, len(found.candidates) > found.n
     (16, True)
     """
-    given = given_for(nest, asked_of(profile, job))
+    given = inputs_for(nest, nest_request(profile, job))
     return facts_of(given.nest, given.profile)
 
 
@@ -287,7 +287,7 @@ def trade_off(
     >>> len(offer.front)
     1
     """
-    given = given_for(nest, asked_of(profile, job, settings, locks, resume_from))
+    given = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from))
     prices = tuple(prices_mm)
     for price in prices:
         if not isinstance(price, int | float) or not 0 <= price < float("inf"):
@@ -302,7 +302,7 @@ def trade_off(
 
 
 def _stopped(
-    given: Given,
+    given: Inputs,
     resume_from: Plan | Result | str | Path | None,
     upto: int | None,
     redo_last: bool,
@@ -311,3 +311,67 @@ def _stopped(
     """What is cut already; what a user should know of the old plan goes to `notes`."""
     old = None if resume_from is None else plan_or_path(resume_from)
     return already_cut(given, old, upto, redo_last, notes.append)
+
+
+def resequence(
+    program: str | Path,
+    profile: ProfileLike = DEFAULT,
+    *,
+    paths: Paths = "keep",
+    without_rules: bool = False,
+    feed_mm_min: float | None = None,
+    kerf_mm: float | None = None,
+    sheet_mm: tuple[float, float] | None = None,
+    time_s: float | None = None,
+    work: float = WORK,
+    seed: int = 1,
+    on_progress: OnProgress | None = None,
+) -> Resequenced:
+    """Put the burns of an old NC program into the best order by the profile's rules, each burn as it is.
+
+    Parts, holes, links and tabs are told from the burns alone. Nothing is written: see `Resequenced.save`.
+
+    Parameters
+    ----------
+    program
+        The path of the program.
+    profile
+        A profile, its name or its path; its dialect says which control the program is for.
+    paths
+        "keep" leaves every burn as it is; "new" plans all contours afresh, with entries and leads of our own.
+    without_rules
+        Where nobody can tell what some burns cut, go on by travel alone; `ends` then says that no rule was asked.
+    feed_mm_min, kerf_mm, sheet_mm
+        What the program leaves to the machine: the feed of its material, mm/min, the kerf, mm, width and height of the
+        sheet, mm.
+    time_s, work, seed, on_progress
+        As for `solve`.
+
+    Returns
+    -------
+    Resequenced
+        `program`, `before` and `after` with idle travel, time and verdicts, `ends`; print it to read it.
+
+    Raises
+    ------
+    InputError
+        With file and line, for what cannot be read, or nobody can be sure of, and where the rules cannot be asked.
+    RulesConflict
+        If contours are planned afresh, and no plan keeps the hard rules.
+
+    Examples
+    --------
+    >>> import tempfile, kerfwise
+    >>> some = kerfwise.solve("examples/nests/e1x_6.json", strategy="random", work=2)
+    >>> old = some.save(tempfile.mkdtemp(), "old")[0]
+    >>> better = kerfwise.resequence(old, sheet_mm=(700, 300), work=2)
+    >>> better.after.idle_mm < better.before.idle_mm, better.after.verdict.ok
+    (True, True)
+    >>> better.save(old.with_name("better.nc")).name
+    'better.nc'
+    """
+    asked = ProgramRequest(feed_mm_min, kerf_mm, sheet_mm)
+    return resequenced(
+        program, profile, paths=paths, asked=asked, without_rules=without_rules,
+        work=work, time_s=time_s, seed=seed, listener=Listener(on_progress),
+    )  # fmt: skip

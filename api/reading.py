@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.given import ProfileLike, drawn_nest, plant_of
+from kerfwise.jobs.inputs import ProfileLike, drawn_nest, plant_of
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job import read_job as read_job_file
-from kerfwise.jobs.nest_job.asked import Asked, JobLike, answered
+from kerfwise.jobs.nest_job.request import JobLike, NestRequest, answered
 from kerfwise.jobs.result import Result
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reader import read_plan as read_plan_file
+from kerfwise.models.plan.read_plan import read_plan as read_plan_file
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import DEFAULT
-from kerfwise.rules.profile.lock_text import read_lock
-from kerfwise.rules.profile.one_nest import Setting, read_setting
+from kerfwise.rules.profile.overrides import Setting, read_lock, read_setting
 from kerfwise.rules.profile.profile import Profile
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ LockLike = Lock | str | Mapping[str, Any]
 Settings = Mapping[str, Any] | Iterable[str]
 """Keys of the profile with values, or lines such as `leads.lead_in=4mm`."""
 
-Made = Result | Plan | str | Path
+PlanOrResult = Result | Plan | str | Path
 """A result, a plan, or the path of a plan (.json) or of an NC program."""
 
 
@@ -158,7 +157,7 @@ def read_job(path: str | Path) -> Job:
     return read_job_file(path)
 
 
-def plan_or_path(made: Made) -> Plan | str | Path:
+def plan_or_path(made: PlanOrResult) -> Plan | str | Path:
     if isinstance(made, Plan | str | Path):
         return made
     if isinstance(made, Result):
@@ -166,22 +165,22 @@ def plan_or_path(made: Made) -> Plan | str | Path:
     raise InputError(f"expected a plan, a result or a path, got {type(made).__name__}")
 
 
-def plan_of(made: Made) -> Plan:
+def plan_of(made: PlanOrResult) -> Plan:
     found = plan_or_path(made)
     return found if isinstance(found, Plan) else read_plan(found)
 
 
-def asked_of(
+def nest_request(
     profile: ProfileLike | None,
     job: JobLike = None,
     settings: Settings = (),
     locks: Iterable[LockLike] | LockLike = (),
     last: Plan | Result | str | Path | None = None,
     answers: Mapping[str, str] | None = None,
-) -> Asked:
+) -> NestRequest:
     """What is asked for a nest; `last` is the plan in which contours have the numbers that locks call them by."""
     plan = None if last is None else plan_or_path(last)
-    return Asked(
+    return NestRequest(
         profile, job, _settings(settings), tuple(map(lock_of, _listed(locks))), tuple((answers or {}).items()), plan
     )
 

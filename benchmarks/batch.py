@@ -28,7 +28,7 @@ from pathlib import Path
 
 from kerfwise.benchmarks.dask_here import cluster
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.kernels import machine_cores
+from kerfwise.models.jit import machine_cores
 
 NESTS, WORK = 200, 0.5
 CONTOURS = (4, 6, 8, 10, 12)

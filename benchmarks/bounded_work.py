@@ -22,7 +22,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.encoder.by_hand import Rows, circle, rect
+from kerfwise.rules.case import Rows, circle, rect
 
 WORDS = 90
 """Characters of a message that the table shows."""
@@ -33,7 +33,7 @@ HEAD = """\
 CHILD = """
 import atexit, sys, time
 def told():
-    from kerfwise.jobs.bench.memory import peak_mb
+    from kerfwise.jobs.bench_child import peak_mb
     sys.__stderr__.write(f"\\nused {time.process_time():.1f} {peak_mb():.0f}\\n")
 atexit.register(told)
 from kerfwise.cli import main

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.rounds import solve
-from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.rules.profile.cuts_section import Cuts, Links
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines.solve import solve
+from kerfwise.rules.profile.sections import Cuts, Links
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 TRIES = 3
 """Each proof is made so often, and the least time counts: other programs on the machine only add to it."""
@@ -52,8 +51,8 @@ def proof(nest: Nest, pierce_s: float, longest_mm: float, tries: int = TRIES) ->
     limits, found = options_for(nest, profile, work=WORK), []
     for _ in range(tries):
         began_s = time.process_time()
-        asked = ask(facts, profile)
-        solution = solve(facts, asked.stated.statements, limits, None, afterthoughts(facts, profile))
+        asked = make_request(facts, profile)
+        solution = solve(facts, asked.stated.statements, limits, None, lazy_statements(facts, profile))
         found.append((time.process_time() - began_s, solution.status == "optimal"))
     return Proof(int(facts.zone.max()), len(facts.links), facts_s, min(found)[0], all(proven for _, proven in found))
 

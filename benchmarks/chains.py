@@ -29,9 +29,9 @@ from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Cuts, Links
 
 LONGEST_MM = 100.0
 LASER = "laser-st10kp-2mm"

@@ -20,14 +20,14 @@ from functools import partial
 
 import kerfwise
 from kerfwise.benchmarks.checked_plan import checked_plan
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.rules.profile.cuts_section import Common, Cuts
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Common, Cuts
 
 PROFILE = "laser-st10kp-2mm"
 WEB_MM, EDGE_MM = 12.0, 30.0

@@ -27,16 +27,15 @@ import numpy as np
 
 import kerfwise
 from kerfwise.benchmarks.plates import default_without, made_plate
-from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.bounds import flow_bound
 from kerfwise.models.engines.bounds.flow import CROWD, MOST_SITES
 from kerfwise.models.engines.bounds.flow_program import FEWER_MOVES, MANY_MOVES
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.models.engines.watch import Watch
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
@@ -216,7 +215,7 @@ def fewer(problem: Problem) -> Iterator[tuple[str, Problem]]:
 def plate(contours: int, seed: int, crossed: bool = False) -> Problem:
     """The problem of a made plate without zones; where it is `crossed`, with what moves over parts cost."""
     profile = default_without("zone-order", *(() if crossed else (CROSSED,)))
-    asked = ask(facts_of(made_plate(contours, seed), profile), profile)
+    asked = make_request(facts_of(made_plate(contours, seed), profile), profile)
     return simplify(
         make_problem(asked.facts, asked.stated.statements, profile.home_on(asked.facts.nest), feeds_of(profile))
     )

@@ -24,18 +24,16 @@ from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import Asked, facts_of
-from kerfwise.jobs.priced_heat import cooler_orders, solve_priced
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.baselines.random_order import random_order
-from kerfwise.models.engines.baselines.realtime import realtime_order
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs.cooler_orders import ORDERS, CoolerOrders
+from kerfwise.jobs.heat_control import cooler_orders, solve_priced
+from kerfwise.jobs.request import Request, facts_of, options_for
+from kerfwise.models.engines.baselines import random_order, realtime_order
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.heat_prices.cooler_orders import ORDERS, CoolerOrders
+from kerfwise.models.engines.solve import solve
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import Grid, make_grid
-from kerfwise.models.physics.heat.route_path import RoutePaths
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.physics.heat.timed_path import RoutePaths
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
 from kerfwise.models.problem.problem import Problem
@@ -141,7 +139,7 @@ def strategies(case: Bench, cooler: CoolerOrders, work: float) -> Iterator[str]:
     routes = [case.candidates(random_order(case.problem, seed)) for seed in RANDOM_SEEDS]
     yield row(f"random, mean of {len(routes)}", *routes)
     yield row("Realtime", case.candidates(realtime_order(case.problem, case.facts, heat, thickness_mm, case.paths)))
-    asked, limits = Asked(case.facts, case.stated), SolveOptions(work=work)
+    asked, limits = Request(case.facts, case.stated), SolveOptions(work=work)
     for price_mm in PRICES_MM:
         profile = replace(case.profile, objective=replace(case.profile.objective, heat=price_mm))
         found, _ = solve_priced(

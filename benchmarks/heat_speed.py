@@ -25,8 +25,7 @@ from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.examples.gen_sheet import contour_count, make_sheet
 from kerfwise.models.physics.heat import TimedPath, simulate
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
-from kerfwise.rules.profile.heat_section import Heat
-from kerfwise.rules.profile.materials import MATERIALS
+from kerfwise.rules.profile.plant_sections import MATERIALS, Heat
 
 WIDTH_MM, HEIGHT_MM, APART_MM, SECONDS = 6000.0, 1500.0, 30.0, 7200.0
 PLANT = """\

@@ -55,8 +55,8 @@ that has nothing else to do takes by the clock."""
 RUN = """\
 import sys, time, types
 from kerfwise.cli import main
-from kerfwise.jobs.whole_limit import WholeLimit
-from kerfwise.models import kernels
+from kerfwise.jobs.time_limits import WholeLimit
+from kerfwise.models import jit as kernels
 if sys.argv.pop(1) == "processor":
     kernels.time = types.SimpleNamespace(monotonic=time.process_time)
 over, planned = WholeLimit.over, []
@@ -67,7 +67,7 @@ WholeLimit.over = told
 try:
     main(sys.argv[1:])
 finally:
-    from kerfwise.jobs.bench.memory import peak_mb
+    from kerfwise.jobs.bench_child import peak_mb
     compiled_s = kernels.time.monotonic() - kernels.counted_s()
     print(*planned, time.process_time(), compiled_s, f"{peak_mb():.0f}")
 """

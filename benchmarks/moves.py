@@ -20,11 +20,10 @@ from pathlib import Path
 
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.explaining import Explainer
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.moving import Mover
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.explainer import Explainer, Mover
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.request import options_for
 from kerfwise.rules.profile.load import load_profile
 
 
@@ -41,7 +40,7 @@ def row(contours: int, moves: int, work: float) -> str:
         file = Path(folder, "plate.json")
         file.write_text(json.dumps(make_sheet(1, contours)), encoding="utf-8", newline="\n")
         nest = read_nest(file)
-    given = Given(nest, load_profile())
+    given = Inputs(nest, load_profile())
     done = plan_nest(given, options_for(nest, given.profile, work=work))
     explainers: list[Explainer] = []
 

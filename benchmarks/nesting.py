@@ -16,23 +16,27 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.bench.memory import peak_mb
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.nesting.engines import ALONE, varied_layouts
-from kerfwise.jobs.nesting.spacing import spacing_of
-from kerfwise.jobs.nesting.watching import Watching
-from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
-from kerfwise.nesting.allot import Layout
-from kerfwise.nesting.bound import least_worth
-from kerfwise.nesting.defining_line import usable_area_mm2
-from kerfwise.nesting.left_over import largest_rectangle
-from kerfwise.nesting.rounds import METHODS, Effort, best_layout
-from kerfwise.nesting.wanted import Spacing, Stock, Wanted
-from kerfwise.rules.profile.cuts_section import Common as CommonCuts
-from kerfwise.rules.profile.cuts_section import Cuts, Scrap
+from kerfwise.jobs.bench_child import peak_mb
+from kerfwise.jobs.nesting.find_nests import (
+    ALONE,
+    Watching,
+    cheapest,
+    comparable_layouts,
+    spacing_of,
+    varied_layouts,
+    weigh,
+)
+from kerfwise.jobs.progress import Listener
+from kerfwise.nesting.blocks import usable_area_mm2
+from kerfwise.nesting.demand import Demand, Spacing, Stock
+from kerfwise.nesting.fill import largest_rectangle
+from kerfwise.nesting.layout import Layout
+from kerfwise.nesting.rounds import METHODS, Effort, best_layout, least_worth
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.prices_section import Consumables, Prices
+from kerfwise.rules.profile.plant_sections import Consumables, Prices
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Common as CommonCuts
+from kerfwise.rules.profile.sections import Cuts, Scrap
 
 from .nesting_lists import cutting_list, day_list, furniture
 from .nesting_sound import paragraph, sound
@@ -80,7 +84,7 @@ def main() -> None:
 
 def _furniture(rounds: int) -> Iterator[str]:
     types = furniture()
-    wanted = Wanted(types, (Stock("2500x1250", Sheet.rectangle(2500, 1250)),))
+    wanted = Demand(types, (Stock("2500x1250", Sheet.rectangle(2500, 1250)),))
     usable_mm2 = usable_area_mm2(2500, 1250, (5.0, 5.0), 0.35)
     copies = sum(kind.quantity for kind in types)
     yield "\n## Furniture\n"
@@ -127,7 +131,7 @@ def _day(rounds: int) -> Iterator[str]:
     yield _day_run("second", again, spacing, rounds)[0]
 
 
-def _day_run(name: str, wanted: Wanted, spacing: Spacing, rounds: int) -> tuple[str, Layout]:
+def _day_run(name: str, wanted: Demand, spacing: Spacing, rounds: int) -> tuple[str, Layout]:
     began, prices = time.process_time(), list[float]()
 
     def told(number: int, best: Layout) -> bool:
@@ -187,10 +191,12 @@ def _plant(common: bool) -> Profile:
     return replace(load_profile(PROFILE), prices=PRICES, cuts=cuts)
 
 
-def _weighed_row(seed: int, wanted: Wanted, plant: Profile, rounds: int) -> str:
+def _weighed_row(seed: int, wanted: Demand, plant: Profile, rounds: int) -> str:
     spacing, watching = spacing_of(plant, GAP_MM), Watching()
     groups = varied_layouts(wanted, spacing, Effort(rounds), "own", watching, print)
-    weighed = [weigh(sound(layout), plant, WORK, lambda name: Listener()) for layout in alike(groups, WEIGHED)]
+    weighed = [
+        weigh(sound(layout), plant, WORK, lambda name: Listener()) for layout in comparable_layouts(groups, WEIGHED)
+    ]
     taken, count = cheapest(weighed), sum(kind.quantity for kind in wanted.types)
     asked = "common cuts" if spacing.common is not None else "plain"
     if taken.price is None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import random
 
-from kerfwise.encoder.by_hand import Rows, circle, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.nesting.wanted import PartType, Stock, Wanted
+from kerfwise.nesting.demand import Demand, PartType, Stock
+from kerfwise.rules.case import Rows, circle, part, rect
 
 
 def shape(name: str, chance: random.Random, size_mm: float) -> Part:
@@ -38,7 +38,7 @@ def shape(name: str, chance: random.Random, size_mm: float) -> Part:
             return part(name, [(0, 0), (w, 0, 1.0), (w, h / 2), (0, h / 2, 1.0)], [circle(0, h / 4, max(h / 12, 4))])
 
 
-def day_list(seed: int = 1, types: int = 60, parts: int = 600) -> Wanted:
+def day_list(seed: int = 1, types: int = 60, parts: int = 600) -> Demand:
     """A day of a shop: so many part types and parts, three sizes of sheets, two remnants."""
     chance = random.Random(seed)
     sizes = [math.exp(chance.uniform(math.log(60), math.log(500))) for _ in range(types)]
@@ -46,7 +46,7 @@ def day_list(seed: int = 1, types: int = 60, parts: int = 600) -> Wanted:
     for _ in range(parts - types):
         counts[min(range(types), key=lambda k: (chance.random() * sizes[k], k))] += 1
     kinds = tuple(PartType(f"P{k + 1}", shape(f"P{k + 1}", chance, sizes[k]), counts[k]) for k in range(types))
-    return Wanted(kinds, (*sheets(), *remnants()))
+    return Demand(kinds, (*sheets(), *remnants()))
 
 
 def sheets() -> tuple[Stock, ...]:
@@ -86,11 +86,11 @@ def furniture() -> tuple[PartType, ...]:
     return tuple(PartType(shape.id, shape, count) for shape, count in made)
 
 
-def cutting_list(seed: int) -> Wanted:
+def cutting_list(seed: int) -> Demand:
     """A small list, for layouts that are planned as they are weighed."""
     chance = random.Random(seed)
     kinds = tuple(
         PartType(f"P{k + 1}", shape(f"P{k + 1}", chance, chance.uniform(90, 260)), chance.randint(2, 5))
         for k in range(5)
     )
-    return Wanted(kinds, (Stock("1500x1000", Sheet.rectangle(1500, 1000)),))
+    return Demand(kinds, (Stock("1500x1000", Sheet.rectangle(1500, 1000)),))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 import textwrap
 
-from kerfwise.jobs.nesting.run import Nested, nests_from
-from kerfwise.nesting.allot import Layout
+from kerfwise.jobs.nesting.nests import Nested, nests_from
+from kerfwise.nesting.layout import Layout
 
 
 def sound(layout: Layout) -> Nested:

@@ -14,16 +14,16 @@ from pathlib import Path
 
 import shapely
 
-from kerfwise.encoder.by_hand import part
 from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.nesting.run import Nested, nests_from
+from kerfwise.jobs.nesting.nests import Nested, nests_from
 from kerfwise.nesting import sparrow
-from kerfwise.nesting.allot import Layout, allot
-from kerfwise.nesting.denser import denser
-from kerfwise.nesting.fill import LEFT, by_size
+from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
+from kerfwise.nesting.fill import LEFT, largest_first
+from kerfwise.nesting.layout import Layout, allot
 from kerfwise.nesting.rounds import Effort, layouts
 from kerfwise.nesting.shapes import Shapes
-from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.nesting.sparrow import compact_layout
+from kerfwise.rules.case import part
 
 from .nesting_sound import paragraph, sound
 
@@ -59,13 +59,13 @@ def strips(checkout: Path, rounds: int, seconds: float) -> Iterator[str]:
 def _row(name: str, data: dict, checkout: Path, rounds: int, seconds: float) -> str:  # type: ignore[type-arg]
     wanted, scale = instance(data)
     shapes, began = Shapes(wanted.types, 0.0), time.process_time()
-    plain = allot(wanted, shapes, TOUCHING, by_size(shapes, range(len(wanted.types))), LEFT)
+    plain = allot(wanted, shapes, TOUCHING, largest_first(shapes, range(len(wanted.types))), LEFT)
     plain_s, began = time.process_time() - began, time.process_time()
     own = max(layouts(wanted, TOUCHING, Effort(rounds)), key=lambda layout: density(nests_from(layout)))
     own_s = time.process_time() - began
     packed = "–"
     if sparrow.installed():
-        packed = f"{density(sound(denser(own, shapes, seconds, 1, print))):.3f}"
+        packed = f"{density(sound(compact_layout(own, shapes, seconds, 1, print))):.3f}"
     cells = (
         name, str(sum(kind.quantity for kind in wanted.types)), f"{density(sound(plain)):.3f}", f"{plain_s:.0f}",
         f"{density(sound(own)):.3f}", f"{own_s:.0f}", packed, _mean(name, checkout),
@@ -74,7 +74,7 @@ def _row(name: str, data: dict, checkout: Path, rounds: int, seconds: float) -> 
     return f"| {' | '.join(cells)} |"
 
 
-def instance(data: dict) -> tuple[Wanted, float]:  # type: ignore[type-arg]
+def instance(data: dict) -> tuple[Demand, float]:  # type: ignore[type-arg]
     """An instance as an order on one strip that is long enough, and by how much it is scaled."""
     scale = HEIGHT_MM / data["strip_height"]
     types = []
@@ -87,7 +87,7 @@ def instance(data: dict) -> tuple[Wanted, float]:  # type: ignore[type-arg]
         )
     area_mm2 = sum(kind.area_mm2 * kind.quantity for kind in types)
     strip = Sheet.rectangle(round(1.8 * area_mm2 / HEIGHT_MM), HEIGHT_MM)
-    return Wanted(tuple(types), (Stock("strip", strip, 1),)), scale
+    return Demand(tuple(types), (Stock("strip", strip, 1),)), scale
 
 
 def density(nested: Nested) -> float:

@@ -22,14 +22,14 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.rounds import solve
-from kerfwise.models.plan.make import make_plan
-from kerfwise.postproc.clock.contour_heat import contour_heat_kj
-from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
+from kerfwise.jobs.request import options_for
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.postproc.clock import contour_heat_kj
+from kerfwise.rules.judging.pierces import leads_over_older_kerfs
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import state_rules
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
@@ -76,10 +76,10 @@ def planned(nest: Nest, profile: Profile, work: float, minding: bool) -> Planned
     facts = facts_of(nest, profile, minding)
     stated = state_rules(facts, profile)
     options = options_for(nest, profile, work=work)
-    solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
+    solution = solve(facts, stated.statements, options, refine=lazy_statements(facts, profile))
     plan = make_plan(facts, profile, stated, solution, "portfolio", options.seed)
     splash_mm = profile.lead_options(nest).splash_mm or 0.0
-    found = over_older_kerfs(nest, plan.sequence(profile.home_on(nest)), profile.material.kerf_mm, splash_mm)
+    found = leads_over_older_kerfs(nest, plan.sequence(profile.home_on(nest)), profile.material.kerf_mm, splash_mm)
     return Planned(plan.totals.idle_mm, len({positions[-1] for positions, _, _ in found}), solution.status == "optimal")
 
 

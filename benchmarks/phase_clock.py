@@ -26,15 +26,15 @@ from kerfwise.examples.gen_sheet import contour_count, make_sheet
 
 PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "read": (("kerfwise.encoder.readers.json_nest", "read_json"),),
-    "candidates": (("kerfwise.jobs.ask", "build_with_older_kerfs"),),
-    "facts": (("kerfwise.jobs.ask", "compute_facts"), ("kerfwise.jobs.ask", "contour_heat_kj")),
-    "rules": (("kerfwise.jobs.ask", "state_rules"),),
-    "problem": (("kerfwise.models.engines.rounds", "make_problem"), ("kerfwise.models.engines.rounds", "simplify")),
-    "planning": (("kerfwise.models.engines.rounds", "run_portfolio"),),
+    "candidates": (("kerfwise.jobs.request", "build_with_older_kerfs"),),
+    "facts": (("kerfwise.jobs.request", "compute_facts"), ("kerfwise.jobs.request", "contour_heat_kj")),
+    "rules": (("kerfwise.jobs.request", "state_rules"),),
+    "problem": (("kerfwise.models.engines.solve", "make_problem"), ("kerfwise.models.engines.solve", "simplify")),
+    "planning": (("kerfwise.models.engines.solve", "run_portfolio"),),
     "looks at whole orders": (),
-    "plan and its reasons": (("kerfwise.jobs.produce", "make_plan"), ("kerfwise.jobs.produce", "with_times")),
-    "program": (("kerfwise.jobs.produce", "write_program"),),
-    "check": (("kerfwise.jobs.produce", "judge"),),
+    "plan and its reasons": (("kerfwise.jobs.plan_nest", "make_plan"), ("kerfwise.jobs.plan_nest", "with_times")),
+    "program": (("kerfwise.jobs.plan_nest", "write_program"),),
+    "check": (("kerfwise.jobs.plan_nest", "judge"),),
     "picture": (("kerfwise.postproc.report", "draw"),),
 }
 """Phase → the functions it is made by, where they are called from; what is called within one counts there only."""
@@ -98,10 +98,10 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
     it was in, and those that it never began.
     """
     from kerfwise.encoder.readers import ReadOptions
-    from kerfwise.jobs.bench.memory import peak_mb
-    from kerfwise.jobs.given import Given
-    from kerfwise.jobs.main_job import plan_nest
-    from kerfwise.jobs.solve_options import options_for
+    from kerfwise.jobs.bench_child import peak_mb
+    from kerfwise.jobs.inputs import Inputs
+    from kerfwise.jobs.plan_nest import plan_nest
+    from kerfwise.jobs.request import options_for
     from kerfwise.rules.profile.load import load_profile
 
     text = json.dumps(make_sheet(1, contours)).encode()
@@ -132,7 +132,7 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
     home = profile.home_on(nest)
     with _beside(nest, home) as beside:
         told_to = {} if beside is None else {"planned_as": beside.begin}
-        made = plan_nest(Given(nest, profile), limits, **told_to).made
+        made = plan_nest(Inputs(nest, profile), limits, **told_to).made
         if not made.verdict.ok:
             raise SystemExit("the check refuses the plan")
         with clock.phase("picture"):
@@ -144,9 +144,9 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
 
 def _beside(nest: Any, home: tuple[float, float]) -> Any:
     """A picture drawn beside the check, as `kerfwise solve` does it, by checkouts that do."""
-    if importlib.util.find_spec("kerfwise.jobs.page.drawn_beside") is None:
+    if importlib.util.find_spec("kerfwise.jobs.page_picture") is None:
         return nullcontext()
-    return importlib.import_module("kerfwise.jobs.page.drawn_beside").DrawnBeside(nest, ".svg", home)
+    return importlib.import_module("kerfwise.jobs.page_picture").DrawnBeside(nest, ".svg", home)
 
 
 def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
@@ -160,7 +160,7 @@ def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
 
 def _around_looks(clock: Clock) -> None:
     """Count what rules that judge a whole order find wrong with those that are tried."""
-    place: Any = importlib.import_module("kerfwise.jobs.produce")
+    place: Any = importlib.import_module("kerfwise.jobs.plan_nest")
     plain = place.afterthoughts
 
     def counted(*given: Any) -> Callable[..., Any]:

@@ -20,14 +20,13 @@ import kerfwise
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import facts_of
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs.request import facts_of, options_for
 from kerfwise.models.engines.solution import Solution
-from kerfwise.models.plan.make import make_plan
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import state_rules
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
@@ -88,7 +87,7 @@ def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
     stated = state_rules(facts, profile)
     between = time.perf_counter()
     options = options_for(nest, profile, work=work)
-    solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
+    solution = solve(facts, stated.statements, options, refine=lazy_statements(facts, profile))
     took = time.perf_counter() - between
     made = make_plan(facts, profile, stated, solution, "portfolio", options.seed)
     return Row(name, facts.n, solution, made.totals.idle_mm, between - started, took)

@@ -32,7 +32,7 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown, gap_to, measure, read_best_known, results_in_all
-from kerfwise.jobs.bench.child import run_in_child
+from kerfwise.jobs.bench_child import run_in_child
 from kerfwise.models.routing import is_instance
 
 PAGE = """\

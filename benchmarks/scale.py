@@ -22,14 +22,11 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.benchmarks.plates import cost, default_without, made_plate
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.bench.memory import peak_mb
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_limits import MOST_CONTOURS
-from kerfwise.jobs.zones_moved import planned_by_zones
-from kerfwise.models.engines.rounds import solve
-from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.jobs.adaptive_zones import MOST_CONTOURS, planned_by_zones
+from kerfwise.jobs.bench_child import load_kernels, peak_mb
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines.solve import solve
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 OTHERS = "## Beside the planning"
 """The heading from which on the page is another command's."""
@@ -89,7 +86,7 @@ def run(job: Job) -> list[Seen]:
     profile = default_without("no-tip-travel", *([] if job.zones else ["zone-order"]))
     nest = made_plate(job.contours, job.seed)
     began_s = time.process_time()
-    asked = ask(facts_of(nest, profile), profile)
+    asked = make_request(facts_of(nest, profile), profile)
     facts_s = time.process_time() - began_s
     found: list[Seen] = []
     for work in job.works:
@@ -98,7 +95,7 @@ def run(job: Job) -> list[Seen]:
         if job.zones:
             solution = planned_by_zones(asked, profile, limits).solution
         else:
-            solution = solve(asked.facts, asked.stated.statements, limits, None, afterthoughts(asked.facts, profile))
+            solution = solve(asked.facts, asked.stated.statements, limits, None, lazy_statements(asked.facts, profile))
         found.append(
             Seen(
                 asked.facts.n,

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.warm_up import load_kernels
 from kerfwise.models.routing import Instance
 
 TO_TUNE, HELD_OUT = (1, 2), (101, 102)

@@ -13,10 +13,10 @@ import time
 from dataclasses import replace
 
 from kerfwise.benchmarks.checked_plan import checked_plan
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.machine_section import Torches
+from kerfwise.rules.profile.plant_sections import Torches
 
 WIDE_MM, HIGH_MM, WEB_MM, EDGE_MM = 100.0, 80.0, 20.0, 40.0
 HEAD = "  parts  torches  idle, m  program, s  share     gap  processor, s"

@@ -28,17 +28,13 @@ import numpy as np
 
 import kerfwise
 from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
-from kerfwise.jobs.ask import Asked, ask, facts_of
-from kerfwise.jobs.bench.memory import peak_mb
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_cost import zoned_by
-from kerfwise.jobs.zones_limits import FEW, LEAST_S, LEAST_WORK, MOST_CONTOURS
-from kerfwise.jobs.zones_moved import better_zones
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs.adaptive_zones import FEW, LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS, better_zones, zoned_by
+from kerfwise.jobs.bench_child import load_kernels, peak_mb
+from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.warm_up import load_kernels
+from kerfwise.models.engines.solve import solve
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 LARGE, MOST_WITHOUT = 1000, 60.0
 """Contours from which on one seed of each kind is planned, and the most work for plans without zones."""
@@ -195,11 +191,11 @@ def run(job: Job) -> Row | Sized:
 def moved(job: Job) -> Row:
     """Plan one plate with zones that stay, with zones that move, and without any."""
     profile, nest = job.profile, made_plate(job.contours, job.seed)
-    asked, limits = ask(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
+    asked, limits = make_request(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
     began_s = time.process_time()
-    looks = afterthoughts(asked.facts, profile)
+    looks = lazy_statements(asked.facts, profile)
     stayed = solve(asked.facts, asked.stated.statements, limits, None, looks)
-    further = afterthoughts(asked.facts, profile)([asked.facts.candidates[c].contour for c in stayed.route])
+    further = lazy_statements(asked.facts, profile)([asked.facts.candidates[c].contour for c in stayed.route])
     best = better_zones(asked, further, profile, stayed, limits)
     took_s, memory_mb = time.process_time() - began_s, peak_mb()
     known = [] if best.free is None or best.free.aside else [best.free.solution.objective]
@@ -224,9 +220,9 @@ def moved(job: Job) -> Row:
 def sized(job: Job) -> Sized:
     """Plan one plate with zones of so many contours."""
     profile, nest = job.profile, made_plate(job.contours, job.seed)
-    asked, limits = ask(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
+    asked, limits = make_request(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
     began_s = time.process_time()
-    found = solve(asked.facts, asked.stated.statements, limits, None, afterthoughts(asked.facts, profile))
+    found = solve(asked.facts, asked.stated.statements, limits, None, lazy_statements(asked.facts, profile))
     took_s, zone = time.process_time() - began_s, asked.facts.zone
     zones, largest = int(zone.max()), int(np.bincount(zone).max())
     proven, plate, size = found.status == "optimal", _plate(asked.facts.n, job), job.size or 0
@@ -238,14 +234,14 @@ def _plate(contours: int, job: Job) -> str:
 
 
 def searched(
-    asked: Asked, profile: Profile, solution: Solution, limits: SolveOptions, work: float
+    asked: Request, profile: Profile, solution: Solution, limits: SolveOptions, work: float
 ) -> tuple[Solution, Solution]:
     """Plans that need not keep to zones, searched for from a planned one on and from nothing."""
     names = zoned_by(asked, profile)
     statements = tuple(s for s in asked.stated.statements if s.about.rule not in names)
     limits = replace(limits, work=work / 2, member="search")
     from_here, from_nothing = (
-        solve(asked.facts, statements, limits, None, afterthoughts(asked.facts, profile), start=start)
+        solve(asked.facts, statements, limits, None, lazy_statements(asked.facts, profile), start=start)
         for start in (solution.route, ())
     )
     return from_here, from_nothing
@@ -307,7 +303,7 @@ def main() -> None:
         few=FEW,
         many=MOST_CONTOURS,
         least=LEAST_WORK,
-        least_s=LEAST_S,
+        least_s=LEAST_LOOK_S,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         rows="\n".join(str(row) for row in rows if isinstance(row, Row)),

@@ -12,16 +12,14 @@ import click
 
 from kerfwise import __version__
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 from kerfwise.rules.profile.load import DEFAULT
 
-from .given import TRUST, tell_note
-from .numbers import AMOUNT_OVER_ZERO, Amount
+from .shared_options import AMOUNT_OVER_ZERO, TRUST, Amount, print_note
 
 if TYPE_CHECKING:
-    from kerfwise.jobs.batch.machines import Machines
     from kerfwise.jobs.batch.run import Batch, Run
-    from kerfwise.jobs.batch.sources import Source
+    from kerfwise.jobs.batch.tasks import Machines, Source
 
 _NAME = re.compile(r"\w[\w-]*")
 
@@ -66,14 +64,12 @@ def command(
     **limits: Any,
 ) -> int:
     """Plan every nest of files and folders on every machine; what is finished is known by its content, and skipped."""
-    from kerfwise.jobs.batch.piece import Options
-    from kerfwise.jobs.batch.rounds import keep_on
     from kerfwise.jobs.batch.run import run_batch
-    from kerfwise.jobs.batch.sources import sources_in
-    from kerfwise.jobs.batch.store import Store, held
+    from kerfwise.jobs.batch.store import Store, lock_folder
+    from kerfwise.jobs.batch.tasks import Options, keep_on, sources_in
 
     from .batch_progress import BatchProgress, printed
-    from .unforeseen import arguments, told
+    from .crash_report import arguments, crash_message
 
     if jobs is not None and scheduler is not None:
         raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
@@ -85,7 +81,7 @@ def command(
     _expect_apart(given, out)
     if not sources and not watch:
         raise InputError("holds no nest", file=nests[0])
-    with held(out), _runner(scheduler, jobs) as run:
+    with lock_folder(out), _runner(scheduler, jobs) as run:
         store = Store(out)
 
         def one_round(found: Sequence[Source], now: Machines) -> Batch:
@@ -94,15 +90,15 @@ def command(
                 batch = run_batch(found, now, store, options, __version__, run, progress, **asked)
             click.echo(printed(batch, out))
             for text in batch.papers.told:
-                tell_note(text)
+                print_note(text)
             for name, error in batch.faults.items():
-                click.echo(f"{shown(name)}: {told(error, arguments(None))}", err=True)
+                click.echo(f"{escape_text(name)}: {crash_message(error, arguments(None))}", err=True)
             if watch and batch.interrupted:
                 raise KeyboardInterrupt
             return batch
 
         if watch:
-            keep_on(given, out, machines, one_round, tell_note)
+            keep_on(given, out, machines, one_round, print_note)
         return one_round(sources, machines).exit_code
 
 
@@ -112,24 +108,24 @@ def _runner(scheduler: str | None, jobs: int | None) -> Iterator[Run]:
     from kerfwise.jobs.batch.run import plan_task
 
     if scheduler is not None:
-        from kerfwise.jobs.batch.cluster import Cluster
+        from kerfwise.jobs.batch.run import Cluster
 
-        with Cluster(plan_task, scheduler, tell_note) as cluster:
+        with Cluster(plan_task, scheduler, print_note) as cluster:
             yield cluster.run
         return
-    from kerfwise.jobs.processes import Workers
-    from kerfwise.models.kernels import machine_cores
+    from kerfwise.jobs.process_pool import Workers
+    from kerfwise.models.jit import machine_cores
 
     cores = len(machine_cores())
     with Workers(plan_task, jobs or max(1, cores // 2)) as workers:
         if jobs is not None and workers.jobs < jobs:
-            tell_note(f"--jobs {jobs}: there are {cores} cores, so that {workers.jobs} nests are planned at a time")
+            print_note(f"--jobs {jobs}: there are {cores} cores, so that {workers.jobs} nests are planned at a time")
         yield workers.run
 
 
 def _machines(profiles: Sequence[str], trust: bool) -> Machines:
     """The machines by their names; one without is named after its profile."""
-    from kerfwise.jobs.batch.machines import Machine, Machines, machine_of, name_of
+    from kerfwise.jobs.batch.tasks import Machine, Machines, machine_of, name_of
 
     found: dict[str, Machine] = {}
     for text in profiles:

@@ -8,17 +8,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from kerfwise.encoder.shown import shown
-from kerfwise.jobs.batch.compared import totals
-from kerfwise.jobs.batch.figures import clock, money
-from kerfwise.jobs.batch.folded import folded
-from kerfwise.jobs.batch.groups import groups_of
+from kerfwise.encoder.text import clock, escape_text, money
+from kerfwise.jobs.batch.result import groups_of, totals, truncate
 from kerfwise.jobs.batch.run import Batch, Watcher
 from kerfwise.postproc.report.legend import counted
 
 if TYPE_CHECKING:
-    from kerfwise.jobs.batch.piece import Piece
-    from kerfwise.jobs.batch.row import Row
+    from kerfwise.jobs.batch.result import Row
+    from kerfwise.jobs.batch.tasks import NestTask
 
 
 class BatchProgress(Watcher):
@@ -44,10 +41,10 @@ class BatchProgress(Watcher):
         if self._bars is not None:
             self._all = self._bars.add_task("all", total=pieces, completed=before)
 
-    def began(self, piece: Piece) -> None:
+    def began(self, piece: NestTask) -> None:
         """A line for it."""
         if self._bars is not None:
-            text = f"{shown(piece.name)} on {piece.machine.name}"
+            text = f"{escape_text(piece.name)} on {piece.machine.name}"
             self._lines[piece.name, piece.machine.name] = self._bars.add_task(text, total=None)
 
     def ended(self, row: Row) -> None:
@@ -86,9 +83,9 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
     for group in groups_of(batch.rows):
         yield f"{group.head}. {group.remedy}"
         for nest, told, machines in group.said():
-            short = folded(told)
+            short = truncate(told)
             text = f"{short.told}\n  {short.more}, all of them in the index" if short.more else told
-            yield f"  {shown(nest)} on {', '.join(machines)}: {text}".replace("\n", "\n    ")
+            yield f"  {escape_text(nest)} on {', '.join(machines)}: {text}".replace("\n", "\n    ")
     if gone := sum(not one.given for one in batch.left):
         of = f"{counted(gone, 'program')} {'is' if gone == 1 else 'are'} left from earlier runs"
         yield f"{of}, of nests that are not given now: the index lists them, --tidy removes them"
@@ -99,8 +96,8 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
     if batch.again:
         counts.append(f"{batch.again} finished before")
     yield ", ".join(counts)
-    yield f"index: {shown(str(out / 'index.html'))}"
+    yield f"index: {escape_text(str(out / 'index.html'))}"
     for name in batch.papers.files.values():
-        yield f"work sheets: {shown(str(out / name))}"
+        yield f"work sheets: {escape_text(str(out / name))}"
     if batch.interrupted:
         yield "interrupted: the same command goes on from here"

@@ -7,13 +7,11 @@ from typing import Any
 
 import click
 
-from kerfwise.encoder.contents import is_file, is_folder
 from kerfwise.encoder.errors import InputError
-from kerfwise.models.engines.names import BUILT_IN
+from kerfwise.encoder.files import is_file, is_folder
+from kerfwise.models.engines import BUILT_IN
 
-from .engine_choice import EngineChoice
-from .given import TRUST
-from .numbers import AMOUNT_OVER_ZERO, MEMORY
+from .shared_options import AMOUNT_OVER_ZERO, MEMORY, TRUST, EngineChoice
 
 
 @click.command()
@@ -89,7 +87,7 @@ def command(
 
 def _expect(file: Path) -> None:
     from kerfwise.encoder.readers.read import SUFFIXES
-    from kerfwise.models.routing.read import KINDS, is_instance
+    from kerfwise.models.routing import KINDS, is_instance
 
     if is_folder(file):
         raise InputError("this is a folder; name the files in it, such as folder/*.sop", file=file)

@@ -6,12 +6,20 @@ from typing import Any
 
 import click
 
-from .given import given_options, read_given, tell_note
-from .old_given import FEED, KERF, program_alone, read_alone, trusted_if
+from .shared_options import (
+    FEED,
+    KERF,
+    input_options,
+    print_note,
+    program_alone,
+    read_inputs,
+    read_program_alone,
+    trusted_if,
+)
 
 
 @click.command()
-@given_options
+@input_options
 @click.option("--plan", metavar="PLAN.json", help="The plan of OUT.nc: says what its comments do not, and is followed.")
 @FEED
 @KERF
@@ -21,14 +29,14 @@ def command(made: str | None, plan: str | None, feed: float | None, kerf: float 
 
     A program may stand alone: its parts and holes are then told from what it burns.
     """
-    from kerfwise.jobs.checking import check_made, check_old
+    from kerfwise.jobs.programs import check_made, check_old
     from kerfwise.postproc.check import report
 
     if program_alone(given["nest"], made):
         if plan is not None:
             raise click.UsageError("--plan is held against a program of a nest: give the nest too")
-        result = check_old(read_alone(feed, kerf, given))
+        result = check_old(read_program_alone(feed, kerf, given))
     else:
-        result = check_made(read_given(**given, last=made), str(made), tell_note, plan, trusted_if(feed))
+        result = check_made(read_inputs(**given, last=made), str(made), print_note, plan, trusted_if(feed))
     click.echo(report(result))
     return 0 if result.ok else 1

@@ -12,15 +12,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 from kerfwise.rules.profile.load import DEFAULT
 
-from .given import nest_options, protect, read_given, tell_note
-from .numbers import AMOUNT_OVER_ZERO
+from .shared_options import AMOUNT_OVER_ZERO, nest_options, print_note, protect, read_inputs
 
 if TYPE_CHECKING:
     from kerfwise.jobs.compare import Comparison, SideAsked
-    from kerfwise.jobs.given import Given
+    from kerfwise.jobs.inputs import Inputs
 
 _PROFILES = click.option(
     "-p", "--profile", "profiles", multiple=True, metavar="PROFILE",
@@ -78,7 +77,7 @@ def command(
     for side in given:
         protect(side, options["nest"], outputs, a, b)
     for text in dict.fromkeys(text for side in given for text in side.profile.price_notes()):
-        tell_note(text)
+        print_note(text)
     limits = {"work": work, "seed": seed, "time_s": time_limit}
     made = _compared(pair_of(given, a, b, with_, without, limits, relax), heat)
     if made is None:
@@ -86,7 +85,7 @@ def command(
     files = made.save(*outputs)
     click.echo(json.dumps(made.as_json(), ensure_ascii=False) if as_json else made)
     if files and not as_json:
-        click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+        click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
     return 130 if made.interrupted else 0
 
 
@@ -104,22 +103,22 @@ def _expect_two(
 
 
 def _expect_outputs(outputs: Sequence[str], inputs: Sequence[str | None]) -> None:
-    from kerfwise.jobs.compare.files import expect_kinds
-    from kerfwise.postproc.files import expect_outputs
+    from kerfwise.jobs.compare.output import expect_kinds
+    from kerfwise.postproc.output_files import expect_outputs
 
     expect_kinds(outputs)
     expect_outputs(map(Path, outputs), (Path(name) for name in inputs if name))
 
 
-def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tuple[Given, Given]:
+def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tuple[Inputs, Inputs]:
     """The nest by the profile of A and by that of B; what the reader says twice is said once."""
     if len(profiles) < 2 or profiles[0] == profiles[1]:
-        first = read_given(profile=profiles[0], **options)
+        first = read_inputs(profile=profiles[0], **options)
         return first, first
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said):
-            return read_given(profile=profiles[0], **options), read_given(profile=profiles[1], **options)
+            return read_inputs(profile=profiles[0], **options), read_inputs(profile=profiles[1], **options)
     finally:
         for line in dict.fromkeys(said.getvalue().splitlines()):
             click.echo(line, err=True)
@@ -128,7 +127,7 @@ def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tup
 def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
     """Both sides; None where one has no plan, which is said."""
     from kerfwise.jobs.compare import compare, side_of
-    from kerfwise.jobs.no_plan import NoPlan
+    from kerfwise.jobs.request import NoPlan
 
     from .progress import ProgressLine
 
@@ -139,11 +138,11 @@ def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
         def tell(text: str, letter: str = letter, said: set[str] = said) -> None:
             if text not in said:
                 said.add(text)
-                tell_note(f"{letter}: {text}")
+                print_note(f"{letter}: {text}")
 
         try:
             sides.append(side_of(side, heat, ProgressLine(), tell))
         except NoPlan as no_plan:
-            click.echo(f"kerfwise: {letter}, {shown(side.name)}: {no_plan}", err=True)
+            click.echo(f"kerfwise: {letter}, {escape_text(side.name)}: {no_plan}", err=True)
             return None
     return compare(sides[0], sides[1])

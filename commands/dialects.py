@@ -52,8 +52,8 @@ def show(name: str) -> None:
 def new(name: str, like: str, output: str | None) -> None:
     """Write a dialect of a plant's own, NAME.yaml, as a copy of X to be changed."""
     from kerfwise.postproc.dialects import dialect_names
-    from kerfwise.postproc.dialects.begin import begun
-    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.postproc.dialects.load import new_dialect_text
+    from kerfwise.postproc.output_files import expect_outputs, write_files
 
     if name in dialect_names():
         raise InputError(f"{name} is the name of a dialect that comes with kerfwise: choose another")
@@ -63,6 +63,6 @@ def new(name: str, like: str, output: str | None) -> None:
     if path.exists():
         raise InputError("the file is there already: nothing is written", file=str(path))
     expect_outputs([path], [Path(like)])
-    text = begun(name, like)
+    text = new_dialect_text(name, like)
     write_files({path: text})
     click.echo(f"{path} written; name it in a profile, machine: {{dialect: {path}}}, then: kerfwise profile check")

@@ -9,8 +9,8 @@ import click
 def command() -> None:
     """List the engines of `kerfwise solve --engine`, and the solvers that MiniZinc has on this machine."""
     from kerfwise.encoder.errors import InputError
-    from kerfwise.models.engines.minizinc.installation import installed_solvers
-    from kerfwise.models.engines.names import BUILT_IN, ENGINES
+    from kerfwise.models.engines import BUILT_IN, ENGINES
+    from kerfwise.rules.minizinc.installation import installed_solvers
 
     for engine in BUILT_IN:
         click.echo(f"{engine:14}{ENGINES[engine]}")

@@ -6,11 +6,11 @@ from typing import Any
 
 import click
 
-from .given import given_options, read_given
+from .shared_options import input_options, read_inputs
 
 
 @click.command()
-@given_options
+@input_options
 @click.argument("plan", metavar="PLAN.json")
 @click.argument("contour", metavar="CONTOUR")
 @click.option(
@@ -22,10 +22,10 @@ from .given import given_options, read_given
 @click.option("--json", "as_data", is_flag=True, help="Print the same as JSON.")
 def command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
     """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
-    from kerfwise.jobs.explaining import Explainer
+    from kerfwise.jobs.explainer import Explainer
     from kerfwise.models.plan.explain import as_text, explanation_as_json
-    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.models.plan.read_plan import read_plan
 
-    asked = read_given(**given, last=plan)
+    asked = read_inputs(**given, last=plan)
     told = Explainer(asked, read_plan(plan)).explain(contour)
     click.echo(explanation_as_json(told) if as_data else as_text(told, everything))

@@ -9,12 +9,12 @@ import click
 
 from kerfwise.encoder.errors import InputError
 
-from .given import given_options, protect, read_given
+from .shared_options import input_options, protect, read_inputs
 from .terminal import expect_printed
 
 
 @click.command()
-@given_options
+@input_options
 @click.option(
     "-o",
     "--output",
@@ -29,11 +29,11 @@ def command(output: str | None, **given: Any) -> None:
             file=output,
         )
     from kerfwise.encoder.facts import facts_dzn, facts_json
-    from kerfwise.jobs.ask import facts_of
-    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.jobs.request import facts_of
+    from kerfwise.postproc.output_files import expect_outputs, write_files
 
     expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
-    asked = read_given(**given)
+    asked = read_inputs(**given)
     protect(asked, given["nest"], [output])
     facts = facts_of(asked.nest, asked.profile)
     facts = facts if facts.copies is None else facts.copies.whole

@@ -10,14 +10,23 @@ import click
 
 from kerfwise.encoder.errors import InputError
 
-from .given import given_options, protect, read_given, tell_note
-from .old_given import FEED, KERF, program_alone, read_alone, trusted_if
+from .shared_options import (
+    FEED,
+    KERF,
+    input_options,
+    print_note,
+    program_alone,
+    protect,
+    read_inputs,
+    read_program_alone,
+    trusted_if,
+)
 
 FRAMES = 60
 
 
 @click.command()
-@given_options
+@input_options
 @click.option("--model", type=click.Choice(["physical", "logical"]), help="Model, instead of heat.model.")
 @click.option("--json", "as_json", is_flag=True, help="Print model, overheats, peak_c and more, as JSON.")
 @click.option("-o", "--output", metavar="MAP.png", help="A picture of the highest temperature of every point.")
@@ -43,7 +52,7 @@ def command(
         kind = Path(output).suffix or output
         raise InputError(f"cannot draw temperatures as {kind!r}: give a name ending in .png", file=output)
     from kerfwise.jobs.simulation import simulate_made, simulate_old
-    from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
+    from kerfwise.postproc.output_files import expect_folders, expect_place, make_folder, write_files
 
     if output:
         expect_folders([Path(output)])
@@ -52,14 +61,14 @@ def command(
 
     count = FRAMES if frames else 0
     if program_alone(given["nest"], made):
-        job = read_alone(feed, kerf, given)
+        job = read_program_alone(feed, kerf, given)
         asked = job.given
         protect(asked, given["nest"], [output])
-        found = simulate_old(job, model, tell_note, count)
+        found = simulate_old(job, model, print_note, count)
     else:
-        asked = read_given(**given, last=made)
+        asked = read_inputs(**given, last=made)
         protect(asked, given["nest"], [output], made)
-        found = simulate_made(asked, str(made), model, tell_note, count, trusted_if(feed))
+        found = simulate_made(asked, str(made), model, print_note, count, trusted_if(feed))
     files: dict[Path, str | bytes] = {Path(frames or "") / name: png for name, png in found.frames.items()}
     if output:
         files[Path(output)] = found.picture().content

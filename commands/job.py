@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kerfwise.encoder.contents import is_file
+from kerfwise.encoder.files import is_file
 from kerfwise.encoder.readers.read import SUFFIXES
 
-from .given import TRUST, tell_note
+from .shared_options import TRUST, print_note
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
@@ -31,19 +31,19 @@ def check(job: str, nest: str | Path | None, trust: bool) -> None:
 
     Its profile is looked up, and its contours in NEST, or in the nest beside it.
     """
-    from kerfwise.jobs.given import drawn_nest, plant_of
+    from kerfwise.jobs.inputs import drawn_nest, plant_of
     from kerfwise.jobs.nest_job import read_job
-    from kerfwise.jobs.nest_job.asked import Asked, locked_for, profile_for
+    from kerfwise.jobs.nest_job.request import NestRequest, locked_for, profile_for
 
     read = read_job(job)
-    plant = profile_for(Asked(job=read), read, tell_note, lambda named: plant_of(named, trust))
+    plant = profile_for(NestRequest(job=read), read, print_note, lambda named: plant_of(named, trust))
     for text in (*plant.chart_notes(), *plant.price_notes()):
-        tell_note(text)
+        print_note(text)
     nest = nest or _beside(job)
     if nest is not None:
-        locked_for(plant.as_cut(drawn_nest(nest, plant)), nest, plant, Asked(), read, tell_note)
+        locked_for(plant.as_cut(drawn_nest(nest, plant)), nest, plant, NestRequest(), read, print_note)
     elif read.locks:
-        tell_note("there is no nest beside the job file: whether the contours of its locks are there is not known")
+        print_note("there is no nest beside the job file: whether the contours of its locks are there is not known")
     click.echo(f"{read.name}: fine, {', '.join(_told(read, plant.name))}")
 
 
@@ -58,7 +58,7 @@ def schema() -> None:
 
 def _beside(job: str) -> Path | None:
     """The nest that a job file is beside; None where there is none. An SVG there may be a picture of a plan."""
-    from kerfwise.jobs.nest_job.beside import ENDING
+    from kerfwise.jobs.nest_job.job import ENDING
 
     path = Path(job)
     named = [path.with_name(path.name.removesuffix(ENDING) + suffix) for suffix in SUFFIXES if suffix != ".svg"]

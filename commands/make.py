@@ -6,10 +6,10 @@ from typing import Any
 
 import click
 
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 
-from .nest_options import looked_for, nest_options, read_asked, tell_found
-from .numbers import AMOUNT_OVER_ZERO
+from .nest import looked_for, nest_options, print_nests, read_nesting_request
+from .shared_options import AMOUNT_OVER_ZERO
 
 
 @click.command()
@@ -19,18 +19,18 @@ from .numbers import AMOUNT_OVER_ZERO
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 def command(dxf: bool, work: float, relax: bool, **options: Any) -> int:
     """Lay PARTS on sheets, and turn every sheet into a checked program with its plan and pictures."""
-    from kerfwise.jobs.nesting.files import write_nests
-    from kerfwise.jobs.nesting.made import made_of
+    from kerfwise.jobs.nesting.nests import write_nests
+    from kerfwise.jobs.nesting.programs import make_programs
 
     from .progress import ProgressLine
 
-    asked, out = read_asked(**options)
+    asked, out = read_nesting_request(**options)
     found = looked_for(asked)
-    made = made_of(found.nested, asked.plant, work, relax, lambda name: ProgressLine())
+    made = make_programs(found.nested, asked.plant, work, relax, lambda name: ProgressLine())
     written = write_nests(out, made.nested, made.files(dxf), profile=asked.plant.name, seed=asked.effort.seed)
-    tell_found(made.nested, found, asked.plant)
+    print_nests(made.nested, found, asked.plant)
     click.echo("\n".join(made.told))
-    click.echo(f"written: {len(written)} files in {shown(str(out))}")
+    click.echo(f"written: {len(written)} files in {escape_text(str(out))}")
     if found.interrupted or made.interrupted:
         return 130
     return 1 if any(made.nested.layout.missing) else 0

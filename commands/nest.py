@@ -2,14 +2,133 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
+from kerfwise.rules.profile.load import DEFAULT
 
-from .nest_options import looked_for, nest_options, read_asked, tell_found
+from .shared_options import AMOUNT_OVER_ZERO, TRUST, length_or_zero, print_note
 from .terminal import expect_printed
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.nesting.find_nests import Engine, NestingRequest, NestingResult, Purpose
+    from kerfwise.jobs.nesting.nests import Nested
+    from kerfwise.rules.profile.profile import Profile
+
+
+# What a person says of parts, sheets and how to lay them: the options of `nest` and `make`.
+
+Verb = Callable[..., Any]
+
+_OPTIONS = (
+    click.option("--sheet", "sheets", metavar="WxH[=N]|FILE[=N]", multiple=True,
+                 help="A sheet in mm, such as 3000x1500, and how many there are; may be repeated."),
+    click.option("--remnant", "remnants", metavar="FILE[=N]|WxH[=N]", multiple=True,
+                 help="A remnant of any shape, used before sheets; may be repeated."),
+    click.option("-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Name or path."),
+    TRUST,
+    click.option("-o", "--output", metavar="DIR", required=True, help="The folder of the nests."),
+    click.option("--gap", metavar="LENGTH", help="Between parts, instead of a kerf and the profile's nesting.web."),
+    click.option("--edge", metavar="LENGTH", help="To the edge of the sheet, instead of the profile's nesting.edge."),
+    click.option("--dxf", is_flag=True, help="Write each nest as DXF, too."),
+    click.option("--rounds", type=click.IntRange(1, 100_000), default=12, show_default=True, metavar="N",
+                 help="Orders that are tried, without --time-limit. The same number gives the same bytes."),
+    click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Look as long, by the clock, in seconds."),
+    click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N",
+                 help="Of random orders."),
+    click.option("--engine", type=click.Choice(["own", "pavlov", "sparrow"]), default="own", show_default=True,
+                 help="pavlov: the least rectangle around all parts, blocks by the defining line, for small lists. "
+                 "sparrow: make the best layout denser with spyrrow (pip install kerfwise[nest])."),
+    click.option("--for", "purpose", type=click.Choice(["density", "cutting"]), default="density", show_default=True,
+                 help="cutting: plan several layouts that use the sheets alike, and take the cheapest to cut."),
+    click.option("--weigh", type=click.IntRange(1, 100), default=4, show_default=True, metavar="N",
+                 help="Layouts that are planned with --for cutting."),
+    click.option("--weigh-work", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="W",
+                 help="Limit of each such plan."),
+    click.option("--units", metavar="UNIT", help="Unit of the drawings: mm, cm, m, in, ft, pt, px, or as 90dpi."),
+    click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings, and say what was done."),
+    click.argument("parts", metavar="PARTS…", nargs=-1, required=True),
+)  # fmt: skip
+
+
+def nest_options(verb: Verb) -> Verb:
+    """Add PARTS and all that says how they are laid."""
+    for add in reversed(_OPTIONS):
+        verb = add(verb)
+    return verb
+
+
+def read_nesting_request(
+    parts: tuple[str, ...],
+    sheets: tuple[str, ...],
+    remnants: tuple[str, ...],
+    profile: str,
+    trust: bool,
+    output: str,
+    gap: str | None,
+    edge: str | None,
+    rounds: int,
+    time_limit: float | None,
+    seed: int,
+    units: str | None,
+    repair: bool,
+    engine: Engine,
+    purpose: Purpose,
+    weigh: int,
+    weigh_work: float,
+) -> tuple[NestingRequest, Path]:
+    """Read parts, sheets and profile; what the readers have to say goes to standard error.
+
+    Returns
+    -------
+    What is asked for, and the folder that the nests are written to.
+    """
+    from kerfwise.jobs.inputs import plant_of, reading
+    from kerfwise.jobs.nesting.find_nests import NestingRequest as Asked
+    from kerfwise.jobs.nesting.find_nests import expect_engine, spacing_of, spacing_warning
+    from kerfwise.jobs.nesting.nests import expect_folder
+    from kerfwise.jobs.nesting.request import order_of
+    from kerfwise.nesting.rounds import Effort
+
+    plant, out = plant_of(profile, trust), Path(output)
+    expect_engine(engine)
+    expect_folder(out)
+    gap_mm = None if gap is None else length_or_zero("--gap", gap)
+    spacing = spacing_of(plant, gap_mm, None if edge is None else length_or_zero("--edge", edge))
+    wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), print_note)
+    if said := spacing_warning(plant, spacing):
+        print_note(said)
+    effort = Effort(rounds, time_limit, seed)
+    return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work), out
+
+
+def looked_for(asked: NestingRequest) -> NestingResult:
+    """The nests: progress on a terminal, Ctrl-C that keeps the best so far, or says that nothing was laid."""
+    from kerfwise.jobs.nesting.find_nests import NOTHING_LAID, find_nests
+
+    from .nest_progress import NestProgress
+    from .progress import ProgressLine
+
+    try:
+        return find_nests(asked, NestProgress(), lambda name: ProgressLine(), print_note)
+    except KeyboardInterrupt:
+        print_note(NOTHING_LAID)
+        raise
+
+
+def print_nests(nested: Nested, found: NestingResult, plant: Profile) -> None:
+    """Print the table of the nests that are written, and what was weighed."""
+    from kerfwise.jobs.nesting.nests import as_text
+
+    click.echo(as_text(nested))
+    if found.taken is not None:
+        from kerfwise.jobs.nesting.find_nests import weighed_text
+
+        click.echo(weighed_text(found.weighed, found.taken, plant))
 
 
 def _schema(context: click.Context, option: click.Parameter, asked: bool) -> None:
@@ -31,14 +150,14 @@ def _schema(context: click.Context, option: click.Parameter, asked: bool) -> Non
               help="Of what kind the pictures are.")  # fmt: skip
 def command(dxf: bool, picture: str, **options: Any) -> int:
     """Lay PARTS, files with their quantities (bracket.dxf=12) or lists of parts, on sheets; remnants first."""
-    from kerfwise.jobs.nesting.files import nest_files, write_nests
+    from kerfwise.jobs.nesting.nests import nest_files, write_nests
 
-    asked, out = read_asked(**options)
+    asked, out = read_nesting_request(**options)
     found = looked_for(asked)
     files = nest_files(found.nested, f".{picture}", dxf)
     written = write_nests(out, found.nested, files, profile=asked.plant.name, seed=asked.effort.seed)
-    tell_found(found.nested, found, asked.plant)
-    click.echo(f"written: {len(written)} files in {shown(str(out))}")
+    print_nests(found.nested, found, asked.plant)
+    click.echo(f"written: {len(written)} files in {escape_text(str(out))}")
     if found.interrupted:
         return 130
     return 1 if any(found.nested.layout.missing) else 0

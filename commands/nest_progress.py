@@ -7,10 +7,10 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from kerfwise.jobs.nesting.watching import Watching
+from kerfwise.jobs.nesting.find_nests import Watching
 
 if TYPE_CHECKING:
-    from kerfwise.nesting.allot import Layout
+    from kerfwise.nesting.layout import Layout
 
 
 class NestProgress(Watching):

@@ -9,14 +9,13 @@ from typing import Any
 import click
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.prices import PRICES_MM
+from kerfwise.rules.profile.plant_sections import PRICES_MM
 
-from .given import given_options, note_placing, protect, read_given, tell_note
-from .numbers import AMOUNT, AMOUNT_OVER_ZERO
+from .shared_options import AMOUNT, AMOUNT_OVER_ZERO, input_options, note_placing, print_note, protect, read_inputs
 
 
 @click.command()
-@given_options
+@input_options
 @click.option("--price", "prices", type=AMOUNT, multiple=True, default=PRICES_MM, show_default=True,
               help="Cost of an overheat in mm of idle travel; may be given more than once.")  # fmt: skip
 @click.option(
@@ -60,10 +59,10 @@ def command(
     if output is plans is None:
         stem = Path(options["nest"]).stem
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
-    from kerfwise.jobs.solve_options import options_for
-    from kerfwise.jobs.stopped import already_cut
-    from kerfwise.jobs.trade_off import trade_off
-    from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
+    from kerfwise.jobs.pareto import trade_off
+    from kerfwise.jobs.request import options_for
+    from kerfwise.jobs.resume import already_cut
+    from kerfwise.postproc.output_files import expect_folders, expect_place, make_folder, write_files
 
     from .progress import ProgressLine
 
@@ -71,10 +70,10 @@ def command(
         expect_folders([Path(output)])
     if plans:
         expect_place(Path(plans))
-    given = read_given(**options, last=lock_from)
+    given = read_inputs(**options, last=lock_from)
     protect(given, options["nest"], [output], lock_from)
     note_placing(given)
-    already = already_cut(given, lock_from, upto, redo_last, tell_note)
+    already = already_cut(given, lock_from, upto, redo_last, print_note)
     limits = options_for(given.nest, given.profile, work=work, seed=seed, time_s=time_limit)
     name = Path(options["nest"]).name
     offer = trade_off(given, prices, limits, ProgressLine, name, already=already, relax=relax)

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 
-from .given import given_options, protect, read_given, tell_note
-from .old_given import FEED, KERF, read_alone
+from .shared_options import FEED, KERF, input_options, print_note, protect, read_inputs, read_program_alone
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import BrokenNest
 
 
 @click.command()
-@given_options
+@input_options
 @click.argument("plan", metavar="[PLAN.json]", required=False)
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.pdf|.html", help="File of the picture.")
 @click.option(
@@ -45,10 +44,10 @@ def command(
     place of NEST is drawn as it burns: paths, order and travel.
     """
     from kerfwise.encoder.readers.read import BrokenNest
-    from kerfwise.jobs.given import differences
-    from kerfwise.jobs.page.page import page_bytes, page_data
-    from kerfwise.models.plan.reader import read_plan
-    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.jobs.inputs import differences
+    from kerfwise.jobs.page import page_bytes, page_data
+    from kerfwise.models.plan.read_plan import read_plan
+    from kerfwise.postproc.output_files import expect_outputs, write_files
     from kerfwise.postproc.report import PAGE, expect_picture, plot
 
     expect_picture(Path(output).suffix, output)
@@ -57,7 +56,7 @@ def command(
         _draw_program(output, feed, kerf, given)
         return
     try:
-        asked = read_given(**given, last=plan)
+        asked = read_inputs(**given, last=plan)
     except BrokenNest as broken:
         _draw_broken(broken, output)
         return
@@ -65,7 +64,7 @@ def command(
     made = read_plan(plan) if plan else None
     if made is not None:
         for text in differences(made, asked):
-            tell_note(text)
+            print_note(text)
     if Path(output).suffix.lower() == PAGE and made is not None:
         data = page_data(asked, made, heat=heat, detail="full" if why else None)
         write_files({Path(output): page_bytes(data)})
@@ -75,11 +74,11 @@ def command(
 
 
 def _draw_program(output: str, feed: float | None, kerf: float | None, given: dict[str, Any]) -> None:
-    from kerfwise.postproc.files import write_files
-    from kerfwise.postproc.report.burns import Panel, draw_burns, expect_kind
+    from kerfwise.postproc.output_files import write_files
+    from kerfwise.postproc.report.simple_pictures import Panel, draw_burns, expect_kind
 
     expect_kind(output)
-    job = read_alone(feed, kerf, given)
+    job = read_program_alone(feed, kerf, given)
     name = Path(given["nest"]).name
     told = f"idle {job.program.idle_mm / 1000:.3f} m, {len(job.program.burns)} burns"
     panel = Panel(name, told, job.program.burns, job.home, job.program.end)
@@ -91,6 +90,6 @@ def _draw_broken(broken: BrokenNest, output: str) -> None:
 
     click.echo(f"warning: {broken}", err=True)
     if broken.wrong:
-        plot_spot(broken.nest, broken.wrong, output, caption=shown(broken.message))
+        plot_spot(broken.nest, broken.wrong, output, caption=escape_text(broken.message))
     else:
         plot(broken.nest, None, output)

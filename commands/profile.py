@@ -12,11 +12,9 @@ import click
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.load import DEFAULT, load_profile
-from kerfwise.rules.profile.said_at import Sources
-from kerfwise.rules.profile.text import profile_yaml
+from kerfwise.rules.profile.profile_yaml import Provenance, profile_yaml
 
-from .given import TRUST, tell_note
-from .one_nest import LOCK, SET, asked_of
+from .shared_options import LOCK, SET, TRUST, nest_request, print_note
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
@@ -36,7 +34,7 @@ def command() -> None:
 @TRUST
 def check(profile: str, trust: bool) -> None:
     """Say whether PROFILE can be used, and if not, where it is wrong."""
-    from kerfwise.jobs.nest_job.asked import locks_told
+    from kerfwise.jobs.nest_job.request import locks_told
     from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
     loaded = load_profile(profile, trust=trust)
@@ -44,11 +42,11 @@ def check(profile: str, trust: bool) -> None:
     strengths = [setting.strength for setting in loaded.settings().values()]
     hard, soft = strengths.count("hard"), strengths.count("soft")
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
-    for text in Sources(loaded).charted():
+    for text in Provenance(loaded).charted():
         click.echo(f"  {text}")
     for text in (*loaded.chart_notes(), *loaded.price_notes(), locks_told(loaded)):
         if text:
-            tell_note(text)
+            print_note(text)
 
 
 @command.command()
@@ -62,14 +60,14 @@ def show(
     profile: str | None, sources: bool, job: str | None, settings: Sequence[str], lock: Sequence[str], trust: bool
 ) -> None:
     """Print PROFILE as YAML with every default filled in, and with what a job file, --set and --lock lay over it."""
-    from kerfwise.jobs.nest_job.asked import job_for, laid_for, profile_for
+    from kerfwise.jobs.nest_job.request import job_for, profile_for, profile_with_locks
 
     if profile is None and job is None:
         raise click.UsageError("Missing argument 'PROFILE', or --job JOB.")
-    asked = asked_of(profile, job, job is None, settings, lock)
-    read = job_for("", asked.job, tell_note)
-    loaded = profile_for(asked, read, tell_note, lambda named: load_profile(str(named), trust=trust))
-    click.echo(profile_yaml(laid_for(loaded, asked, read), sources), nl=False)
+    asked = nest_request(profile, job, job is None, settings, lock)
+    read = job_for("", asked.job, print_note)
+    loaded = profile_for(asked, read, print_note, lambda named: load_profile(str(named), trust=trust))
+    click.echo(profile_yaml(profile_with_locks(loaded, asked, read), sources), nl=False)
     expect_printed()
 
 
@@ -92,8 +90,8 @@ def schema(profile: str, trust: bool) -> None:
 @TRUST
 def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
     """Print every key whose value differs between the profiles A and B."""
-    from kerfwise.jobs.aligned import aligned
-    from kerfwise.rules.profile.differences import differences
+    from kerfwise.encoder.text import align_columns
+    from kerfwise.rules.profile.profile_yaml import differences
 
     found = differences(load_profile(a, trust=trust), load_profile(b, trust=trust))
     if as_json:
@@ -104,7 +102,7 @@ def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
     else:
         more = [(one.a_from, one.b_from) if sources else () for one in found]
         head = ("key", "A", "B", *(("A from", "B from") if sources else ()))
-        lines = aligned([head, *((one.key, one.a, one.b, *row) for one, row in zip(found, more, strict=True))])
+        lines = align_columns([head, *((one.key, one.a, one.b, *row) for one, row in zip(found, more, strict=True))])
         click.echo("\n".join(lines))
     expect_printed()
 
@@ -122,14 +120,14 @@ def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
     NAME may be a path, such as plants/laser-2.yaml: the profile is then named after its file. Comments of the profile
     that it begins from are kept.
     """
-    from kerfwise.jobs.new_profile import begun, expect_usable
-    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.jobs.new_profile import expect_usable, new_profile_text
+    from kerfwise.postproc.output_files import expect_outputs, write_files
 
     bare = name if Path(name).suffix in _YAML else f"{name}.yaml"
     if output is None:  # a file may be named, too
         name = Path(bare).stem
     path = Path(output or bare)
-    begun(name, DEFAULT)  # a name that no profile can have is refused first
+    new_profile_text(name, DEFAULT)  # a name that no profile can have is refused first
     if path.suffix not in _YAML:
         raise InputError("a profile's file ends in .yaml", file=path)
     expect_outputs([path], [Path(like)] if like else [])
@@ -141,7 +139,7 @@ def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
         like, answers = _asked(trust)
     else:
         answers = {}
-    text = begun(name, like, answers, path.parent)
+    text = new_profile_text(name, like, answers, path.parent)
     expect_usable(text, path, trust)
     write_files({path: text})
     click.echo(f"{path} written, and fine; next: kerfwise solve NEST -p {path}")
@@ -150,7 +148,7 @@ def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
 def _asked(trust: bool) -> tuple[str, Mapping[tuple[str, str], str]]:
     """The profile to begin from, and the answers that differ from what it says."""
     from kerfwise.jobs.new_profile import questions
-    from kerfwise.rules.profile.files import shipped_profiles
+    from kerfwise.rules.profile.load import shipped_profiles
 
     for name in shipped_profiles():
         loaded = load_profile(name)

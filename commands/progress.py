@@ -7,8 +7,8 @@ import time
 from types import TracebackType
 from typing import Self
 
-from kerfwise.encoder.geometry.microns import UM_PER_MM
-from kerfwise.jobs.listening import Listener
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.jobs.progress import Listener
 
 
 class ProgressLine(Listener):

@@ -10,11 +10,9 @@ import click
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 
-from .given import given_options, tell_note
-from .lengths import said_of_reading
-from .one_nest import asked_of
+from .shared_options import input_options, nest_request, print_note, reading_options
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import Seen
@@ -23,7 +21,7 @@ OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 
 
 @click.command()
-@given_options
+@input_options
 @click.option("-o", "--output", metavar="READING.png|.svg|.pdf", help="A picture: cut, marked, left out, unknown.")
 @click.option("--json", "as_json", is_flag=True, help="Print it as JSON, questions too.")
 def command(output: str | None, as_json: bool, **given: Any) -> int:
@@ -32,34 +30,33 @@ def command(output: str | None, as_json: bool, **given: Any) -> int:
     Exit code 3 where questions are open, 2 where it cannot be cut as it is drawn; the picture is drawn all the same.
     """
     from kerfwise.encoder.readers.read import seen
-    from kerfwise.jobs.given import plant_of, reading
-    from kerfwise.jobs.nest_job.answers import kept_answers
-    from kerfwise.jobs.nest_job.asked import job_for, profile_for
-    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.jobs.inputs import plant_of, reading
+    from kerfwise.jobs.nest_job.request import job_for, kept_answers, profile_for
+    from kerfwise.postproc.output_files import expect_outputs, write_files
     from kerfwise.postproc.report import expect_picture
-    from kerfwise.postproc.report.reading_picture import reading_picture
+    from kerfwise.postproc.report.simple_pictures import reading_picture
 
     nest, trust = given["nest"], given.pop("trust")
     if output:
         expect_picture(Path(output).suffix, output)
         expect_outputs([Path(output)], [Path(nest)])
-    said = said_of_reading(*(given.pop(name) for name in OF_READING))
+    said = reading_options(*(given.pop(name) for name in OF_READING))
     given.pop("origin")
-    asked = asked_of(given.pop("profile"), **{k: v for k, v in given.items() if k != "nest"})
-    job = job_for(nest, asked.job, tell_note)
-    plant = profile_for(asked, job, tell_note, lambda named: plant_of(named, trust))
+    asked = nest_request(given.pop("profile"), **{k: v for k, v in given.items() if k != "nest"})
+    job = job_for(nest, asked.job, print_note)
+    plant = profile_for(asked, job, print_note, lambda named: plant_of(named, trust))
     found = seen(nest, reading(plant, **said))
     if found.nest is not None and asked.answers and not isinstance(found.error, InputError):
-        kept_answers(nest, job, asked, found.nest, tell_note)
+        kept_answers(nest, job, asked, found.nest, print_note)
     if output:
         title = f"{Path(nest).name}: as it was understood"
-        write_files({Path(output): reading_picture(found.lines, found.nest, shown(title), Path(output).suffix)})
+        write_files({Path(output): reading_picture(found.lines, found.nest, escape_text(title), Path(output).suffix)})
     if as_json:
         click.echo(json.dumps(_data(nest, found), indent=1, ensure_ascii=False))
     elif found.reading is not None:
-        click.echo("\n".join(shown(line) for line in found.reading.lines()))
+        click.echo("\n".join(escape_text(line) for line in found.reading.lines()))
     if output and not as_json:
-        click.echo(f"written: {shown(output)}")
+        click.echo(f"written: {escape_text(output)}")
     if found.error is not None and not (as_json and isinstance(found.error, Questions)):
         raise found.error
     return 3 if isinstance(found.error, Questions) else 0

@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise import __version__
-from kerfwise.encoder.contents import is_folder
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.shown import shown
-from kerfwise.rules.profile.load import DEFAULT
-from kerfwise.rules.profile.made_of import files_of
+from kerfwise.encoder.files import is_folder
+from kerfwise.encoder.text import escape_text
+from kerfwise.rules.profile.load import DEFAULT, files_of
 
-from .given import TRUST, tell_note
-from .numbers import AMOUNT_OVER_ZERO
-from .old_given import asked_of, old_options
+from .shared_options import AMOUNT_OVER_ZERO, TRUST, old_options, print_note, program_request
 
 if TYPE_CHECKING:
     from kerfwise.rules.profile.profile import Profile
@@ -59,12 +56,12 @@ def command(
     **given: Any,
 ) -> int:
     """Put the burns of an old program into the best order, or plan its contours afresh; or those of a whole folder."""
-    from kerfwise.jobs.given import plant_of
-    from kerfwise.jobs.resequence import resequence
+    from kerfwise.jobs.inputs import plant_of
+    from kerfwise.jobs.resequence.resequence import resequence
 
     from .progress import ProgressLine
 
-    plant, asked = plant_of(profile, trust), asked_of(**given)
+    plant, asked = plant_of(profile, trust), program_request(**given)
     limits: dict[str, Any] = {"work": work, "time_s": time_limit, "seed": seed}
     limits |= {"paths": paths, "asked": asked, "without_rules": without_rules}
     if is_folder(Path(old)):
@@ -75,26 +72,26 @@ def command(
     out = output or f"{file.stem}.resequenced{file.suffix or '.nc'}"
     _expect(plant, file, out, picture, plan_path)
     listener = ProgressLine()
-    made = resequence(old, plant, **limits, listener=listener, tell=tell_note)
+    made = resequence(old, plant, **limits, listener=listener, tell=print_note)
     files: dict[Path, str | bytes] = {Path(out): made.program}
     if picture:
         files[Path(picture)] = made.picture("png" if Path(picture).suffix.lower() == ".png" else "svg").content
     if plan_path and made.plan is not None:
         files[Path(plan_path)] = made.plan.to_json()
     elif plan_path:
-        tell_note(f"no plan is written: {made.ends if made.nest is not None else 'the burns make no nest'}")
-    from kerfwise.postproc.files import write_files
+        print_note(f"no plan is written: {made.ends if made.nest is not None else 'the burns make no nest'}")
+    from kerfwise.postproc.output_files import write_files
 
     write_files(files)
     click.echo(made)
-    click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+    click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
     return 130 if made.interrupted else 0
 
 
 def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path: str | None) -> None:
     """Say before the work what could not be written after it."""
-    from kerfwise.postproc.files import expect_outputs
-    from kerfwise.postproc.report.burns import expect_kind
+    from kerfwise.postproc.output_files import expect_outputs
+    from kerfwise.postproc.report.simple_pictures import expect_kind
 
     outputs = [Path(name) for name in (out, picture, plan_path) if name]
     expect_outputs(outputs, [file, *files_of(plant)])
@@ -103,14 +100,14 @@ def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path
 
 
 def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, limits: dict[str, Any]) -> int:
-    from kerfwise.jobs.archive import resequence_folder
+    from kerfwise.jobs.resequence.archive import resequence_folder
 
-    from .unforeseen import arguments, told
+    from .crash_report import arguments, crash_message
 
     if output is None:
         raise InputError("a folder of programs needs one for the new ones: give it with -o", file=folder)
-    made = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=tell_note, **limits)
+    made = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=print_note, **limits)
     click.echo(made)
     for name, error in made.faults.items():
-        click.echo(f"{shown(name)}: {told(error, arguments(None))}", err=True)
+        click.echo(f"{escape_text(name)}: {crash_message(error, arguments(None))}", err=True)
     return made.exit_code

@@ -9,7 +9,7 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.load import DEFAULT, load_profile
 
-from .given import TRUST
+from .shared_options import TRUST
 
 PROFILE = click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Whose strengths to list.")
 
@@ -36,7 +36,7 @@ def command(ctx: click.Context, texts: bool, profile: str, trust: bool) -> None:
     `kerfwise rules test [RULE]` runs the cases.
     """
     if ctx.invoked_subcommand is None and texts:
-        from kerfwise.rules.pages.texts import texts_page
+        from kerfwise.rules.pages import texts_page
 
         click.echo(texts_page(), nl=False)
     elif ctx.invoked_subcommand is None:
@@ -44,7 +44,7 @@ def command(ctx: click.Context, texts: bool, profile: str, trust: bool) -> None:
 
 
 def _list(profile: str, trust: bool) -> None:
-    from kerfwise.rules.pages.pages import rule_table
+    from kerfwise.rules.pages import rule_table
 
     loaded = load_profile(profile, trust=trust)
     for row in rule_table(loaded):
@@ -62,7 +62,7 @@ def _strength(strength: str, weight: float | None) -> str:
 @TRUST
 def page(rule: str, picture: str | None, profile: str, trust: bool) -> None:
     """Print the page of RULE."""
-    from kerfwise.rules.pages.pages import rule_page
+    from kerfwise.rules.pages import rule_page
 
     text = rule_page(rule, load_profile(profile, trust=trust).known_rules())
     if picture is None:
@@ -72,8 +72,8 @@ def page(rule: str, picture: str | None, profile: str, trust: bool) -> None:
 
 
 def _draw(rule: str, picture: str) -> None:
-    from kerfwise.postproc.files import expect_outputs, write_files
-    from kerfwise.postproc.report.case_picture import case_picture, rule_panels
+    from kerfwise.postproc.output_files import expect_outputs, write_files
+    from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
     from kerfwise.rules.run_cases import cases_of
 
     path = Path(picture)
@@ -108,7 +108,7 @@ def new(name: str, language: str | None, folder: Path | None, into: Path | None)
         return
     if folder is not None:
         raise InputError("-o goes with --python or --mzn: a rule of the catalogue is written --into a checkout")
-    from kerfwise.rules.pages.new_rule import is_checkout, new_rule
+    from kerfwise.rules.pages import is_checkout, new_rule
 
     running = Path(__file__).resolve().parents[1]
     root = into or (running if is_checkout(running) else Path.cwd())
@@ -120,7 +120,7 @@ def new(name: str, language: str | None, folder: Path | None, into: Path | None)
 
 
 def _new_outside(name: str, language: str, folder: Path) -> None:
-    from kerfwise.rules.pages.new_rule import new_outside_rule
+    from kerfwise.rules.pages import new_outside_rule
 
     path = new_outside_rule(name, language, folder)
     key = {"python": "python", "mzn": "models"}[language]

@@ -10,8 +10,7 @@ import click
 
 from kerfwise.encoder.errors import InputError
 
-from .given import TRUST
-from .numbers import AMOUNT_OVER_ZERO, MEMORY
+from .shared_options import AMOUNT_OVER_ZERO, MEMORY, TRUST
 
 NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
 
@@ -34,7 +33,7 @@ def command(
     """
     if missing := [name for name in NEEDED if not _is_there(name)]:
         raise InputError(f"serve needs {', '.join(missing)}: install it with `pip install 'kerfwise[serve]'`")
-    from kerfwise.serving.run import serve
+    from kerfwise.serving.run_server import serve
 
     def ready(address: str) -> None:
         click.echo(f"serving {given} at {address}\nCtrl-C ends it")
@@ -53,13 +52,13 @@ def _is_there(name: str) -> bool:
 
 def _found(profile: str | None) -> str | None:
     """A shipped profile's name as it is, a path from wherever the nest lies."""
-    from kerfwise.rules.profile.files import shipped_profiles
+    from kerfwise.rules.profile.load import shipped_profiles
 
     if profile is None or profile in shipped_profiles():
         return profile
     path = Path(profile)
     if not path.is_file():
-        from kerfwise.jobs.given import plant_of
+        from kerfwise.jobs.inputs import plant_of
 
         plant_of(profile)  # says what is wrong, with the nearest name
     return str(path.resolve())

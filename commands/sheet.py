@@ -8,13 +8,13 @@ from typing import Any
 import click
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 
-from .given import given_options, protect, read_given, tell_note
+from .shared_options import input_options, print_note, protect, read_inputs
 
 
 @click.command()
-@given_options
+@input_options
 @click.argument("plan", metavar="PLAN.json")
 @click.option("-o", "--output", metavar="OUT.pdf", help="The work sheet; NEST.pdf if none is named.")
 @click.option(
@@ -29,23 +29,23 @@ def command(
 
     One sheet of A4; many cuts go on to further pages. The same plan gives the same bytes.
     """
-    from kerfwise.jobs.sheets import about_of_job, sheets_pdf, work_sheet
-    from kerfwise.models.plan.reader import read_plan
-    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.jobs.work_sheet import about_of_job, sheets_pdf, work_sheet
+    from kerfwise.models.plan.read_plan import read_plan
+    from kerfwise.postproc.output_files import expect_outputs, write_files
 
     path = Path(output or f"{Path(options['nest']).stem}.pdf")
     if path.suffix.lower() != ".pdf":
         raise InputError("a work sheet is a PDF: give a name ending in .pdf", file=path)
     facts = dict(_fact(text) for text in about)
     expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
-    given = read_given(**options, last=plan)
+    given = read_inputs(**options, last=plan)
     protect(given, options["nest"], [path], plan, program)
     for text in given.profile.price_notes():
-        tell_note(text)
+        print_note(text)
     facts = about_of_job(given.job) | facts
-    made = work_sheet(given, read_plan(plan), program, about=facts, tell=tell_note)
+    made = work_sheet(given, read_plan(plan), program, about=facts, tell=print_note)
     write_files({path: sheets_pdf([made], date)})
-    click.echo(f"written: {shown(str(path))}")
+    click.echo(f"written: {escape_text(str(path))}")
 
 
 def _fact(text: str) -> tuple[str, str]:

@@ -2,28 +2,99 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.shown import shown
-from kerfwise.models.engines.baselines import STRATEGIES
-from kerfwise.models.kernels import counted_s
+from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.request import NOT_SHOWN, NoPlan
+from kerfwise.models.engines import STRATEGIES
+from kerfwise.models.jit import counted_s
 
-from .drawings_out import drawings, expect_as_drawn, expect_drawings
-from .engine_choice import EngineChoice
-from .given import given_options, note_placing, protect, read_given, tell_note
-from .numbers import AMOUNT_OVER_ZERO, MEMORY, Amount
+from .shared_options import (
+    AMOUNT_OVER_ZERO,
+    MEMORY,
+    Amount,
+    EngineChoice,
+    input_options,
+    note_placing,
+    print_note,
+    protect,
+    read_inputs,
+    reading_of,
+)
 
 if TYPE_CHECKING:
-    from kerfwise.jobs.whole_limit import WholeLimit
+    from kerfwise.jobs.inputs import Inputs
+    from kerfwise.jobs.time_limits import WholeLimit
+    from kerfwise.models.plan.plan import Plan
+
+
+# What solve says when there is no plan: which hard rules contradict each other, the way out, and a picture.
+
+
+def print_conflict(no_plan: NoPlan, picture: str | Path) -> int:
+    """Say why there is no plan, and draw the contours in conflict if they are known; the exit code is 1."""
+    conflict, facts, profile = no_plan.conflict, no_plan.facts, no_plan.profile
+    click.echo(f"kerfwise: {no_plan.why if conflict is None else conflict}", err=True)
+    if conflict is None:
+        if not no_plan.within_limit:
+            click.echo(f"  note: {NOT_SHOWN}", err=True)
+        return 1
+    if conflict.relax is not None:
+        click.echo("--relax takes this way out, and says so in the plan and in the program", err=True)
+    if conflict.contours:
+        from kerfwise.postproc.report import plot_spot
+
+        caption = f"in conflict: {', '.join(dict.fromkeys(about.rule for about in conflict.clash))}"
+        nest = facts.whole_nest  # after a stop what is out may be in conflict, too
+        plot_spot(nest, conflict.contours, picture, caption=caption, home=profile.home_on(nest))
+        click.echo(f"the contours in conflict: {picture}", err=True)
+    return 1
+
+
+# The drawing of a nest in cutting order, as solve writes it for the senders of others.
+
+
+def expect_drawings(svg: str | None, dxf: str | None) -> None:
+    """Say at once that a name does not end as its kind does."""
+    for name, suffix in ((svg, ".svg"), (dxf, ".dxf")):
+        if name and Path(name).suffix.lower() != suffix:
+            raise InputError(f"the reordered drawing is written as {suffix}: give a name that ends so", file=name)
+
+
+def expect_as_drawn(given: Inputs, svg: str | None, dxf: str | None) -> None:
+    """Say before the work that the drawing does not show what is cut."""
+    if (svg or dxf) and given.nest.bridges:
+        option = "--svg" if svg else "--reordered-dxf"
+        raise InputError(
+            f"{option}: bridges join parts, and the drawing has these apart: --dxf writes the torch's paths"
+        )
+
+
+def drawings(
+    plan: Plan, given: Inputs, svg: str | None, dxf: str | None, options: Mapping[str, Any]
+) -> dict[Path, str | bytes]:
+    """The files that are asked for; what is not in them is said."""
+    if not svg and not dxf:
+        return {}
+    from kerfwise.postproc.nc.ordered_drawings import reordered_dxf, reordered_svg
+
+    files: dict[Path, str | bytes] = {}
+    for name, reordered in ((svg, reordered_svg), (dxf, reordered_dxf)):
+        if name:
+            made = reordered(plan, given.nest, options["nest"], reading_of(given, options))
+            files[Path(name)] = made.content
+            for note in made.notes:
+                print_note(f"{name}: {note}")
+    return files
 
 
 @click.command()
-@given_options
+@input_options
 @click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
 @click.option("--dxf", metavar="OUT.dxf", help="The torch's paths as a drawing, a polyline a cut, in order.")
@@ -84,25 +155,20 @@ def command(
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
     began_s = counted_s()
-    from kerfwise.jobs.default_names import expect_own, named_after
-    from kerfwise.jobs.main_job import plan_nest
-    from kerfwise.jobs.no_plan import NoPlan
-    from kerfwise.jobs.page.drawn_beside import DrawnBeside
-    from kerfwise.jobs.page.picture import planned_picture
-    from kerfwise.jobs.solve_options import options_for
-    from kerfwise.jobs.stopped import already_cut
-    from kerfwise.jobs.summary import job_line, summary
-    from kerfwise.jobs.whole_limit import WholeLimit
-    from kerfwise.postproc.files import write_files
-    from kerfwise.postproc.nc.dxf_out import write_dxf
-    from kerfwise.postproc.nc.remnant import remnant_files, remnant_names
+    from kerfwise.jobs.display import job_line, summary
+    from kerfwise.jobs.page_picture import DrawnBeside, planned_picture
+    from kerfwise.jobs.plan_nest import plan_nest
+    from kerfwise.jobs.request import options_for
+    from kerfwise.jobs.resume import already_cut
+    from kerfwise.jobs.time_limits import WholeLimit
+    from kerfwise.postproc.nc.ordered_drawings import write_dxf
+    from kerfwise.postproc.output_files import expect_own, output_names, remnant_files, remnant_names, write_files
 
-    from .conflict import tell_conflict
     from .progress import ProgressLine
 
     file = Path(options["nest"])
     if by_default := output is plan_path is dxf is picture is svg is reordered_dxf is None:
-        output, plan_path, picture = named_after(file)
+        output, plan_path, picture = output_names(file)
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
     outputs = (output, plan_path, dxf, picture, conflict_picture, svg, reordered_dxf)
     expect_drawings(svg, reordered_dxf)
@@ -111,12 +177,12 @@ def command(
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
     if by_default:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
-    given = read_given(**options, last=lock_from)
+    given = read_inputs(**options, last=lock_from)
     beside_program = remnant_names(output, given.profile) if output else ()
     protect(given, options["nest"], (*outputs, *beside_program), lock_from)
     expect_as_drawn(given, svg, reordered_dxf)
     note_placing(given)
-    already = already_cut(given, lock_from, upto, redo_last, tell_note)
+    already = already_cut(given, lock_from, upto, redo_last, print_note)
     limits = options_for(
         given.nest, given.profile,
         work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
@@ -132,10 +198,10 @@ def command(
         done = plan_nest(
             given, limits,
             already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
-            listener=listener, tell=tell_note, whole=whole, planned_as=beside.begin,
+            listener=listener, tell=print_note, whole=whole, planned_as=beside.begin,
         )  # fmt: skip
     except NoPlan as no_plan:
-        code = tell_conflict(no_plan, conflict_picture)
+        code = print_conflict(no_plan, conflict_picture)
         _tell_late(whole)
         return code
     made = done.made
@@ -155,7 +221,7 @@ def command(
     if verbose:
         click.echo("\n".join(made.notes))
     if given.nest.reading is not None:
-        click.echo(shown(given.nest.reading.short()))
+        click.echo(escape_text(given.nest.reading.short()))
     click.echo(summary(made.plan, made.verdict))
     if given.job is not None and (told := job_line(given.job, made.plan)):
         click.echo(told)
@@ -163,7 +229,7 @@ def command(
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         _tell_late(whole)
         return 1
-    click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+    click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
     _tell_late(whole)
     return 130 if listener.interrupted else 0
 
@@ -171,12 +237,12 @@ def command(
 def _tell_late(whole: WholeLimit | None) -> None:
     """Say what took how long where the command, which ends now, has taken longer than its limit."""
     if whole is not None and (over := whole.over()):
-        tell_note(over)
+        print_note(over)
 
 
 def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], inputs: Iterable[str | Path | None]) -> None:
     """Say before the work what could not be written after it."""
-    from kerfwise.postproc.files import expect_outputs
+    from kerfwise.postproc.output_files import expect_outputs
     from kerfwise.postproc.report import expect_picture
 
     for picture in pictures:

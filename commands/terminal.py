@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any, TextIO, cast
 
 from kerfwise.encoder.errors import Advice, InputError
-from kerfwise.encoder.shown import shown_lines
+from kerfwise.encoder.text import escape_lines
 
 
 class Stream:
@@ -25,7 +25,7 @@ class Stream:
     def write(self, text: str) -> int:
         """Write text; what a terminal would obey, and what the stream's encoding does not have, is written out."""
         if self.stream is not None and self.lost is None:
-            safe = shown_lines(text)
+            safe = escape_lines(text)
             try:
                 self.stream.write(safe)
             except UnicodeEncodeError as error:

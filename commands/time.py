@@ -7,12 +7,20 @@ from typing import Any
 
 import click
 
-from .given import given_options, read_given, tell_note
-from .old_given import FEED, KERF, program_alone, read_alone, trusted_if
+from .shared_options import (
+    FEED,
+    KERF,
+    input_options,
+    print_note,
+    program_alone,
+    read_inputs,
+    read_program_alone,
+    trusted_if,
+)
 
 
 @click.command()
-@given_options
+@input_options
 @click.option("--json", "as_json", is_flag=True, help="Print cut_s, idle_s, pierce_s, total_s, idle_share, nc_blocks.")
 @FEED
 @KERF
@@ -22,13 +30,13 @@ def command(made: str | None, as_json: bool, feed: float | None, kerf: float | N
 
     A program may stand alone, without its nest.
     """
-    from kerfwise.jobs.times import time_made, time_old
+    from kerfwise.jobs.programs import time_made, time_old
 
     if program_alone(given["nest"], made):
-        times = time_old(read_alone(feed, kerf, given))
+        times = time_old(read_program_alone(feed, kerf, given))
     else:
-        asked = read_given(**given, last=made)
+        asked = read_inputs(**given, last=made)
         for text in asked.profile.price_notes():
-            tell_note(text)
-        times = time_made(asked, str(made), tell_note, trusted_if(feed))
+            print_note(text)
+        times = time_made(asked, str(made), print_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)

@@ -38,7 +38,7 @@ def loose_contours(nest: Nest, parent: Mapping[str, str], out: frozenset[str]) -
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> plate = nest(400, 100, part("P", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
     >>> loose_contours(plate, {"P.hole1": "P.outer"}, frozenset({"P.outer"}))
     {'P.hole1': 'P.outer'}
@@ -59,7 +59,7 @@ def rest_of(nest: Nest, gone: frozenset[str]) -> Nest:
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> both = part("A", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]), part("B", rect(110, 10, 80, 80))
     >>> plate = nest(400, 100, *both)
     >>> [contour.id for contour in rest_of(plate, frozenset({"A.hole1", "B.outer"})).contours]

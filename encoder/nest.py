@@ -1,23 +1,28 @@
-"""The nest: a sheet and the parts placed on it, frozen, in mm, y up."""
+"""The nest: a sheet, the parts placed on it and the bridges between them, frozen, in mm, y up."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from functools import cached_property, wraps
+from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, TypeVar, cast, get_args
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kerfwise.encoder.bridges.bridge import Bridge
-from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve, flattened, lines_of
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.geometry.segment import Point
+
+from .cut import Tab
+from .errors import InputError
+from .text import escape_text
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.reading import Reading
+
 
 Kind = Literal["outer", "hole", "mark", "slit", "scrap"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -154,7 +159,7 @@ class Note:
     common: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "text", shown(self.text))
+        object.__setattr__(self, "text", escape_text(self.text))
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,3 +272,106 @@ def with_parts(nest: Nest, parts: tuple[Part, ...]) -> Nest:
     """
     same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
     return nest if same else replace(nest, parts=parts, drawn=nest.drawn or nest)
+
+
+# A bridge as it is drawn: which parts it joins, from where to where, and how wide it is.
+
+
+@dataclass(frozen=True, slots=True)
+class Bridge:
+    """A strip of metal, `width_mm` wide, around the line from `start` in one of two parts to `end` in the other.
+
+    `number` counts from 1 in the order of the file; `line` is where it stands there, if that is known.
+    """
+
+    parts: tuple[str, str]
+    start: Point
+    end: Point
+    width_mm: float
+    number: int
+    line: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What messages call it.
+
+        Examples
+        --------
+        >>> Bridge(("A", "B"), (0, 0), (9, 0), 4, 1).name
+        'bridge 1 (A to B)'
+        """
+        return f"bridge {self.number} ({self.parts[0]} to {self.parts[1]})"
+
+    @property
+    def length_mm(self) -> float:
+        """How long it is as drawn, what lies in the parts included."""
+        return math.dist(self.start, self.end)
+
+    def side(self, left: bool, beyond_mm: float = 0.0) -> tuple[Point, Point]:
+        """One long side, seen from `start` to `end`, and so much longer at both ends.
+
+        Examples
+        --------
+        >>> Bridge(("A", "B"), (0, 0), (9, 0), 4, 1).side(left=True)
+        ((0.0, 2.0), (9.0, 2.0))
+        """
+        (x0, y0), (x1, y1) = self.start, self.end
+        ux, uy = (x1 - x0) / self.length_mm, (y1 - y0) / self.length_mm
+        half_mm = self.width_mm / 2 if left else -self.width_mm / 2
+        return (
+            (x0 - uy * half_mm - ux * beyond_mm, y0 + ux * half_mm - uy * beyond_mm),
+            (x1 - uy * half_mm + ux * beyond_mm, y1 + ux * half_mm + uy * beyond_mm),
+        )
+
+    @property
+    def strip(self) -> shapely.Polygon:
+        """The rectangle that it is."""
+        return shapely.Polygon([*self.side(left=False), *self.side(left=True)[::-1]])
+
+    def refused(self, why: str) -> InputError:
+        """The error for a bridge that cannot be made, with its line."""
+        return InputError(f"{self.name} {why}", line=self.line)
+
+
+# Answers about a nest that are kept as long as the nest lives, and go with it.
+
+Of = ParamSpec("Of")
+AnswerT = TypeVar("AnswerT")
+
+
+def cached_with_nest(
+    most: int,
+) -> Callable[[Callable[Concatenate[Nest, Of], AnswerT]], Callable[Concatenate[Nest, Of], AnswerT]]:
+    """Has a function of a nest keep its last answers, `most` of them a nest, on the nest itself.
+
+    The other arguments are given by position and are hashable.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.case import nest
+    >>> @cached_with_nest(most=1)
+    ... def size(plate, times):
+    ...     print("asked")
+    ...     return times * plate.sheet.polygon.area
+    >>> plate = nest(30, 20)
+    >>> size(plate, 1), size(plate, 1)
+    asked
+    (600.0, 600.0)
+    """
+
+    def keeping(function: Callable[Concatenate[Nest, Of], AnswerT]) -> Callable[Concatenate[Nest, Of], AnswerT]:
+        @wraps(function)
+        def answer(nest: Nest, /, *args: Of.args, **kwargs: Of.kwargs) -> AnswerT:
+            assert not kwargs, "given by position, since answers are kept by position"
+            answers = nest.kept.setdefault(function, OrderedDict())
+            if args in answers:
+                answers.move_to_end(args)
+            else:
+                answers[args] = function(nest, *args, **kwargs)
+                if len(answers) > most:
+                    answers.popitem(last=False)
+            return cast(AnswerT, answers[args])
+
+        return answer
+
+    return keeping

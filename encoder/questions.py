@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .shown import shown
+from .text import escape_text
 
 Answers = tuple[tuple[str, str], ...]
 """The id of a question and the value of the choice, in the order in which they were given: the last one stands."""
@@ -91,16 +91,16 @@ class Questions(InputError):
         super().__init__(f"the drawing raises {which}", file=file, details=tuple(q.told() for q in self.questions))
 
     def _text(self) -> str:
-        place = f"{shown(str(self.file))}: " if self.file is not None else ""
+        place = f"{escape_text(str(self.file))}: " if self.file is not None else ""
         told = [
-            f"  {k}. " + "\n".join(shown(line) for line in question.told().split("\n")).replace("\n", "\n  ")
+            f"  {k}. " + "\n".join(escape_text(line) for line in question.told().split("\n")).replace("\n", "\n  ")
             for k, question in enumerate(self.questions, 1)
         ]
         job = f"{Path(str(self.file)).stem}.job.yaml" if self.file is not None else "NEST.job.yaml"
         first = json.dumps(first_choices(self.questions), ensure_ascii=False)
         kept = (
-            f"Answers are kept in {shown(job)} (in Python: answers=). A profile may answer for a plant: "
-            f"drawing: {{answers: {shown(first)}}}"
+            f"Answers are kept in {escape_text(job)} (in Python: answers=). A profile may answer for a plant: "
+            f"drawing: {{answers: {escape_text(first)}}}"
         )
         return "\n".join([f"{place}{self.message}:", *told, kept])
 

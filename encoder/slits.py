@@ -13,17 +13,129 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 
-from .compensation import compensate_together, compensated
-from .kept import kept_with_nest
-from .narrow import CHORD_MM, CORNER_RAD, MOST_TOLD, NEAR_MM, Lost, lost_walls, ring_of
-from .nest import Contour, Nest, Part, with_parts
-from .slot_middle import STRAIGHT_MM, Middle, middle_of_slot
-from .tolerance import tolerance_mm
+from .narrow_features import CHORD_MM, CORNER_RAD, MOST_TOLD, NEAR_MM, LostFeatureSpan, lost_walls, ring_of
+from .nest import Contour, Nest, Part, cached_with_nest, with_parts
+from .torch_path import compensate_together, compensated
+
+# A first guess, square to the mouth or towards the farthest point of the wall, is straightened: sections across it
+# give points halfway between the two sides, and a line through those the next guess.
+
+STRAIGHT_MM = 0.02
+"""The middle of a slot may leave a straight line by this much."""
+_SECTIONS = 33
+_ROUNDS = 6
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Middle:
+    """The straight middle of a slot: a point on it, and the unit vector into the slot.
+
+    Lengths along it count from that point: where the mouth and the bottom lie, and sections across the slot (m,) with
+    their widths.
+    """
+
+    origin: Floats
+    along: Floats
+    mouth_mm: float
+    bottom_mm: float
+    at_mm: Floats
+    widths_mm: Floats
+
+    @property
+    def opening(self) -> float:
+        """By how much it grows wider, a length along it."""
+        return float(np.polyfit(self.at_mm, self.widths_mm, 1)[0])
+
+    def narrowest_mm(self, until_mm: float) -> float:
+        """The narrowest width up to a place along it."""
+        slope, at_zero_mm = np.polyfit(self.at_mm, self.widths_mm, 1).tolist()
+        there_mm = at_zero_mm + slope * max(until_mm, float(self.at_mm[0]))
+        before = self.widths_mm[: max(int((self.at_mm <= until_mm).sum()), 1)]
+        return max(min(float(before.min()), float(there_mm)), 0.0)
+
+    def point(self, at_mm: float) -> Point:
+        """A point of it."""
+        x, y = (self.origin + at_mm * self.along).tolist()
+        return x, y
+
+
+def middle_of_slot(wall: Floats) -> Middle | None:
+    """The straight middle of a slot with this wall (n, 2), a line from one side of its mouth to the other.
+
+    None where there is none: of a slot that is bent, forked or wider behind its mouth on one side.
+
+    Examples
+    --------
+    >>> found = middle_of_slot(np.array([(0.0, 10.0), (0.0, 0.0), (1.0, 0.0), (1.0, 10.0)]))
+    >>> found.point(found.bottom_mm), found.narrowest_mm(found.bottom_mm)
+    ((0.5, 0.0), 1.0)
+    """
+    origin, mouth = (wall[0] + wall[-1]) / 2, wall[-1] - wall[0]
+    farthest = wall[np.argmax(np.hypot(*(wall - origin).T))]
+    square = np.array([-mouth[1], mouth[0]]) * np.sign(
+        mouth[0] * (farthest - origin)[1] - mouth[1] * (farthest - origin)[0]
+    )
+    for first in (square, farthest - origin):
+        found = _straightened(wall, origin, _unit(first))
+        if found is not None:
+            return found
+    return None
+
+
+def _straightened(wall: Floats, origin: Floats, along: Floats) -> Middle | None:
+    """The straight middle, found step by step from a first guess."""
+    for _ in range(_ROUNDS):
+        found = _sections(wall, origin, along)
+        if found is None:
+            return None
+        at_mm, sides, mouth_mm, bottom_mm = found
+        middle = sides.mean(axis=1)
+        slope, offset = np.polyfit(at_mm, middle, 1)
+        across = np.array([-along[1], along[0]])
+        origin, along = origin + float(offset) * across, _unit(along + float(slope) * across)
+    found = _sections(wall, origin, along)
+    if found is None or float(np.abs(found[1].mean(axis=1)).max()) > STRAIGHT_MM:
+        return None
+    at_mm, sides, mouth_mm, bottom_mm = found
+    return Middle(origin, along, mouth_mm, bottom_mm, at_mm, np.ptp(sides, axis=1))
+
+
+def _sections(wall: Floats, origin: Floats, along: Floats) -> tuple[Floats, Floats, float, float] | None:
+    """Sections of a slot across a line: where along it, the two sides, and where its mouth and its bottom are."""
+    across = np.array([-along[1], along[0]])
+    u, v = (wall - origin) @ along, (wall - origin) @ across
+    bottoms = _crossings(v, u, 0.0)
+    mouth_mm = float(max(u[0], u[-1]))
+    if not len(bottoms) or (bottom_mm := float(bottoms.min())) <= mouth_mm:
+        return None
+    width_mm = float(abs(v[0] - v[-1]))
+    far_mm = max(bottom_mm - width_mm, mouth_mm + 0.5 * (bottom_mm - mouth_mm))
+    at_mm = np.linspace(mouth_mm, far_mm, _SECTIONS + 2)[1:-1]
+    rows = [np.sort(_crossings(u, v, float(at))) for at in at_mm]
+    if any(len(row) != 2 for row in rows):
+        return None
+    return at_mm, np.array(rows), mouth_mm, bottom_mm
+
+
+def _crossings(x: Floats, y: Floats, at: float) -> Floats:
+    """Where a line of points (x, y) passes `at` in x: the y there."""
+    before, after = x[:-1] - at, x[1:] - at
+    passes = (before < 0) != (after < 0)
+    share = before[passes] / (before[passes] - after[passes])
+    return np.asarray(y[:-1][passes] + share * (y[1:] - y[:-1])[passes])
+
+
+def _unit(vector: Floats) -> Floats:
+    return np.asarray(vector / max(math.hypot(*vector.tolist()), 1e-12))
+
 
 _OPENS = 2 * math.tan(CORNER_RAD / 2)
 """Sides that open by more are those of a corner."""
@@ -41,7 +153,7 @@ class Slit:
     """
 
     contour: str
-    slot: Lost
+    slot: LostFeatureSpan
     line: Curve
     width_mm: float
     loss_mm: float
@@ -60,11 +172,11 @@ class Slit:
 class LostFeature:
     """A feature that the kerf would lose and no pass along its middle keeps, and why."""
 
-    slot: Lost
+    slot: LostFeatureSpan
     why: str
 
 
-@kept_with_nest(most=8)
+@cached_with_nest(most=8)
 def with_slits(nest: Nest, kerf_mm: float) -> Nest:
     """The nest with a slit for every slot that one pass opens; it keeps the nest as drawn.
 
@@ -72,7 +184,7 @@ def with_slits(nest: Nest, kerf_mm: float) -> Nest:
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part
+    >>> from kerfwise.rules.case import nest, part
     >>> outline = [(50, 50), (110, 50), (110, 80), (81, 80), (81, 60), (80, 60), (80, 80), (50, 80)]
     >>> made = with_slits(nest(200, 200, part("A", outline)), 1.5)
     >>> [(c.id, c.slot_of) for c in made.contours], made.contour("A.slit1").curve.as_rows()[-1]
@@ -90,8 +202,8 @@ def _slit(part: Part, kerf_mm: float) -> Part:
     return replace(part, slits=slits) if slits else part
 
 
-@kept_with_nest(most=4)
-def features_cut_across(nest: Nest, kerf_mm: float) -> dict[str, tuple[Lost, ...]]:
+@cached_with_nest(most=4)
+def features_cut_across(nest: Nest, kerf_mm: float) -> dict[str, tuple[LostFeatureSpan, ...]]:
     """By contour, the slots, notches and necks of a nest as it is cut that the torch cuts straight across."""
     slits: dict[str, list[Curve]] = {}
     for slit in (c for c in nest.contours if c.kind == "slit"):
@@ -116,7 +228,7 @@ def narrow_because(nest: Nest, kerf_mm: float) -> dict[str, str]:
     return told
 
 
-def in_the_way(nest: Nest, contour: Contour, kerf_mm: float) -> list[LostFeature]:
+def blocked_slits(nest: Nest, contour: Contour, kerf_mm: float) -> list[LostFeature]:
     """The slots of a contour that are slit, but whose slits would burn what is beside them: webs that are too thin."""
     part = nest.part_of[contour.part]
     own = {slit.line: slit for slit in slits_of(contour, kerf_mm)[0]}
@@ -157,7 +269,7 @@ def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[
     return tuple(slit for _, slit in sorted(slits, key=lambda row: row[0])), tuple(unfit)
 
 
-def _fitted(contour: Contour, lost: Lost, wall: shapely.LineString, kerf_mm: float) -> Slit | str:
+def _fitted(contour: Contour, lost: LostFeatureSpan, wall: shapely.LineString, kerf_mm: float) -> Slit | str:
     """The slit of a slot, or why there is none."""
     middle = middle_of_slot(shapely.get_coordinates(wall))
     if middle is None:

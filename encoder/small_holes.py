@@ -16,10 +16,9 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, wider_than
+from kerfwise.encoder.geometry.measures import largest_circle, middle_of, wider_than
 
-from .kept import kept_with_nest
-from .nest import Contour, Nest, Part, with_parts
+from .nest import Contour, Nest, Part, cached_with_nest, with_parts
 
 Under = Literal["refuse", "spot", "skip"]
 
@@ -78,17 +77,17 @@ def diameter_under(hole: Contour, mm: float) -> float | None:
     return diameter_mm if diameter_mm < mm - EXACT_MM else None
 
 
-def as_cut(nest: Nest, limits: HoleLimits) -> Nest:
+def with_small_holes(nest: Nest, limits: HoleLimits) -> Nest:
     """The nest as it is cut: small holes are marks or gone, and others know their share of the cut feed.
 
     The nest that comes out keeps the one that went in as `drawn`; where nothing changes it is that one. A hole that
-    can be neither marked nor left out stays a hole (see `kept_because`).
+    can be neither marked nor left out stays a hole (see `kept_hole_reason`).
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import circle, nest, part, rect
+    >>> from kerfwise.rules.case import circle, nest, part, rect
     >>> plate = nest(200, 100, part("A", rect(10, 10, 80, 80), [circle(30, 50, 2), circle(60, 50, 9)]))
-    >>> made = as_cut(plate, HoleLimits(least_mm=6, under="spot", full_feed_mm=30, feed_share=0.6))
+    >>> made = with_small_holes(plate, HoleLimits(least_mm=6, under="spot", full_feed_mm=30, feed_share=0.6))
     >>> [(c.id, c.kind, c.feed_share) for c in made.contours]
     [('A.hole1', 'mark', 1.0), ('A.hole2', 'hole', 0.8), ('A.outer', 'outer', 1.0)]
     >>> made.drawn is plate, made.spotted, made.left_out
@@ -97,7 +96,7 @@ def as_cut(nest: Nest, limits: HoleLimits) -> Nest:
     return _as_cut(nest.drawn or nest, limits)
 
 
-@kept_with_nest(most=8)
+@cached_with_nest(most=8)
 def _as_cut(nest: Nest, limits: HoleLimits) -> Nest:
     return with_parts(nest, tuple(_part(nest, part, limits) for part in nest.parts))
 
@@ -108,7 +107,7 @@ def _part(nest: Nest, part: Part, limits: HoleLimits) -> Part:
     for hole in part.holes:
         diameter_mm = diameter_under(hole, max(limits.limit_mm, limits.full_feed_mm))
         small = diameter_mm is not None and diameter_mm < limits.limit_mm - EXACT_MM
-        if small and limits.under != "refuse" and kept_because(nest, hole, limits) is None:
+        if small and limits.under != "refuse" and kept_hole_reason(nest, hole, limits) is None:
             if limits.under == "spot":
                 spots.append(spot(hole, limits))
             continue
@@ -119,7 +118,7 @@ def _part(nest: Nest, part: Part, limits: HoleLimits) -> Part:
     return replace(part, holes=tuple(holes), marks=(*part.marks, *spots))
 
 
-def kept_because(nest: Nest, hole: Contour, limits: HoleLimits) -> str | None:
+def kept_hole_reason(nest: Nest, hole: Contour, limits: HoleLimits) -> str | None:
     """Why a small hole can be neither marked nor left out, as the end of a sentence; None where it can."""
     within = (nest.parts[k].id for k in np.flatnonzero(shapely.intersects(hole.polygon, _outer_points(nest))))
     guest = next((part for part in within if part != hole.part), None)
@@ -130,7 +129,7 @@ def kept_because(nest: Nest, hole: Contour, limits: HoleLimits) -> str | None:
     return None
 
 
-@kept_with_nest(most=1)
+@cached_with_nest(most=1)
 def _outer_points(nest: Nest) -> np.ndarray[tuple[int], np.dtype[np.object_]]:
     """A point of the outline of every part."""
     return np.asarray(shapely.points([part.outer.curve.vertices[0, :2] for part in nest.parts]))
@@ -144,7 +143,7 @@ def spot(hole: Contour, limits: HoleLimits) -> Contour:
     return Contour(hole.id, hole.part, "mark", Curve.of(stroke, closed=False))
 
 
-def not_cut_because(nest: Nest, limits: HoleLimits) -> dict[str, str]:
+def uncut_hole_reasons(nest: Nest, limits: HoleLimits) -> dict[str, str]:
     """For every hole that a nest as it is cut has marked or left out: its size, the limit, and what is done."""
     drawn = nest.drawn or nest
     done = dict.fromkeys(nest.spotted, "marked at its middle") | dict.fromkeys(nest.left_out, "left out")

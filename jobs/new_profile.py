@@ -15,13 +15,10 @@ import yaml
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
-from kerfwise.rules.options.kind import OptionKind, Unfit
+from kerfwise.rules.options.kind import OptionKind, Text, Unfit
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.options.plain_values import Text
-from kerfwise.rules.options.yaml_edit import with_value
-from kerfwise.rules.options.yaml_positions import compose
-from kerfwise.rules.profile.files import profile_text, shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.options.yaml_positions import compose, with_value
+from kerfwise.rules.profile.load import load_profile, profile_text, shipped_profiles
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import SECTIONS
 
@@ -84,7 +81,7 @@ def questions(like: Profile) -> Iterator[Question]:
         yield Question((section, key), option.help, option.kind.write(value), option.kind, like.machine.process)
 
 
-def begun(name: str, like: str, answers: Mapping[Key, str] | None = None, folder: Path | None = None) -> str:
+def new_profile_text(name: str, like: str, answers: Mapping[Key, str] | None = None, folder: Path | None = None) -> str:
     """The text of the profile `like` under another name, with other values where there are answers.
 
     What it is based on is named as seen from `folder`, where the text will stand; without one it stands beside `like`.
@@ -96,7 +93,7 @@ def begun(name: str, like: str, answers: Mapping[Key, str] | None = None, folder
 
     Examples
     --------
-    >>> text = begun("shop", "water-jet", {("material", "kerf"): "0.9 mm"})
+    >>> text = new_profile_text("shop", "water-jet", {("material", "kerf"): "0.9 mm"})
     >>> [row.split("#")[0].strip() for row in text.splitlines() if row.strip().startswith(("name: shop", "kerf"))]
     ['name: shop', 'kerf: 0.9 mm']
     """

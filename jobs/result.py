@@ -14,16 +14,13 @@ from kerfwise.models.engines.solution import Status
 from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
-from kerfwise.postproc.files import expect_outputs, make_folder, write_files
-from kerfwise.postproc.nc.remnant import remnant_files
+from kerfwise.postproc.output_files import expect_outputs, make_folder, remnant_files, write_files
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
 
-from .explaining import Explainer
-from .given import Given
-from .picture import Picture, PictureKind
-from .summary import proof_of, summary
-from .table import CUT_COLUMNS, cut_rows, data_frame
+from .display import CUT_COLUMNS, Picture, PictureKind, cut_rows, data_frame, proof_of, summary
+from .explainer import Explainer
+from .inputs import Inputs
 
 if TYPE_CHECKING:
     import pandas
@@ -101,7 +98,7 @@ class Result:
     def _explainer(self) -> Explainer:
         made = self.__dict__.get("_made_explainer")
         if made is None:
-            made = self.__dict__["_made_explainer"] = Explainer(Given(self.nest, self.profile), self.plan, self.facts)
+            made = self.__dict__["_made_explainer"] = Explainer(Inputs(self.nest, self.profile), self.plan, self.facts)
         return made
 
     def picture(self, kind: PictureKind = "svg") -> Picture:
@@ -113,9 +110,9 @@ class Result:
             For another kind of picture.
         """
         if kind == "html":
-            from .page.page import page_bytes, page_data
+            from .page import page_bytes, page_data
 
-            given = Given(self.nest, self.profile)
+            given = Inputs(self.nest, self.profile)
             return Picture(page_bytes(page_data(given, self.plan, self.verdict, self.program)), kind)
         return Picture(draw(self.nest, self.plan, f".{kind}", self.profile.home_on(self.nest)), kind)
 

@@ -1,34 +1,44 @@
-"""How hot a plan or a program makes the sheet, where, and for how long."""
+"""How hot a plan or a program makes the sheet, where, and for how long; as a picture."""
 
 from __future__ import annotations
 
+import io
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from kerfwise.arrays import Bools
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.physics.heat import HeatResult, PartHeat, TimedPath, simulate
-from kerfwise.models.physics.heat.bounds import expect_short
-from kerfwise.models.physics.heat.grid import MOST_POINTS, make_grid
+from kerfwise.encoder.text import unknown
+from kerfwise.encoder.torch_path import chords, paced
+from kerfwise.models.physics.heat import HeatResult, PartHeat, TimedPath, TorchOn, simulate
+from kerfwise.models.physics.heat.grid import MOST_POINTS, SCRAP, Grid, make_grid
 from kerfwise.models.physics.heat.physical import point_steps
+from kerfwise.models.physics.heat.simulate import MOST_S, expect_short
+from kerfwise.models.physics.heat.timed_path import in_order, torch_on, without_tabs
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.postproc.check.reader.old import Trusted
-from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.check.reader.read_program import Trusted
+from kerfwise.postproc.nc.toolpaths import Toolpath, toolpaths
 from kerfwise.postproc.report.legend import duration
-from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.profile.heat_section import Heat, HeatModel
+from kerfwise.rules.profile.plant_sections import Heat, HeatModel
+from kerfwise.rules.profile.profile import Profile
 
-from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
-from .old_program import OldJob
-from .one_torch import expect_one_torch
-from .picture import Picture
-from .table import data_frame
+from .display import Picture, data_frame
+from .inputs import Inputs, Tell, differences, expect_one_torch, is_plan_file, read_program_of, silent
+from .programs import OldJob
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
+
 
 MODELS: tuple[HeatModel, ...] = ("physical", "logical")
 _SHOWN = 15
@@ -67,7 +77,6 @@ class Simulation:
 
     def picture(self) -> Picture:
         """A PNG of the highest temperature of every point."""
-        from kerfwise.postproc.report.heat_map import peak_map
 
         return Picture(peak_map(self.nest, self.found, self.heat.ambient_c), "png")
 
@@ -133,7 +142,7 @@ class Simulation:
 
 
 def simulate_made(
-    given: Given,
+    given: Inputs,
     made: Plan | str | Path,
     model: HeatModel | None = None,
     tell: Tell = silent,
@@ -174,14 +183,13 @@ def _expect_model(model: HeatModel | None) -> None:
         raise InputError(unknown("model of heat", str(model), MODELS))
 
 
-def _simulated(given: Given, path: TimedPath, model: HeatModel | None, tell: Tell, frames: int) -> Simulation:
+def _simulated(given: Inputs, path: TimedPath, model: HeatModel | None, tell: Tell, frames: int) -> Simulation:
     nest, profile = given.nest, given.profile
     heat = replace(profile.heat, model=model) if model else profile.heat
-    _tell_if_long(nest, path, heat, tell)
+    _warn_if_long(nest, path, heat, tell)
     thickness_mm = profile.material.thickness_mm
     if not frames or path.end_s <= 0:
         return Simulation(nest, heat, simulate(nest, path, heat, thickness_mm))
-    from kerfwise.postproc.report.heat_map import HeatPicture
 
     picture, shown = HeatPicture(nest, make_grid(nest, heat.grid_mm), heat.ambient_c, heat.limit_c), dict[str, bytes]()
 
@@ -193,7 +201,7 @@ def _simulated(given: Given, path: TimedPath, model: HeatModel | None, tell: Tel
     return Simulation(nest, heat, simulate(nest, path, heat, thickness_mm, (path.end_s / frames, look)), shown)
 
 
-def _path(made: Plan | str | Path, given: Given, tell: Tell, trusted: Trusted | None) -> TimedPath:
+def _path(made: Plan | str | Path, given: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
     if not isinstance(made, Plan) and not is_plan_file(made):
         return path_of_program(read_program_of(made, given, tell, trusted), made)
     plan = made if isinstance(made, Plan) else read_plan(made)
@@ -204,7 +212,7 @@ def _path(made: Plan | str | Path, given: Given, tell: Tell, trusted: Trusted | 
     return path
 
 
-def _tell_if_long(nest: Nest, path: TimedPath, heat: Heat, tell: Tell) -> None:
+def _warn_if_long(nest: Nest, path: TimedPath, heat: Heat, tell: Tell) -> None:
     """Tell beforehand what a fine grid will cost: the work goes with the fourth power of its fineness."""
     area_mm2 = nest.sheet.polygon.area
     longest_s = point_steps(area_mm2, path.end_s, heat) / _POINT_STEPS_PER_SECOND
@@ -217,3 +225,174 @@ def _tell_if_long(nest: Nest, path: TimedPath, heat: Heat, tell: Tell) -> None:
 
 def _told(part: PartHeat) -> str:
     return "-" if part.peak_c is None else f"{part.peak_c:.1f}"
+
+
+# Temperatures of a sheet as a picture: the colour of every point, the contours, what is too hot, and a colour bar.
+
+LONG_SIDE_INCHES = 12.0
+DPI = 120
+OVER = 1.4
+"""The colours reach so many times as far above the air as the limit does."""
+_HOT, _BAND, _SCRAP = "#2fb4ff", "#8f959c", "#d0d4d8"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HeatPicture:
+    """Draws maps of one sheet, all in the same colours."""
+
+    nest: Nest
+    grid: Grid
+    ambient_c: float
+    limit_c: float
+
+    def png(self, field: NDArray[np.float32], title: str, counted: Bools | None = None) -> bytes:
+        """A PNG of temperatures (nx, ny), °C, with a line around what is hotter than the limit.
+
+        Where `counted` points are given, the others are grey, and those of them that are too hot are blue.
+        """
+        # Loading matplotlib takes longer than most verbs: only those who want a picture pay for it.
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        nx, ny = self.grid.shape
+        scale = LONG_SIDE_INCHES / max(nx, ny)
+        figure = Figure(figsize=(max(nx * scale, 6.0) + 1.4, max(ny * scale, 2.0) + 1.2), dpi=DPI, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.add_subplot()
+        shown = np.where(self.grid.metal if counted is None else counted, field, np.nan)
+        hottest_c = self.ambient_c + OVER * (self.limit_c - self.ambient_c)
+        image = axes.imshow(
+            shown.T, origin="lower", extent=self._extent(), cmap="inferno", vmin=self.ambient_c, vmax=hottest_c,
+            interpolation="nearest",
+        )  # fmt: skip
+        said = "blue line: limit"
+        if counted is not None:
+            self._fill(axes, self.grid.metal & ~counted, _BAND)
+            self._fill(axes, self.grid.metal & (self.grid.part == SCRAP), _SCRAP)
+            self._fill(axes, counted & (field > self.limit_c), _HOT)
+            said = "blue: hotter than the limit · grey: the kerf's band and (lighter) scrap, which are not counted"
+        self._draw_limit(axes, shown)
+        self._draw_contours(axes)
+        axes.set_title(f"{title}\n{said}", fontsize=10, loc="left")
+        axes.tick_params(labelsize=8)
+        axes.set_xlabel("x, mm", fontsize=9)
+        axes.set_ylabel("y, mm", fontsize=9)
+        bar = figure.colorbar(image, ax=axes, extend="max", fraction=0.04, pad=0.01)
+        bar.ax.axhline(self.limit_c, color=_HOT, linewidth=3)
+        bar.set_label(f"°C (blue: the limit, {self.limit_c:g} °C)", fontsize=9)
+        bar.ax.tick_params(labelsize=8)
+        file = io.BytesIO()
+        figure.savefig(file, format="png", metadata={"Software": None})
+        return file.getvalue()
+
+    def _extent(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of the squares around the points, mm."""
+        grid, (nx, ny) = self.grid, self.grid.shape
+        x0, y0 = grid.x0_mm - grid.step_mm / 2, grid.y0_mm - grid.step_mm / 2
+        return x0, x0 + nx * grid.step_mm, y0, y0 + ny * grid.step_mm
+
+    def _fill(self, axes: Axes, points: Bools, colour: str) -> None:
+        from matplotlib.colors import ListedColormap
+
+        ones = np.where(points, 1.0, np.nan).T
+        axes.imshow(ones, origin="lower", extent=self._extent(), cmap=ListedColormap([colour]), interpolation="nearest")
+
+    def _draw_limit(self, axes: Axes, shown: NDArray[np.float32]) -> None:
+        if min(self.grid.shape) < 2 or not (shown > self.limit_c).any():
+            return
+        x, y = (
+            first_mm + self.grid.step_mm * np.arange(count)
+            for first_mm, count in zip((self.grid.x0_mm, self.grid.y0_mm), self.grid.shape, strict=True)
+        )
+        axes.contour(x, y, np.ma.masked_invalid(shown.T), levels=[self.limit_c], colors=[_HOT], linewidths=1.2)
+
+    def _draw_contours(self, axes: Axes) -> None:
+        """White lines with a dark rim, which can be seen on every colour."""
+        from matplotlib.collections import LineCollection
+
+        lines = [np.asarray(contour.line.coords) for contour in self.nest.contours if contour.kind != "mark"]
+        x, y = self.nest.sheet.polygon.exterior.xy
+        lines.append(np.column_stack([x, y]))
+        for colour, width in (("black", 1.9), ("white", 0.8)):
+            axes.add_collection(LineCollection(lines, colors=colour, linewidths=width))
+
+
+def peak_map(nest: Nest, result: HeatResult, ambient_c: float) -> bytes:
+    """The highest temperature of every point that counts; those too hot in blue."""
+    picture = HeatPicture(nest, result.grid, ambient_c, result.limit_c)
+    grid_mm, found = result.grid.step_mm, f"{result.overheats} overheats, peak {result.peak_c:.1f} °C"
+    name = f"{Path(nest.file).name}: " if nest.file else ""
+    title = f"{name}highest temperatures, {result.model} model, grid {grid_mm:g} mm: {found}"
+    return picture.png(result.run.peak_c, title, result.counted)
+
+
+# A plan or a program as the timed path of a torch that heats the sheet; marks heat nothing worth speaking of.
+
+_CHORD_MM = 0.05
+_CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
+
+
+def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
+    """Where the torch burns by the plan, at the times that the plan states.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest, or its times are missing or contradict each other.
+    """
+    if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
+        raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
+    law = profile.corner_feed()
+    burns: list[TorchOn] = []
+    pierced = plan.sequence().pierced
+    for order, made in enumerate(toolpaths(plan, nest, profile), plan.resumed_after + 1):
+        for pierce in pierced.get(order, ()):
+            burns.append(torch_on(pierce.contour, np.array([pierce.at]), pierce.start_s, pierce.end_s))
+        if made.marks:
+            continue
+        cut = made.planned.cut
+        points, slowness = chords(made.path, paced(made.path, law), _CHORD_MM)
+        burn = torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(made, profile), slowness)
+        burns += without_tabs(burn, made.unlit)
+    return in_order(burns, plan.totals.time_s)
+
+
+def _stands_s(made: Toolpath, profile: Profile) -> float:
+    """How long the torch burns where a cut begins."""
+    if made.linked:
+        return 0.0
+    if made.pierced:
+        return profile.machine.at_hole_s
+    return profile.machine.unpierced_s if made.edge_start else profile.machine.pierce_time_s
+
+
+def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:
+    """Where the torch burns by a program, at its own feeds and for its own waits.
+
+    Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
+
+    Raises
+    ------
+    InputError
+        With file and line, for a program of more than a week: it cannot be simulated.
+    """
+    burns: list[TorchOn] = []
+    for burn in program.burns:
+        took_s = burn.end_s - burn.start_s + burn.wait_s
+        if not took_s <= MOST_S:
+            raise InputError(
+                f"the cut that begins here takes {took_s / 3600:.4g} h with the wait before it, and heat is simulated "
+                f"for programs of up to {MOST_S / 3600:g} h: correct its feed (F) and its waits (G4)",
+                file=file,
+                line=burn.line,
+            )
+        if burn.tool != 0:
+            continue
+        named = _CUT.search(burn.comment)
+        name = named["contour"] if named else f"line {burn.line}"
+        points, slowness = chords(burn.path, burn.paced, _CHORD_MM)
+        stands_s = burn.held_s + burn.pierce_s
+        burns += without_tabs(torch_on(name, points, burn.start_s, burn.end_s, stands_s, slowness), burn.unlit)
+    path = in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
+    expect_short(path, file)
+    return path

@@ -11,11 +11,10 @@ import yaml
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kind import OptionKind
+from kerfwise.encoder.text import unknown
+from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
 from kerfwise.rules.options.quantities import PointOrOff, PointXY
-from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Place, wrong_at
 
 

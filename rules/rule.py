@@ -6,20 +6,20 @@ import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.faults import naming_the_rule
+from kerfwise.encoder.errors import naming_the_rule
 from kerfwise.encoder.nest import Nest
 
-from .plant import Plant
-from .rule_file import RuleFile
+from .lock import Lock
 from .statements import About, Precede, Statement
-from .temperature_limit import TemperatureLimit
 
 if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import LeadOptions
     from kerfwise.encoder.facts.facts import FactOptions, Facts
+
 
 Strength = Literal["hard", "soft", "off"]
 Ids = tuple[str, str]
@@ -252,3 +252,63 @@ class OrderRule(Rule[OptionsT]):
 def order_sentence(rule: OrderRule[Any], before: str, after: str, start_side: Side | None) -> str:
     """What a statement of an order rule says of two contours."""
     return f"{before} is cut before {after}: {rule.reason(before, after, start_side)}"
+
+
+# The file that a rule of a plant stands in, as plans, programs and lists of rules name it.
+
+
+@dataclass(frozen=True, slots=True)
+class RuleFile:
+    """A file of a rule, the digest of its content, and whether the rule takes the place of a shipped one."""
+
+    path: Path
+    sha256: str
+    in_place_of_shipped: bool = False
+
+
+# A limit on how hot metal may become, whichever rule sets it.
+
+
+@dataclass(frozen=True, slots=True)
+class TemperatureLimit:
+    """No metal becomes hotter than `most_c`; the torch may wait for it to cool where `dwells`, `longest_dwell_s` each.
+
+    `rule` is the id of the rule that says so. Its options for waits are `dwells` and `longest_dwell`: messages tell
+    planners to set them.
+
+    Examples
+    --------
+    >>> TemperatureLimit("cool", 90.0, dwells=False, longest_dwell_s=60.0).allowed_dwell_s
+    0.0
+    """
+
+    rule: str
+    most_c: float
+    dwells: bool
+    longest_dwell_s: float
+
+    @property
+    def allowed_dwell_s(self) -> float:
+        """The longest wait allowed, s."""
+        return self.longest_dwell_s if self.dwells else 0.0
+
+
+# What rules may know of a profile beside their own options.
+
+
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """The plant's sheet, its heat, its locks, and what cuts.
+
+    A field of a rule's `Options` that no key of its own sets, and that has the name of one of these, takes its value.
+    """
+
+    thickness_mm: float
+    kerf_mm: float
+    ambient_c: float
+    heat_limit_c: float
+    absorbed_power_w: float
+    locks: tuple[Lock, ...]
+    process: str = "plasma"
+    common_cuts: bool = False
+    longest_link_mm: float = 0.0

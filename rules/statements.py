@@ -1,15 +1,16 @@
-"""The vocabulary of rules: linear conditions and costs over the decisions of a plan.
-
-Decisions: `Pick(c)`, candidate c is used; `Before(i, j)`, contour i is cut before contour j; and the route itself.
-Contours and candidates are numbered as in `Facts`. Positions count from 1.
-"""
+"""The vocabulary of rules: linear conditions and costs over the decisions of a plan, and what each is about."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
+from typing import Any, assert_never
 
 import shapely
+
+# Decisions: `Pick(c)`, candidate c is used; `Before(i, j)`, contour i is cut before contour j; and the route itself.
+# Contours and candidates are numbered as in `Facts`. Positions count from 1.
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,3 +179,135 @@ RELAXED_MM = 2 * EXEMPTION_MM
 
 Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel | Link
 """Every `weight` of None makes a statement hard; a number makes breaking it cost that much, in mm of idle travel."""
+
+
+# Statements sorted by kind: for whoever looks at some kinds only, and leaves the others to others on purpose.
+#
+# A kind that is not sorted here is refused, and no place may tell kinds apart in any other way than by this or by an
+# exhaustive `match`: see docs/writing-a-statement.md.
+
+
+@dataclass(frozen=True, slots=True)
+class Kinds:
+    """Statements of each kind, hard and soft, in the order in which they were given."""
+
+    precede: tuple[Precede, ...]
+    forbid: tuple[Forbid, ...]
+    at_least: tuple[AtLeast, ...]
+    contiguous: tuple[Contiguous, ...]
+    lag: tuple[Lag, ...]
+    no_good: tuple[NoGood, ...]
+    crossing: tuple[Crossing, ...]
+    idle_travel: tuple[IdleTravel, ...]
+    link: tuple[Link, ...]
+
+
+def by_kind(statements: Iterable[Statement]) -> Kinds:
+    """Sort statements by kind.
+
+    Raises
+    ------
+    AssertionError
+        If one is of a kind that is not in `Statement`; the message shows it.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About
+    >>> about = About("r", (), "")
+    >>> found = by_kind([Precede(0, 1, about), Forbid(4, about), Precede(1, 2, about)])
+    >>> [(s.before, s.after) for s in found.precede], len(found.lag)
+    ([(0, 1), (1, 2)], 0)
+    """
+    precede: list[Precede] = []
+    forbid: list[Forbid] = []
+    at_least: list[AtLeast] = []
+    contiguous: list[Contiguous] = []
+    lag: list[Lag] = []
+    no_good: list[NoGood] = []
+    crossing: list[Crossing] = []
+    idle_travel: list[IdleTravel] = []
+    link: list[Link] = []
+    for _, alike in groupby(statements, type):  # those of a kind mostly stand together
+        run: list[Any] = list(alike)
+        first: Statement = run[0]
+        match first:
+            case Precede():
+                precede.extend(run)
+            case Forbid():
+                forbid.extend(run)
+            case AtLeast():
+                at_least.extend(run)
+            case Contiguous():
+                contiguous.extend(run)
+            case Lag():
+                lag.extend(run)
+            case NoGood():
+                no_good.extend(run)
+            case Crossing():
+                crossing.extend(run)
+            case IdleTravel():
+                idle_travel.extend(run)
+            case Link():
+                link.extend(run)
+            case _:
+                assert_never(first)
+    return Kinds(
+        precede=tuple(precede),
+        forbid=tuple(forbid),
+        at_least=tuple(at_least),
+        contiguous=tuple(contiguous),
+        lag=tuple(lag),
+        no_good=tuple(no_good),
+        crossing=tuple(crossing),
+        idle_travel=tuple(idle_travel),
+        link=tuple(link),
+    )
+
+
+# Which contours and candidates a statement names, by number.
+
+
+def contours_named(s: Statement) -> Iterator[int]:
+    """The contours, perhaps more than once.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About
+    >>> list(contours_named(Precede(0, 4, About("level-ahead", (), ""))))
+    [0, 4]
+    """
+    match s:
+        case Precede():
+            yield from (s.before, s.after)
+        case Contiguous():
+            yield from s.contours
+        case Lag():
+            yield from (s.first, s.second)
+        case NoGood():
+            yield from (*s.out, *s.left)
+        case AtLeast():
+            for literal in plain(s.literals):
+                if isinstance(literal, Before):
+                    yield from (literal.i, literal.j)
+        case Crossing():
+            yield from () if s.over is None else (s.over,)
+        case Forbid() | IdleTravel() | Link():
+            return
+        case _:
+            assert_never(s)
+
+
+def candidates_named(s: Statement) -> Iterator[int]:
+    """The candidates, perhaps more than once."""
+    match s:
+        case Forbid():
+            yield s.candidate
+        case AtLeast():
+            yield from (literal.c for literal in plain(s.literals) if isinstance(literal, Pick))
+            yield from () if s.when is None else (s.when,)
+        case Link():
+            yield from (*s.leave, *s.reach)
+        case Precede() | Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
+            return
+        case _:
+            assert_never(s)

@@ -4,31 +4,32 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.encoder.shown import shown
-from kerfwise.jobs.default_names import named_after
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.listening import Listener, Reached
-from kerfwise.jobs.main_job import Finished, plan_nest
-from kerfwise.jobs.no_plan import NoPlan
-from kerfwise.jobs.page.page import page_data
-from kerfwise.jobs.solve_options import WORK, options_for
-from kerfwise.jobs.summary import summary_lines
+from kerfwise.encoder.text import escape_lines, escape_text
+from kerfwise.jobs.display import summary_lines
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.nest_job.job import Job
+from kerfwise.jobs.page import page_data
+from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
+from kerfwise.jobs.programs import check_made
+from kerfwise.jobs.progress import Listener, OnProgress, Reached
+from kerfwise.jobs.request import WORK, NoPlan, options_for
 from kerfwise.models.engines.solution import MEMORY_GB
-from kerfwise.postproc.nc.remnant import remnant_files
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.output_files import output_names, remnant_files
 from kerfwise.postproc.report import draw
+from kerfwise.rules.profile.overrides import lines_of
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import About
 
-from .asking import Answers, Asking
-from .conflicts import conflict_told, first_told
-from .edits import edited
-from .effect import Effects
-from .figures import figures_of
-from .packed import Packed
-from .wanted import Wanted, already_of, given_of
+from .job_edits import edited
+from .plan_request import Answers, PlanRequest, Questions, already_of, request_inputs
+from .session import Packed
 
 TOLD_EACH_S = 0.1
 """What the engines reach is told no more often than this."""
@@ -43,18 +44,18 @@ SECOND_WORK = 0.2
 class Planner:
     """Plans what is wanted, exactly as `kerfwise solve` does in the nest's folder."""
 
-    def __init__(self, asking: Asking) -> None:
+    def __init__(self, asking: Questions) -> None:
         self._asking = asking
         self._effects = Effects(self._reached)
 
     def ready(self) -> bool:
         """Load what planning needs, so that the first plan does not wait for it."""
-        import kerfwise.models.engines.rounds  # noqa: F401
+        import kerfwise.models.engines.solve  # noqa: F401
 
         return True
 
     def solve(
-        self, wanted: Wanted, work: float = WORK, relax: bool = False, memory_gb: float = MEMORY_GB
+        self, wanted: PlanRequest, work: float = WORK, relax: bool = False, memory_gb: float = MEMORY_GB
     ) -> dict[str, Any]:
         """The plan with its program, or the conflict; what the engines reach is told meanwhile.
 
@@ -62,7 +63,7 @@ class Planner:
         """
         self._asking.begin()
         notes: list[str] = []
-        given = given_of(wanted)
+        given = request_inputs(wanted)
         listener = Listener(self._reached())
         while True:
             limits = options_for(given.nest, given.profile, work=work, memory_gb=memory_gb)
@@ -74,27 +75,27 @@ class Planner:
                 if no_plan.conflict is None and work < WORK and not listener.stopped:
                     work = min(WORK, max(SECOND_WORK, MORE_WORK * work))
                     continue
-                return {"conflict": conflict_told(no_plan, given.job)}
+                return {"conflict": conflict_data(no_plan, given.job)}
             except RulesConflict as error:
                 return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
-            said = {"notes": [*map(shown, notes)], "work": work, "memory_gb": memory_gb}
+            said = {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
             return self._planned(wanted, given, done, listener.stopped) | said
 
     def tried(
-        self, wanted: Wanted, changes: list[dict[str, Any]], relax: bool = False, memory_gb: float = MEMORY_GB
+        self, wanted: PlanRequest, changes: list[dict[str, Any]], relax: bool = False, memory_gb: float = MEMORY_GB
     ) -> dict[str, Any]:
         """What a way out of a conflict would bring: a first plan's cost, or the sentence that is left in the way."""
         self._asking.begin()
-        given = given_of(wanted)
+        given = request_inputs(wanted)
         text, undone = edited(wanted, given, changes)
-        given = given_of(replace(wanted, job_text=text))
+        given = request_inputs(replace(wanted, job_text=text))
         limits = options_for(given.nest, given.profile, work=REMEDY_WORK, memory_gb=memory_gb)
         try:
             done = plan_nest(
                 given, limits, already=already_of(wanted, given), relax=relax, listener=Listener(self._reached())
             )
         except NoPlan as no_plan:
-            left = first_told(no_plan, given.job)
+            left = first_sentence(no_plan, given.job)
             return {"works": False, "text": f"another contradiction is left: {left}", "undone": undone}
         except RulesConflict as error:
             return {"works": False, "text": str(error), "undone": undone}
@@ -105,16 +106,16 @@ class Planner:
         return {"works": done.made.verdict.ok, "text": told, "idle_mm": float(idle_mm), "undone": undone}
 
     def effect(
-        self, wanted: Wanted, values: list[tuple[str, str, str]], memory_gb: float = MEMORY_GB
+        self, wanted: PlanRequest, values: list[tuple[str, str, str]], memory_gb: float = MEMORY_GB
     ) -> dict[str, Any]:
         """What other values of rules would bring: figures with them and without."""
         self._asking.begin()
         return self._effects.effect(wanted, values, memory_gb)
 
-    def _planned(self, wanted: Wanted, given: Given, done: Finished, stopped: bool) -> dict[str, Any]:
+    def _planned(self, wanted: PlanRequest, given: Inputs, done: FinishedPlan, stopped: bool) -> dict[str, Any]:
         """All that is kept of a plan: its files, and what a list of plans says of it."""
         made, plan = done.made, done.made.plan
-        program, plan_file, picture = named_after(Path(wanted.nest))
+        program, plan_file, picture = output_names(Path(wanted.nest))
         drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
         remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
         data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
@@ -150,7 +151,143 @@ class Planner:
         return heard
 
 
-def planner(asking: Asking) -> Answers:
+def planner(asking: Questions) -> Answers:
     """The questions that the planner answers."""
     made = Planner(asking)
     return {name: getattr(made, name) for name in ("ready", "solve", "tried", "effect")}
+
+
+# Why there is no plan, as the page shows it: each statement of a contradiction, and what may undo it.
+
+MOST = 40
+"""Statements that are listed; a contradiction of more is shown in part, and says so."""
+
+
+def conflict_data(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
+    """The conflict as JSON.
+
+    `clash` is what was found, `minimal` if nothing of it can be left out, or `alone` where no plan can keep any of it.
+    Each statement has `undo`, the lines of the job file that make it, and `soften`, the change of the job file that
+    makes its rule soft; either is empty where there is none. `relax` is the cheapest way out of all contradictions,
+    which `kerfwise solve --relax` takes, or one that relaxes as few statements where not all were `compared`; None
+    where nothing helps.
+    """
+    conflict = no_plan.conflict
+    if conflict is None:
+        return {"text": escape_lines(str(no_plan)), "clash": [], "relax": None, "notes": [], "minimal": False}
+    return {
+        "text": escape_lines(str(conflict)),
+        "minimal": conflict.minimal,
+        "alone": conflict.alone,
+        "more": max(0, len(conflict.clash) - MOST),
+        "clash": [_statement(about, no_plan.profile, job) for about in conflict.clash[:MOST]],
+        "compared": conflict.compared,
+        "relax": None if conflict.relax is None else [_said(about) for about in conflict.relax],
+        "stuck": escape_text(conflict.stuck),
+        "notes": [escape_text(note) for note in conflict.notes],
+    }
+
+
+def first_sentence(no_plan: NoPlan, job: Job | None) -> str:
+    """The first sentence of the contradiction, or all there is to say where none was shown."""
+    conflict = conflict_data(no_plan, job)
+    text: str = conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"]
+    return text
+
+
+def _said(about: About) -> dict[str, Any]:
+    return {"rule": about.rule, "contours": list(about.contours), "text": escape_text(about.sentence)}
+
+
+def _statement(about: About, profile: Profile, job: Job | None) -> dict[str, Any]:
+    locks = () if job is None else job.locks
+    undo = [line for lock in locks if about.sentence.endswith(lock.because) for line in lines_of(lock)]
+    rule = profile.known_rules().get(about.rule)
+    soften: list[dict[str, str]] = []
+    if rule is not None and "soft" in rule.strengths and about.rule in profile.rules:
+        soften = [{"set": f"rules.{about.rule}.strength", "to": "soft"}]
+    return {**_said(about), "undo": [{"unlock": line} for line in undo], "soften": soften}
+
+
+# What a list of plans says of one: its cost, what is proven of it, its travel and time.
+
+
+def figures_of(plan: Plan) -> dict[str, Any]:
+    """The figures of a plan, as JSON can hold them: lengths in mm, times in s."""
+    solve = plan.solve
+    return {
+        "objective_mm": float(solve.objective),
+        "light_mm": float(solve.objective - plan.heavy_mm),
+        "bound_mm": None if solve.bound is None else float(solve.bound),
+        "gap": None if solve.gap is None else float(solve.gap),
+        "light_gap": None if plan.light_gap is None else float(plan.light_gap),
+        "status": solve.status,
+        "idle_mm": float(plan.totals.idle_mm),
+        "time_s": float(plan.totals.time_s),
+        "cuts": len(plan.cuts),
+        "excuses": solve.excuses,
+        "dropped": len(plan.dropped),
+    }
+
+
+# What other values of rules would bring on a nest: it is planned with them and without, with the same work.
+
+EFFECT_WORK = 1.0
+"""Work for each of the two plans: a first look, that is proven only for small nests."""
+
+
+@dataclass(frozen=True)
+class _Planned:
+    """A plan with the nest and profile it is of, or why there is none; `whole` where nobody has ended it early."""
+
+    given: Inputs
+    plan: Plan | None
+    text: str = ""
+    whole: bool = True
+
+
+@dataclass
+class Effects:
+    """Plans with other values and without; the last one without is kept, for the next question is mostly of it."""
+
+    heard: Callable[[], OnProgress]
+    _before: tuple[str, _Planned] | None = field(default=None)
+
+    def effect(
+        self, wanted: PlanRequest, values: Sequence[tuple[str, str, str]], memory_gb: float = MEMORY_GB
+    ) -> dict[str, Any]:
+        """Figures `before` and `after` side by side, None where there is no plan, and then why, as `text`.
+
+        Both have `breaches` by rule, as the profile before judges them: so it is seen what a rule that is switched off
+        no longer forbids. `values` are rules, keys and values, as `with_rule_values` takes them.
+        """
+        before = self._planned_before(wanted, memory_gb)
+        changes = [{"set": f"rules.{rule}.{key}", "to": value} for rule, key, value in values]
+        text, _ = edited(wanted, before.given, changes)
+        after = self._planned(replace(wanted, job_text=text), memory_gb)
+        told = {"before": _figures(before.plan, before.given), "after": _figures(after.plan, before.given)}
+        return told | {"text": "; ".join(one.text for one in (before, after) if one.text)}
+
+    def _planned_before(self, wanted: PlanRequest, memory_gb: float) -> _Planned:
+        if self._before is None or self._before[0] != wanted.key or not self._before[1].whole:
+            self._before = wanted.key, self._planned(wanted, memory_gb)
+        return self._before[1]
+
+    def _planned(self, wanted: PlanRequest, memory_gb: float) -> _Planned:
+        given = request_inputs(wanted)
+        limits = options_for(given.nest, given.profile, work=EFFECT_WORK, memory_gb=memory_gb)
+        listener = Listener(self.heard())
+        try:
+            done = plan_nest(given, limits, already=already_of(wanted, given), listener=listener)
+        except NoPlan as no_plan:
+            return _Planned(given, None, first_sentence(no_plan, given.job), whole=not listener.stopped)
+        except RulesConflict as error:
+            return _Planned(given, None, str(error))
+        return _Planned(given, done.made.plan, whole=not listener.stopped)
+
+
+def _figures(plan: Plan | None, judged_by: Inputs) -> dict[str, Any] | None:
+    if plan is None:
+        return None
+    broken = {judged.id: len(judged.violations) for judged in check_made(judged_by, plan).rules if judged.violations}
+    return {**figures_of(plan), "breaches": broken}

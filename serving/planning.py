@@ -11,12 +11,9 @@ from anyio import to_thread
 
 from kerfwise.encoder.errors import InputError
 
-from .background import Background
-from .helper import Died, Helper, Refused
-from .news import News
-from .session import Session
-from .turns import Turns
-from .wanted import Wanted
+from .plan_request import PlanRequest
+from .session import Background, News, Session, Turns
+from .worker import Died, Refused, Worker
 
 STOPPED_S = 5.0
 """What nobody waits for any more is asked to stop; if it has not ended after so long, its process is."""
@@ -50,7 +47,7 @@ class Planning:
         memory_gb: float,
         planned: Callable[[Session, int], None],
     ) -> None:
-        self.helper, self.turns = Helper("planner"), Turns(news)
+        self.helper, self.turns = Worker("planner"), Turns(news)
         self._background, self._work, self._planned = background, work, planned
         self._memory_gb = memory_gb
         self._now: Session | None = None
@@ -118,7 +115,9 @@ class Planning:
             await asyncio.wait((answer,), timeout=ASKED_EACH_S)
         answer.exception()
 
-    async def _solve(self, session: Session, begun: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
+    async def _solve(
+        self, session: Session, begun: dict[str, Any], wanted: PlanRequest, work: float, relax: bool
+    ) -> None:
         loop = asyncio.get_running_loop()
 
         def heard(told: dict[str, Any]) -> None:

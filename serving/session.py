@@ -1,20 +1,25 @@
-"""A session: one nest, what is wanted of it, and the plans that were made. All tabs that show the nest share it."""
+"""A session: one nest, what is wanted of it, its plans, and who waits for news of them."""
 
 from __future__ import annotations
 
+import asyncio
+import secrets
+import zlib
+from collections.abc import AsyncIterator, Coroutine, Mapping
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.nest_job.beside import beside_name
-from kerfwise.jobs.solve_options import WORK
+from kerfwise.jobs.nest_job.job import beside_name
+from kerfwise.jobs.request import WORK
 from kerfwise.models.engines.solution import MEMORY_GB
 
-from .alternative import Alternative
-from .job_text import JobText
-from .news import News
-from .wanted import Wanted
+from .job_edits import JobText
+from .plan_request import PlanRequest
+
+# A session: one nest, what is wanted of it, and the plans that were made. All tabs that show the nest share it.
 
 MOST_ALTERNATIVES = 60
 """Plans that a session keeps; the oldest that is not shown goes first."""
@@ -46,7 +51,7 @@ class Session:
 
     id: str
     name: str
-    wanted: Wanted
+    wanted: PlanRequest
     opened: dict[str, Any]
     news: News
     version: int = 1
@@ -75,7 +80,7 @@ class Session:
         """Tell all who show it that there is news."""
         self.news.tell(what, self.id)
 
-    def opened_again(self, wanted: Wanted, opened: dict[str, Any], on_disk: str | None) -> None:
+    def opened_again(self, wanted: PlanRequest, opened: dict[str, Any], on_disk: str | None) -> None:
         """Begin anew, for the nest or its job file is another one on disk; tabs that show it are told.
 
         Raises
@@ -109,7 +114,7 @@ class Session:
             raise InputError(f"there is no plan {number!r} in this session")
         return found
 
-    def add(self, told: dict[str, Any], wanted: Wanted, relax: bool) -> None:
+    def add(self, told: dict[str, Any], wanted: PlanRequest, relax: bool) -> None:
         """Keep a plan that was made, and show it."""
         work = told["work"]
         options = f" --work {work:g}" if work != WORK else ""
@@ -148,18 +153,18 @@ class Session:
         }
 
 
-def _locks(wanted: Wanted) -> tuple[str, ...]:
+def _locks(wanted: PlanRequest) -> tuple[str, ...]:
     return tuple(line for line, _ in JobText(wanted.job_text or "").lines())
 
 
-def back_to(session: Session, number: object) -> Wanted:
+def restore_plan(session: Session, number: object) -> PlanRequest:
     """What was wanted when an earlier plan was made; with a job file that says nothing where one was saved since."""
     before = session.alternative(number).wanted
     text = "" if before.job_text is None and session.on_disk is not None else before.job_text
     return replace(before, job_text=text, profile_now=session.wanted.profile_now)
 
 
-def cut_up_to(session: Session, upto: int) -> Wanted:
+def request_after_cuts(session: Session, upto: int) -> PlanRequest:
     """The same wanted of what is left once the first cuts of the shown plan are made; all of it again with 0."""
     if upto == 0:
         return replace(session.wanted, old_plan=None, upto=0)
@@ -167,3 +172,209 @@ def cut_up_to(session: Session, upto: int) -> Wanted:
     if current is None:
         raise InputError("there is no plan yet that could be cut up to some place")
     return replace(session.wanted, old_plan=current.plan, upto=upto)
+
+
+# One plan of a session's history, with all that it was made of.
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """A plan that was made, and what it was made of.
+
+    `sha256` is that of the nest's file. `files` are the plan's files by name, as `kerfwise solve` writes them; those
+    of the plan and the program are called `plan_file` and `program_file`. `page` is what the page shows of it, as JSON;
+    `figures` what a list of plans says of it. `stopped` says that the engines were asked to end: then the command line
+    may come further. `options` are those of the command line beside what is wanted.
+    """
+
+    number: int
+    wanted: PlanRequest
+    sha256: str
+    files: Mapping[str, Packed]
+    plan_file: str
+    program_file: str
+    page: Packed
+    figures: Mapping[str, Any]
+    summary: str
+    ok: bool
+    broken: tuple[str, ...] = ()
+    stopped: bool = False
+    options: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def plan(self) -> str:
+        """The plan, as JSON."""
+        return self.files[self.plan_file].text()
+
+    @property
+    def program(self) -> str:
+        """The NC text."""
+        return self.files[self.program_file].text()
+
+    @property
+    def command(self) -> str:
+        """The command line that makes the same files, once its job file is saved."""
+        return self.wanted.command(self.options)
+
+    def as_json(self, locks: tuple[str, ...] = ()) -> dict[str, Any]:
+        """What a page shows of it in the list of plans."""
+        return {
+            "number": self.number,
+            "figures": dict(self.figures),
+            "summary": self.summary,
+            "ok": self.ok,
+            "broken": list(self.broken),
+            "stopped": self.stopped,
+            "command": self.command,
+            "notes": list(self.notes),
+            "locked": list(locks),
+            "upto": self.wanted.upto,
+        }
+
+
+# Text that is kept by the dozen and looked at one by one: a plan's files, and what the page shows of it.
+
+_QUICK = 1
+"""A level that packs some hundred megabytes a second; what repeats itself in a plan, it finds too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Packed:
+    """A text, compressed.
+
+    Examples
+    --------
+    >>> packed = Packed.of("G1 X10 Y10\\n" * 1000)
+    >>> packed.text() == "G1 X10 Y10\\n" * 1000, len(packed.data) < 500
+    (True, True)
+    """
+
+    data: bytes
+
+    @classmethod
+    def of(cls, text: str) -> Packed:
+        """The text, compressed; names that are no Unicode keep their bytes."""
+        return cls(zlib.compress(text.encode("utf-8", "surrogatepass"), _QUICK))
+
+    def text(self) -> str:
+        """The text as it was."""
+        return self.bytes().decode("utf-8", "surrogatepass")
+
+    def bytes(self) -> bytes:
+        """The text in UTF-8."""
+        return zlib.decompress(self.data)
+
+
+# News of the server's nests, and who waits for them.
+
+Item = tuple[str, str]
+"""What has news (`state`, `progress` or `planner`), and the id of the nest; "" for what is of no nest."""
+
+
+@dataclass(eq=False)
+class Ear:
+    """Somebody who waits for news of one nest, or of all with "". What is told twice is heard once, as it is then."""
+
+    of: str = ""
+    _heard: dict[Item, None] = field(default_factory=dict)
+    _woken: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def tell(self, what: str, of: str) -> None:
+        """There is news."""
+        if self.of in ("", of) or not of:
+            self._heard[what, of] = None
+            self._woken.set()
+
+    async def next(self) -> list[Item]:
+        """What has news since the last call, in the order in which it came; waits for some."""
+        await self._woken.wait()
+        self._woken.clear()
+        heard = [*self._heard]
+        self._heard.clear()
+        return heard
+
+
+class News:
+    """Tells all who listen; `server` is another text for every server that is started."""
+
+    def __init__(self) -> None:
+        self.server = secrets.token_hex(8)
+        self._ears: set[Ear] = set()
+
+    def listen(self, of: str = "") -> Ear:
+        """News of a nest from now on, or of all, until `leave`."""
+        ear = Ear(of)
+        self._ears.add(ear)
+        return ear
+
+    def leave(self, ear: Ear) -> None:
+        """No more news."""
+        self._ears.discard(ear)
+
+    def tell(self, what: str, of: str = "") -> None:
+        """Tell who listens to the nest, or all where it is of none."""
+        for ear in self._ears:
+            ear.tell(what, of)
+
+    @property
+    def listeners(self) -> int:
+        """How many listen."""
+        return len(self._ears)
+
+
+# Whose turn it is: the planner works for one nest at a time, and the others wait in the order in which they came.
+
+
+class Turns:
+    """Gives the planner to one nest at a time, and tells all which one has it."""
+
+    def __init__(self, news: News) -> None:
+        self.news = news
+        self.of = ""
+        """The name of the nest that the planner works for; "" while it has nothing to do."""
+        self.waiting = 0
+        """How many wait for their turn."""
+        self._lock = asyncio.Lock()
+
+    @asynccontextmanager
+    async def turn(self, nest: str) -> AsyncIterator[None]:
+        """Wait for the turn of a nest, and have it for the time of the context."""
+        self.waiting += 1
+        try:
+            await self._lock.acquire()
+        finally:
+            self.waiting -= 1
+        try:
+            self._give(nest)
+            yield
+        finally:
+            self._give("")
+            self._lock.release()
+
+    def _give(self, nest: str) -> None:
+        self.of = nest
+        self.news.tell("planner")
+
+
+# Work that nobody waits for, ended with the server.
+
+
+class Background:
+    """Coroutines that run beside the answers."""
+
+    def __init__(self) -> None:
+        self._jobs: set[asyncio.Task[None]] = set()
+
+    def begin(self, work: Coroutine[Any, Any, None]) -> None:
+        """Let it run."""
+        job = asyncio.get_running_loop().create_task(work)
+        self._jobs.add(job)
+        job.add_done_callback(self._jobs.discard)
+
+    async def end(self) -> None:
+        """Cancel what runs still, and wait for its end."""
+        jobs = [*self._jobs]
+        for job in jobs:
+            job.cancel()
+        await asyncio.gather(*jobs, return_exceptions=True)

@@ -15,13 +15,13 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder import still_going
+from kerfwise.encoder import progress_notice
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs import produce as production
-from kerfwise.models.kernels import take_plainly
+from kerfwise.jobs import plan_nest as production
+from kerfwise.models.jit import take_plainly
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.rules.flat import kept_compiled
+from kerfwise.rules.flat import flatten
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.coverage import Tabs
 from kerfwise.tests.metal.plant import plant, tabs_of
@@ -101,13 +101,13 @@ def compiled_rules(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def nothing_kept_from_elsewhere(compiled_rules: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No test finds what the user's own runs have compiled."""
-    monkeypatch.setattr(kept_compiled, "cache_folder", lambda: compiled_rules)
+    monkeypatch.setattr(flatten, "cache_folder", lambda: compiled_rules)
 
 
 @pytest.fixture(autouse=True)
 def nothing_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a test sees on standard error does not depend on how busy the machine is."""
-    monkeypatch.setattr(still_going, "AFTER_S", 1e6)
+    monkeypatch.setattr(progress_notice, "AFTER_S", 1e6)
 
 
 @pytest.fixture(autouse=True)

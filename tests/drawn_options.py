@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from kerfwise.rules.options.drawn import TRIES, drawn_value
+from kerfwise.jobs.trials.agreement import TRIES, drawn_value
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.profile.filling import filled_in
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_sections import resolve_defaults
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
 
@@ -38,5 +38,5 @@ def contradicts(rule: str, profile: Profile, rules: Mapping[str, RuleSetting]) -
     """Whether the options of a rule contradict the rest of the profile."""
     if rules[rule].strength == "off":
         return False
-    options = filled_in(rules[rule].options, profile.plant, rules)
+    options = resolve_defaults(rules[rule].options, profile.plant, rules)
     return bool(list(RULES[rule].check_with(options, profile.plant, rules)))

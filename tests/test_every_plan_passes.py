@@ -11,13 +11,11 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.postproc.check import report
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.metal.clean import assert_clean
@@ -38,12 +36,12 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, b
     rules["zone-order"] = replace(zones, options=replace(zones.options, zone_contours=4, zone_heat_kj=budget_kj))
     profile = replace(profile, rules=rules)
     try:
-        asked = ask(facts_of(nest, profile), profile)
+        asked = make_request(facts_of(nest, profile), profile)
     except InputError as refused:
         assume("cannot be cut" not in refused.message)
         raise
     try:
-        made = produce(asked, profile, options_for(nest, profile, seed=seed, work=2.0))
+        made = solve_and_verify(asked, profile, options_for(nest, profile, seed=seed, work=2.0))
     except RulesConflict:
         assume(not _a_street_without_metal(nest, profile))
         raise

@@ -8,14 +8,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.postproc.check import report
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.encoder.facts.random_nests import nests
@@ -38,7 +37,7 @@ def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.Dat
     except InputError:
         assume(False)
     try:
-        made = produce(ask(facts, profile), profile, options_for(nest, profile, work=2))
+        made = solve_and_verify(make_request(facts, profile), profile, options_for(nest, profile, work=2))
     except RulesConflict:
         conflict = find_conflict(facts, profile)
         assert conflict is not None
@@ -57,6 +56,6 @@ def test_marks_that_come_first_leave_no_room_either() -> None:
     ]
     row = nest(480, 360, part("C", channel), part("G", rect(16, 16, 10, 10)), *marked)
     profile = replace(load_profile(), locks=(Lock(contour="C.outer", position=4),))
-    made = produce(ask(facts_of(row, profile), profile), profile, options_for(row, profile, work=2))
+    made = solve_and_verify(make_request(facts_of(row, profile), profile), profile, options_for(row, profile, work=2))
     assert made.verdict.ok, report(made.verdict)
     assert [e.violation.contours for j in made.verdict.rules for e in j.excused] == [("G.outer", "C.outer")]

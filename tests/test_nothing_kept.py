@@ -8,12 +8,10 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.encoder.nest import Nest, cached_with_nest
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.flat.model_rule import facts_data
 from kerfwise.rules.profile.load import load_profile
 
@@ -32,9 +30,9 @@ def planned(k: int) -> weakref.ref[Nest]:
     made = plate(k)
     profile = load_profile()
     profile = replace(profile, small_holes=replace(profile.small_holes, under="spot"))
-    asked = ask(facts_of(made, profile), profile)
+    asked = make_request(facts_of(made, profile), profile)
     options = options_for(made, profile, work=0.2)
-    assert produce(asked, profile, options).verdict.ok
+    assert solve_and_verify(asked, profile, options).verdict.ok
     return weakref.ref(made)
 
 
@@ -60,7 +58,7 @@ def test_no_facts_outlive_the_model_files_that_read_them() -> None:
 def test_answers_are_kept_with_each_nest() -> None:
     asked: list[tuple[int, int]] = []
 
-    @kept_with_nest(most=2)
+    @cached_with_nest(most=2)
     def answer(of: Nest, number: int) -> Nest:
         asked.append((len(of.parts), number))
         return of

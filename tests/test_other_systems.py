@@ -54,19 +54,19 @@ PLACES = ("/dev/", "/tmp", "/etc/", "/proc/", "/usr/", "/home/")
 TEXT_FILES = {"open", "fdopen", "read_text", "write_text", "TemporaryFile", "NamedTemporaryFile"}
 
 ALLOWED = {
-    ("jobs/bench/memory.py", "import resource"): "not on Windows, where its twin asks the system itself",
+    ("jobs/bench_child.py", "import resource"): "not on Windows, where its twin asks the system itself",
     ("benchmarks/heat_speed.py", "os.wait4"): "a figure for the docs, made on Linux; no part of what is installed",
     ("benchmarks/checkout.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
-    ("models/kernels.py", "os.sched_getaffinity"): "asked for only where the system has it",
-    ("jobs/processes.py", "os.sched_setaffinity"): "only where the system has it",
-    ("jobs/processes.py", "signal.SIG_BLOCK"): "only where threads have a mask of signals",
-    ("jobs/processes.py", "signal.SIG_SETMASK"): "only where threads have a mask of signals",
-    ("jobs/bench/memory.py", "the place '/proc/self/status'"): "on Linux alone",
-    ("encoder/contents.py", "os.path"): "answers for every name, where paths raise",
-    ("postproc/files.py", "os.path"): "samefile",
-    ("commands/unforeseen.py", "os.path"): "isfile and expanduser answer for every name, where paths raise",
+    ("models/jit.py", "os.sched_getaffinity"): "asked for only where the system has it",
+    ("jobs/process_pool.py", "os.sched_setaffinity"): "only where the system has it",
+    ("jobs/process_pool.py", "signal.SIG_BLOCK"): "only where threads have a mask of signals",
+    ("jobs/process_pool.py", "signal.SIG_SETMASK"): "only where threads have a mask of signals",
+    ("jobs/bench_child.py", "the place '/proc/self/status'"): "on Linux alone",
+    ("encoder/files.py", "os.path"): "answers for every name, where paths raise",
+    ("postproc/output_files.py", "os.path"): "samefile",
+    ("commands/crash_report.py", "os.path"): "isfile and expanduser answer for every name, where paths raise",
     ("jobs/new_profile.py", "os.path"): "relpath: paths go up only from Python 3.12 on",
-    ("rules/profile/chart_use.py", "os.path"): "paths keep `..`, and raise for links in a circle",
+    ("rules/profile/linked_files.py", "os.path"): "paths keep `..`, and raise for links in a circle",
     ("encoder/readers/read.py", "os.path"): "isdir answers for every name, where paths raise",
 }
 """File and offence → why it is none."""

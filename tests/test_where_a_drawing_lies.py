@@ -11,18 +11,17 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import FactOptions, Facts
-from kerfwise.encoder.facts.sides import OPPOSITE
+from kerfwise.encoder.facts.outlines import OPPOSITE
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.postproc.check import report
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.hull_before import HullBefore
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.catalogue.start_side import StartSideOptions, expected_side
@@ -76,8 +75,8 @@ def facts_of_place(facts: Facts) -> tuple[object, ...]:
 def sequence(given_nest: Nest, profile: Profile, home: tuple[float, float]) -> tuple[Side, list[tuple[object, ...]]]:
     """The start side and the cuts of the plan, each by contour, direction, zone and its entry as seen from home."""
     there = replace(profile, machine=replace(profile.machine, home=home))
-    asked = ask(facts_of(given_nest, there), there)
-    made = produce(asked, there, options_for(given_nest, there, work=1))
+    asked = make_request(facts_of(given_nest, there), there)
+    made = solve_and_verify(asked, there, options_for(given_nest, there, work=1))
     assert made.verdict.ok, report(made.verdict)
     cuts = [c.cut for c in made.plan.cuts]
     entries = np.round(np.array([c.entry for c in cuts]) - home, 3) + 0.0

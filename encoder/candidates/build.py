@@ -7,32 +7,28 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
-from kerfwise.encoder.components import weak_components
+from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
+from kerfwise.encoder.graphs import weak_components
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.scrap import carrying, severed_lines, skeleton
+from kerfwise.encoder.torch_path import compensated, unlit_length_mm
 
-from .again import again_as_it_was
-from .approaches import Approaches
 from .candidate import Candidate, LeadOptions
 from .common_edges import CommonEdges
-from .common_ways import common_ways, with_neighbours_in
-from .joints import Joints, Outline
-from .keep_apart import keep_apart
-from .lead_in import least_clearance_mm
-from .lead_out import lead_outs
-from .marks import mark_candidates
-from .older_kerfs import OlderKerfs, older_kerfs
-from .profile_keys import IN_PROFILE
-from .refusal import cannot_be_cut, refusal
-from .scrap import scrap_problems
-from .surroundings import Surroundings
+from .common_paths import common_cut_paths, with_neighbours_in
+from .entries import IN_PROFILE, Approaches, Joints, Outline
+from .lead_errors import cannot_be_cut, refusal
+from .lead_search import LeadAttempt, reachable_candidates, try_leads
+from .leads import lead_outs, least_clearance_mm
+from .obstacles import BurntArea, Surroundings
+from .older_kerfs import OlderKerfs, older_kerfs, resolve_lead_conflicts
 from .tab_places import TabPlaces
-from .tried import TriedLeads, try_options
-from .void import Void
-from .within_reach import within_reach
 
 
 def build_candidates(
@@ -87,21 +83,21 @@ def build_with_older_kerfs(
         raise InputError(
             "the skeleton cannot be cut up as it is drawn", file=nest.file or None, details=tuple(uncuttable)
         )
-    around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
+    around = Surroundings.of(nest, BurntArea.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
     held = TabPlaces.of(nest, left, options.tabs, options.kerf_mm, options.entry_points)
     options = replace(options, tab_places=held)
-    tried = try_options(nest, left, around, options)
+    tried = try_leads(nest, left, around, options)
     if spoilt := _spoilt_by_tabs(nest, tried, around, options):
         raise InputError(
             "a tab leaves no room to cut a part" if len(spoilt) == 1 else "tabs leave no room to cut parts",
             file=nest.file or None,
             details=spoilt,
         )
-    again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
+    again = recut(nest, already.broken_off, tried, options.kerf_mm)
     out = [k for k, c in enumerate(nest.contours) if c.id in already.contours]
     before = [nest.index[cut.contour] for cut in already.cuts if cut.tabs]
-    edges, along = common_ways(nest, sorted(tried.outlines), options, out, before)
-    along = within_reach(along, options.reach)
+    edges, along = common_cut_paths(nest, sorted(tried.outlines), options, out, before)
+    along = reachable_candidates(along, options.reach)
     redone = {c.contour for c in (*again, *along)}
     shut = {k: why for k, why in tried.shut.items() if k not in redone}
     tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
@@ -109,7 +105,7 @@ def build_with_older_kerfs(
         raise refusal(nest, tried, around, options)
     bare_lines = [(k, nest.contours[k]) for k in left if nest.contours[k].kind in ("mark", "scrap")]
     marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
-    whole = within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach)
+    whole = reachable_candidates(_candidates(tried.found, tried.outlines, around, options), options.reach)
     reached = [*with_neighbours_in(nest, whole, edges, out), *tried.slits, *again]
     if shut_in := _shut_in(nest, edges, reached, out):
         raise InputError(
@@ -123,7 +119,7 @@ def build_with_older_kerfs(
     if options.splash_mm is None:
         return tuple(sorted([*marks, *reached, *along], key=lambda c: c.contour)), None
     met = older_kerfs(nest, reached, options.kerf_mm, options.splash_mm, around)
-    kept = keep_apart(reached, met, _locked(reached, tried.locked))
+    kept = resolve_lead_conflicts(reached, met, _locked(reached, tried.locked))
     every = [*reached, *marks, *along]
     places = sorted([*range(len(reached), len(every)), *kept], key=lambda k: every[k].contour)
     return tuple(every[k] for k in places), met.of_kept(places, len(every))
@@ -153,14 +149,14 @@ def _shut_in(
     )
 
 
-def _spoilt_by_tabs(nest: Nest, tried: TriedLeads, around: Surroundings, options: LeadOptions) -> tuple[str, ...]:
+def _spoilt_by_tabs(nest: Nest, tried: LeadAttempt, around: Surroundings, options: LeadOptions) -> tuple[str, ...]:
     """Contours that could be cut if they had no tabs, each with what to do."""
     places = options.tab_places
     unmet = {int(tried.locked.contour[i]) for i in tried.unmet}
     wanting = [] if places is None else sorted((unmet | set(tried.bare)) & places.wanted.keys())
     if not wanting:
         return ()
-    free = try_options(nest, wanting, around, replace(options, tab_places=None))
+    free = try_leads(nest, wanting, around, replace(options, tab_places=None))
     where = "of the entry that is locked" if unmet else "of any entry"
     return tuple(
         f"{nest.contours[k].id}: its tab has no room beside the lead-in {where}: make the tab narrower, lower "
@@ -239,3 +235,121 @@ def _candidates(
             )
         )
     return candidates
+
+
+# A cut that broke off, made again as it was: for contours that have no room for a pierce beside the old kerf.
+
+
+def recut(nest: Nest, cut: Cut | None, tried: LeadAttempt, kerf_mm: float) -> list[Candidate]:
+    """The cut that broke off as the only way to cut its contour, where none was found; marks are made anew anyway."""
+    if cut is None or (contour := nest.contour(cut.contour)).kind == "mark":
+        return []
+    number = nest.index[cut.contour]
+    if number not in tried.bare and number not in tried.shut:
+        return []
+    ring = compensated(contour, kerf_mm)
+    entry_mm, _ = contour.curve.project(cut.entry)
+    leads_mm = math.fsum(lead.length_mm for lead in (cut.lead_in, cut.lead_out) if lead is not None)
+    edge_start = not bool(shapely.contains_xy(nest.sheet.polygon, *cut.pierce))
+    return [
+        Candidate(
+            contour=number,
+            entry_mm=entry_mm,
+            entry=cut.entry,
+            direction=cut.direction,
+            pierce=cut.pierce,
+            lead_in=cut.lead_in,
+            lead_out=cut.lead_out,
+            end=cut.end,
+            cut_mm=ring.length_mm + leads_mm - math.fsum(unlit_length_mm(tab, kerf_mm) for tab in cut.tabs),
+            edge_start=edge_start,
+            tabs=cut.tabs,
+        )
+    ]
+
+
+# Candidates of marks and of scrap lines, which are neither compensated nor led into.
+
+CLOSED_ENTRIES = 4
+"""Where a closed mark may be begun."""
+
+
+def mark_candidates(index: int, contour: Contour, options: LeadOptions) -> list[Candidate]:
+    """An open line from either end ("ccw" along it as drawn, "cw" against it), a closed mark from a few points.
+
+    The lead-out of an open line is its other end alone, so that a cut made of it knows where it ends.
+    """
+    curve, length_mm = contour.curve, contour.curve.length_mm
+    found = []
+    if curve.closed:
+        count = min(options.entries, CLOSED_ENTRIES)
+        at_mm = [length_mm * k / count for k in range(count)]
+        locked = options.entry_points.get(contour.id)
+        if locked is not None:
+            at_mm = [curve.project(locked)[0], *at_mm]
+        for s_mm in at_mm:
+            at = curve.point_at(s_mm)
+            for direction in options.directions[contour.kind]:
+                found.append(Candidate(index, s_mm, at, direction, at, None, None, at, length_mm))
+        return found
+    for direction in options.directions[contour.kind]:
+        s_mm = 0.0 if direction == "ccw" else length_mm
+        at, end = curve.point_at(s_mm), curve.point_at(length_mm - s_mm)
+        off = Curve(np.array([[*end, 0.0]]), closed=False)
+        found.append(Candidate(index, s_mm, at, direction, at, None, off, end, length_mm))
+    return found
+
+
+# Lines that cut up the skeleton, with their kerf: that of none may come near a part, and none may sever another.
+
+
+def scrap_problems(nest: Nest, kerf_mm: float) -> list[str]:
+    """A sentence for each scrap line and part that are less than the kerf apart, and for each line that others sever.
+
+    One kerf from the part is where the part's own kerf ends; a line that ends there meets that kerf.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.case import nest, part, rect
+    >>> square = part("A", rect(50, 50, 50, 50))
+    >>> scrap_problems(nest(200, 150, square, scrap=[[(0, 75), (48.5, 75)]]), 1.5)
+    []
+    >>> print(*scrap_problems(nest(200, 150, square, scrap=[[(0, 75), (49, 75)]]), 1.5))
+    scrap1 comes within 1.000 mm of A.outer at (50.0, 75.0), less than the kerf of 1.5 mm: keep it a kerf away
+    >>> crossed = nest(200, 150, scrap=[[(90, 0), (90, 150)], [(0, 60), (90, 60)], [(90, 60), (200, 60)]])
+    >>> print(*scrap_problems(crossed, 1.5))
+    scrap1 is cut in two by the lines that end on it at (90.0, 60.0): draw it as two lines that meet there
+    """
+    return [*_near_parts(nest, kerf_mm), *_severed(nest, kerf_mm)]
+
+
+def _severed(nest: Nest, kerf_mm: float) -> list[str]:
+    lines = [c.line for c in nest.scrap]
+    if len(lines) < 2:  # nothing else ends on it
+        return []
+    metal = carrying(skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm), kerf_mm)
+    found = []
+    for k, places_mm in severed_lines(lines, metal, kerf_mm).items():
+        points = shapely.get_coordinates(shapely.line_interpolate_point(lines[k], places_mm)).tolist()
+        places = " and ".join(f"({x:z.1f}, {y:z.1f})" for x, y in points)
+        told = f"{nest.scrap[k].id} is cut in two by the lines that end on it at {places}"
+        found.append(f"{told}: draw it as {'two' if len(points) == 1 else len(points) + 1} lines that meet there")
+    return found
+
+
+def _near_parts(nest: Nest, kerf_mm: float) -> list[str]:
+    if not nest.scrap or not nest.parts:
+        return []
+    lines = np.array([c.line for c in nest.scrap], dtype=object)
+    outers = np.array([part.outer.line for part in nest.parts], dtype=object)
+    least_mm = kerf_mm - tolerance_mm(kerf_mm)
+    row, other = shapely.STRtree(outers).query(lines, predicate="dwithin", distance=least_mm)
+    found = []
+    for k, p in sorted(zip(row.tolist(), other.tolist(), strict=True)):
+        gap_mm = float(shapely.distance(lines[k], outers[p]))
+        x, y = shapely.get_coordinates(shapely.shortest_line(lines[k], outers[p]))[-1].tolist()
+        found.append(
+            f"{nest.scrap[k].id} comes within {gap_mm:.3f} mm of {nest.parts[p].outer.id} at ({x:z.1f}, {y:z.1f}), "
+            f"less than the kerf of {kerf_mm:g} mm: keep it a kerf away"
+        )
+    return found

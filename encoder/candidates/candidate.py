@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cut import Cut, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.narrow import Narrow
+from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.nest import KINDS, Contour, Kind
 from kerfwise.encoder.small_holes import HoleLimits
-from kerfwise.encoder.tabs import TabOptions
+from kerfwise.encoder.torch_path import CornerFeed, TabOptions
 
 from .tab_places import TabPlaces
 

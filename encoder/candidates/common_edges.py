@@ -11,12 +11,12 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats, Ints
-from kerfwise.encoder.compensation import compensated
-from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
+from kerfwise.encoder.graphs import weak_components
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.tolerance import tolerance_mm
+from kerfwise.encoder.torch_path import compensated
 
 from .candidate import CommonOptions
 
@@ -127,7 +127,7 @@ def common_edges(
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> two = nest(300, 200, part("A", rect(10, 10, 80, 60)), part("B", rect(91.5, 30, 80, 60)))
     >>> edges = common_edges(two, [0, 1], 1.5, CommonOptions(20.0, 0.05))
     >>> [(round(begin), round(mm)) for beside in edges.of.values() for rows in beside.values() for begin, mm in rows]

@@ -1,17 +1,152 @@
-"""Which points of a contour to offer as entries: corners first, then middles of edges, well apart."""
+"""Where the torch can join a contour, which of these points to offer as entries, and leads to them as arrays."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.cut import Direction
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
+from kerfwise.encoder.nest import Contour, Kind
 
-from .joints import Outline
+# Where the torch can join a contour: an entry on it, and the place beside it on the torch's path.
+
+OFF_MM = 0.01
+"""A joining point this far from where an entry asks for it is that of another entry."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A contour to cut (number `index` of the nest) with its compensated path, both also as arrays.
+
+    `right` is 1.0 where the waste lies to the right of the contour as drawn, else -1.0.
+    """
+
+    index: int
+    contour: Contour
+    path: Curve
+    drawn: SegmentArrays
+    path_drawn: SegmentArrays
+    right: float
+    half_kerf_mm: float
+
+    @staticmethod
+    def of(paths: Mapping[int, tuple[Contour, Curve]], half_kerf_mm: float) -> dict[int, Outline]:
+        """The outlines of contours, by number, whose compensated paths are known."""
+        drawn = SegmentArrays.of(*(contour.curve for contour, _ in paths.values())).each()
+        path_drawn = SegmentArrays.of(*(path for _, path in paths.values())).each()
+        return {
+            k: Outline(k, contour, path, one, other, _right(contour), half_kerf_mm)
+            for (k, (contour, path)), one, other in zip(paths.items(), drawn, path_drawn, strict=True)
+        }
+
+    @cached_property
+    def path_reversed(self) -> Curve:
+        """The path the other way round."""
+        return self.path.reversed()
+
+    @property
+    def around_mm(self) -> float:
+        """The length of the contour as drawn."""
+        return float(self.drawn.starts_mm[-1])
+
+    def joints(self, at_mm: Floats) -> tuple[Joints, Bools]:
+        """See `joints_at`."""
+        return joints_at([self], at_mm, np.zeros(len(at_mm), np.int64))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Joints:
+    """Parallel arrays, one row a joint.
+
+    `contour` the number of the contour, `entry_mm` and `entry` (m, 2) where on it as drawn, `join_mm` and `join`
+    (m, 2) where on its compensated path as drawn, `out` (m, 2) the unit vector from there into the waste.
+    """
+
+    contour: Ints
+    entry_mm: Floats
+    entry: Floats
+    join_mm: Floats
+    join: Floats
+    out: Floats
+
+    def __len__(self) -> int:
+        return len(self.contour)
+
+    def take(self, rows: Bools | Ints) -> Joints:
+        """Some of the rows."""
+        return Joints(
+            self.contour[rows],
+            self.entry_mm[rows],
+            self.entry[rows],
+            self.join_mm[rows],
+            self.join[rows],
+            self.out[rows],
+        )
+
+    @staticmethod
+    def joined(several: Sequence[Joints]) -> Joints:
+        """All rows of several, in order."""
+        empty = Joints(
+            np.zeros(0, np.int64), np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2))
+        )
+        all_of = [empty, *several]
+        return Joints(
+            np.concatenate([j.contour for j in all_of]),
+            np.concatenate([j.entry_mm for j in all_of]),
+            np.concatenate([j.entry for j in all_of]),
+            np.concatenate([j.join_mm for j in all_of]),
+            np.concatenate([j.join for j in all_of]),
+            np.concatenate([j.out for j in all_of]),
+        )
+
+
+def joints_at(outlines: Sequence[Outline], at_mm: Floats, of: Ints) -> tuple[Joints, Bools]:
+    """Entries at path lengths along contours with where the torch joins, and which of them it really comes to.
+
+    `of` (m,), ascending, numbers the outline of each. The entries that the torch does not come to lie in hollow
+    corners, where it cannot come as close to the contour as elsewhere; they are joined at the nearest place.
+    """
+    if not outlines:
+        return Joints.joined([]), np.zeros(0, np.bool_)
+    drawn = SegmentArrays.joined([outline.drawn for outline in outlines])
+    paths = SegmentArrays.joined([outline.path_drawn for outline in outlines])
+    right = np.array([outline.right for outline in outlines])[of][:, None]
+    half_kerf_mm = np.array([outline.half_kerf_mm for outline in outlines])[of][:, None]
+    entry, before, after = drawn.frames(at_mm, of)
+    tangent = before + after
+    length = np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
+    # Where the contour turns back there is no mean tangent: go straight on.
+    tangent = np.where(length > 1e-6, tangent / np.maximum(length, 1e-6), _left(before) * right)
+    out = -right * _left(tangent)
+    wanted = entry + half_kerf_mm * out
+    join_mm, off_mm = paths.project(wanted, of)
+    join, _, _ = paths.frames(join_mm, of)
+    reach = join - entry
+    distance_mm = np.hypot(reach[:, 0], reach[:, 1])[:, None]
+    moved = (off_mm > OFF_MM)[:, None] & (distance_mm > 1e-6)
+    out = np.where(moved, reach / np.maximum(distance_mm, 1e-6), out)
+    index = np.array([outline.index for outline in outlines], dtype=np.int64)[of]
+    return Joints(index, at_mm, entry, join_mm, join, out), off_mm <= OFF_MM
+
+
+def _right(contour: Contour) -> float:
+    return 1.0 if contour.curve.is_ccw == (contour.kind == "outer") else -1.0
+
+
+def _left(v: Floats) -> Floats:
+    return np.column_stack([-v[:, 1], v[:, 0]])
+
+
+# Which points of a contour to offer as entries: corners first, then middles of edges, well apart.
 
 CORNER_RAD = math.radians(30)
 """A contour that turns by no more has no corner there."""
@@ -116,3 +251,171 @@ def shorter_way_mm(at_mm: Floats, place_mm: Floats | float, around_mm: Floats | 
     """Shorter way round from a place to others."""
     ahead_mm = np.abs(at_mm - place_mm) % around_mm
     return np.minimum(ahead_mm, around_mm - ahead_mm)
+
+
+# Leads as arrays: one line or arc each, from the pierce to where the torch joins.
+
+_POINTS = 17
+"""Points that an arc is judged by: a quarter of a circle of 4 mm radius in chords within 0.005 mm."""
+
+
+@dataclass(frozen=True, slots=True)
+class LeadShape:
+    """How a lead is tried.
+
+    `shortened` runs from 0 (as long as it may be) to 1 (as short as it may be). A line is turned by `angle_rad` from
+    straight into the waste towards where the torch comes from; an arc, tangent to the cut, sweeps `angle_rad`.
+    """
+
+    kind: Literal["line", "arc"]
+    shortened: float
+    angle_rad: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Leads:
+    """Parallel arrays: `pierce` and `join` (m, 2), the bulge from one to the other and the length, mm."""
+
+    pierce: Floats
+    join: Floats
+    bulge: Floats
+    length_mm: Floats
+
+    def take(self, rows: NDArray[np.bool_] | Ints) -> Leads:
+        """Some of the rows."""
+        return Leads(self.pierce[rows], self.join[rows], self.bulge[rows], self.length_mm[rows])
+
+    @staticmethod
+    def joined(several: Sequence[Leads]) -> Leads:
+        """All rows of several, in order."""
+        return Leads(
+            np.concatenate([a.pierce for a in several]),
+            np.concatenate([a.join for a in several]),
+            np.concatenate([a.bulge for a in several]),
+            np.concatenate([a.length_mm for a in several]),
+        )
+
+    def points(self, left_out_mm: float = 0.0, most: float = 0.5) -> Floats:
+        """Array (m, q, 2) of points along the leads, without the last `left_out_mm` before joining.
+
+        No more than a share of `most` is left out of any lead.
+        """
+        until = 1 - np.minimum(left_out_mm / np.maximum(self.length_mm, 1e-9), most)
+        if not self.bulge.any():
+            last = self.pierce + until[:, None] * (self.join - self.pierce)
+            return np.stack([self.pierce, last], axis=1)
+        fraction = until[:, None] * np.linspace(0, 1, _POINTS)
+        # On the circle through both ends the point a fraction f along lies, seen from the pierce, at
+        # sin(f s / 2) / sin(s / 2) of the chord, turned by (f - 1) s / 2, where s is the sweep.
+        half = 2 * np.arctan(self.bulge)[:, None]
+        bent = np.abs(half) > 1e-9
+        scale = np.where(bent, np.sin(half * fraction) / np.where(bent, np.sin(half), 1.0), fraction)
+        turn = half * (fraction - 1)
+        (dx, dy) = (self.join - self.pierce).T[:, :, None]
+        x = self.pierce[:, :1] + scale * (np.cos(turn) * dx - np.sin(turn) * dy)
+        y = self.pierce[:, 1:] + scale * (np.sin(turn) * dx + np.cos(turn) * dy)
+        return np.stack([x, y], axis=2)
+
+
+def shaped(shape: LeadShape, joints: Joints, along: Floats, longest_mm: Floats, shortest_mm: float) -> Leads:
+    """Leads of one shape to all joints, where the torch then goes `along` (m, 2).
+
+    Examples
+    --------
+    >>> at = Joints(*(np.array(a) for a in ([0], [0.0], [[0.0, 0.0]], [0.0], [[0.0, 0.0]], [[0.0, 1.0]])))
+    >>> shaped(LeadShape("line", 0.0, 0.0), at, np.array([[1.0, 0.0]]), np.array([6.0]), 1.0).pierce.tolist()
+    [[0.0, 6.0]]
+    """
+    length_mm = longest_mm * (shortest_mm / longest_mm) ** shape.shortened
+    out, back = joints.out, -along
+    if shape.kind == "line":
+        ray = math.cos(shape.angle_rad) * out + math.sin(shape.angle_rad) * back
+        return Leads(joints.join + length_mm[:, None] * ray, joints.join, np.zeros(len(joints)), length_mm)
+    radius_mm = (length_mm / shape.angle_rad)[:, None]
+    sideways, outwards = math.sin(shape.angle_rad), 1 - math.cos(shape.angle_rad)
+    pierce = joints.join + radius_mm * (sideways * back + outwards * out)
+    turn = np.sign(along[:, 0] * out[:, 1] - along[:, 1] * out[:, 0])
+    return Leads(pierce, joints.join, turn * math.tan(shape.angle_rad / 4), length_mm)
+
+
+# Ways to join contours: a joint, a direction and a lead to it.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Ways:
+    """Joints with a direction each: `ccw`, and the unit vector `along` (m, 2) that the torch leaves the joint in."""
+
+    joints: Joints
+    ccw: Bools
+    along: Floats
+
+    def __len__(self) -> int:
+        return len(self.ccw)
+
+    def take(self, rows: Bools | Ints) -> Ways:
+        """Some of the rows."""
+        return Ways(self.joints.take(rows), self.ccw[rows], self.along[rows])
+
+
+def ways(joints: Joints, outlines: Mapping[int, Outline], directions: Mapping[Kind, tuple[Direction, ...]]) -> Ways:
+    """Each joint in all directions that its kind of contour may be cut in."""
+    outer = np.array([outlines[k].contour.kind == "outer" for k in joints.contour.tolist()], dtype=np.bool_)
+    row, ccw = [], []
+    kinds: dict[Kind, Bools] = {"outer": outer, "hole": ~outer}
+    for kind, of_kind in kinds.items():
+        for direction in directions[kind]:
+            rows = np.flatnonzero(of_kind)
+            row.append(rows)
+            ccw.append(np.full(len(rows), direction == "ccw"))
+    rows, turns = np.concatenate([np.zeros(0, np.int64), *row]), np.concatenate([np.zeros(0, np.bool_), *ccw])
+    order = np.argsort(rows, kind="stable")
+    rows, turns = rows[order], turns[order]
+    taken = joints.take(rows)
+    # Counter-clockwise the waste of an outer contour is to the right, that of a hole to the left.
+    side = np.where(turns == outer[rows], 1.0, -1.0)[:, None]
+    along = side * np.column_stack([-taken.out[:, 1], taken.out[:, 0]])
+    return Ways(taken, turns, along)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Approaches:
+    """Ways with the lead of each; `edge` where it comes in from the edge of the sheet."""
+
+    ways: Ways
+    leads: Leads
+    edge: Bools
+
+    def take(self, rows: Bools | Ints) -> Approaches:
+        """Some of the rows."""
+        return Approaches(self.ways.take(rows), self.leads.take(rows), self.edge[rows])
+
+    @staticmethod
+    def joined(several: Sequence[Approaches]) -> Approaches:
+        """All rows of several, in order of contour, entry, direction and kind."""
+        ways = Ways(
+            Joints.joined([a.ways.joints for a in several]),
+            np.concatenate([a.ways.ccw for a in several]),
+            np.concatenate([a.ways.along for a in several]),
+        )
+        leads = Leads.joined([a.leads for a in several])
+        together = Approaches(ways, leads, np.concatenate([a.edge for a in several]))
+        joints = ways.joints
+        return together.take(np.lexsort((together.edge, ways.ccw, joints.entry_mm, joints.contour)))
+
+
+# The keys of a profile that set the options of leads, for messages.
+
+IN_PROFILE = {
+    "kerf_mm": "material.kerf",
+    "lead_in_mm": "leads.lead_in",
+    "lead_in_min_mm": "leads.lead_in_min",
+    "pierce_clearance_mm": "rules.pierce.clearance",
+    "under": "small_holes.under",
+    "least_mm": "small_holes.min_hole",
+    "splash_mm": "rules.pierce.splash",
+    "tabs": "rules.hold-small-parts",
+    "common": "cuts.common",
+    "narrow": "cuts.narrow",
+    "corner_mm": "corners.leave",
+}
+"""What the people who read messages know these options as."""

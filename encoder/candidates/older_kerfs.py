@@ -6,20 +6,19 @@ contour's own kerf reaches depends on nothing but the contour; a lead's kerf dep
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Ints
-from kerfwise.encoder.distinct import distinct_pairs
+from kerfwise.arrays import Bools, Ints, unique_pairs
 from kerfwise.encoder.nest import Nest
 
 from .candidate import Candidate
-from .lead_shapes import Leads
-from .near import EXACT_MM, Lines, nearer
-from .surroundings import Surroundings
+from .entries import Leads
+from .obstacles import EXACT_MM, Lines, Surroundings, nearer
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,7 +54,7 @@ class OlderKerfs:
         number[list(kept)] = np.arange(len(kept))
         rings = np.column_stack([number[self.rings[:, 0]], self.rings[:, 1]])
         leads = number[self.leads]
-        return OlderKerfs(distinct_pairs(rings[rings[:, 0] >= 0]), distinct_pairs(leads[(leads >= 0).all(axis=1)]))
+        return OlderKerfs(unique_pairs(rings[rings[:, 0] >= 0]), unique_pairs(leads[(leads >= 0).all(axis=1)]))
 
 
 def older_kerfs(
@@ -75,7 +74,7 @@ def older_kerfs(
     Examples
     --------
     >>> from kerfwise.encoder.candidates import LeadOptions, build_candidates
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(94, 10, 80, 80)))
     >>> ways = build_candidates(two, LeadOptions(entries=4, splash_mm=None))
     >>> older_kerfs(two, ways, 1.5, 0.5).leads[:2].tolist()
@@ -162,7 +161,7 @@ class _Paths:
             if asked is not None:
                 others &= asked[line]
             found.append(np.column_stack([of[row[others]], name[line[others]]]))
-        return distinct_pairs(np.concatenate(found))
+        return unique_pairs(np.concatenate(found))
 
 
 def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...], bool]]:
@@ -191,7 +190,7 @@ def _ring_rows(nest: Nest, around: Surroundings, paths: _Paths, part: Ints, kerf
         if whose.any():
             of, pierce_mm = around.contour, far_mm + kerf_mm / 2 + splash_mm
             found.append(paths.met(around.chords, of, part[of], pierce_mm, far_mm, whose[of]))
-    return distinct_pairs(np.concatenate([np.empty((0, 2), dtype=np.int64), *found]))
+    return unique_pairs(np.concatenate([np.empty((0, 2), dtype=np.int64), *found]))
 
 
 def _lead_rows(paths: _Paths, kerf_mm: float, splash_mm: float) -> Ints:
@@ -199,3 +198,57 @@ def _lead_rows(paths: _Paths, kerf_mm: float, splash_mm: float) -> Ints:
     return paths.met(
         shapely.STRtree(paths.leads), paths.lead_of, paths.part[paths.lead_of], kerf_mm + splash_mm, kerf_mm / 2
     )
+
+
+# Candidates whose leads would meet those of other contours' candidates are thinned out until none do.
+#
+# Which candidate a neighbour was cut by is more than the engines' states hold. So entries are chosen beforehand that
+# keep out of each other's way; where a street is too narrow for that, what is left to meet becomes a condition.
+
+
+def resolve_lead_conflicts(
+    candidates: Sequence[Candidate], met: OlderKerfs, locked: Collection[int] = ()
+) -> tuple[int, ...]:
+    """The numbers of the candidates without most of those that meet others' leads.
+
+    Contours take turns, whoever has fewest candidates left first; each keeps the one that meets fewest kerfs of
+    contours and then fewest other candidates, and those that it meets go. The candidates numbered `locked`, which an
+    operator asks for, stay; so does what a contour would have nothing without.
+    """
+    rivals: dict[int, set[int]] = defaultdict(set)
+    for later, earlier in met.leads.tolist():
+        rivals[later].add(earlier)
+        rivals[earlier].add(later)
+    if not rivals:
+        return tuple(range(len(candidates)))
+    bound: dict[int, int] = defaultdict(int)
+    for k, _ in met.rings.tolist():
+        bound[k] += 1
+    waiting: dict[int, set[int]] = defaultdict(set)
+    kept_of: dict[int, int] = defaultdict(int)
+    for k, candidate in enumerate(candidates):
+        if k in rivals:
+            waiting[candidate.contour].add(k)
+        elif not bound[k]:
+            kept_of[candidate.contour] += 1
+    out: set[int] = set()
+
+    def keep(k: int) -> None:
+        contour = candidates[k].contour
+        waiting[contour].discard(k)
+        kept_of[contour] += 1
+        for rival in rivals[k]:
+            of = candidates[rival].contour
+            if rival in waiting[of]:
+                waiting[of].discard(rival)
+                out.add(rival)
+
+    for k in sorted(locked):
+        if k in rivals and k not in out:
+            keep(k)
+    while turn := min(((kept_of[c], len(w), c) for c, w in waiting.items() if w), default=None):
+        left = waiting[turn[2]]
+        keep(min(left, key=lambda k: (bound[k], len(rivals[k] - out), k)))
+    out -= set(locked)
+    bare = {c.contour for c in candidates} - {c.contour for k, c in enumerate(candidates) if k not in out}
+    return tuple(k for k, c in enumerate(candidates) if k not in out or c.contour in bare)

@@ -1,29 +1,27 @@
-"""All facts of a nest, family after family."""
+"""All facts of a nest, family after family, and those of some of its contours alone."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.already_cut import AlreadyCut, loose_contours, rest_of
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.identical_parts import Group
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.scrap import carrying, largest, pieces_of, skeleton
+from kerfwise.encoder.validate import OVERSHOOT_MM
 
-from .cells import cells_of
-from .containment import closure_of, parents_of
-from .facts import FactOptions, Facts
-from .heat import heat
-from .hulls import in_hull
-from .long_parts import long_parts
-from .neighbours import outlook_of, surroundings_of
-from .offcut import edge_gaps, offcuts
+from .facts import Copies, Facing, FactOptions, Facts, Past, Stretch
+from .neighbours import cells_of, outlook_of, runs_of, stretch_of, surroundings_of
 from .outlines import outlines_of
-from .shadows import level_ahead
-from .skeleton import skeleton_of
-from .start_side import start_side
-from .stretches import runs_of, stretch_of
+from .relations import closure_of, edge_gaps, heat, hull_pairs, level_ahead, long_parts, offcuts, parents_of, start_side
 from .zones import respected_orders, zones_of
 
 
@@ -58,7 +56,7 @@ def compute_facts(
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(100, 10, 80, 80)))
     >>> facts = compute_facts(two, FactOptions())
     >>> facts.start_side, facts.start_side_because, facts.level_ahead.tolist()
@@ -79,7 +77,7 @@ def compute_facts(
     side, because = start_side(sheet_mm, options, is_long, edge_gap_mm, offcut_large, heat_mm, heat_parts)
 
     ahead = level_ahead(outlines, parent, side)
-    hull = in_hull(outlines, parent)
+    hull = hull_pairs(outlines, parent)
     respected = respected_orders(contains, ahead, hull, options)
     zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
 
@@ -123,3 +121,234 @@ def _older_kerfs(
     if options.splash_mm is None:
         return OlderKerfs.none()
     return older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm) if met is None else met
+
+
+# The pieces that scrap lines cut the skeleton into, and which lines have a piece between them.
+#
+# The skeleton is the sheet less every part and the kerf round it. Metal narrower than a kerf holds nothing and is no
+# piece. The lines, each as wide as the kerf, divide the rest. Two lines are beside each other where both bound the
+# same piece: as long as one of them is uncut, the metal at the other holds to what lies across it. The frame is the
+# largest piece that the lines leave of the largest piece that the parts leave: what is cut off from it is loose.
+
+_TOUCH_MM = 0.02
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Skeleton:
+    """Which of n contours are scrap lines at the frame or at no piece, (n,), and the pairs beside each other, (k, 2).
+
+    Each pair is listed both ways round.
+    """
+
+    framed: Bools
+    beside: Ints
+
+
+def skeleton_of(nest: Nest, kerf_mm: float) -> Skeleton:
+    """What the scrap lines of a nest make of its skeleton.
+
+    Examples
+    --------
+    Three lines across a strip: the piece right of the last is the largest.
+
+    >>> from kerfwise.rules.case import nest
+    >>> found = skeleton_of(nest(1000, 100, scrap=[[(x, 0), (x, 100)] for x in (200, 400, 600)]), 1.5)
+    >>> found.framed.tolist(), found.beside.tolist()
+    ([False, False, True], [[0, 1], [1, 0], [1, 2], [2, 1]])
+    """
+    n = len(nest.contours)
+    framed, none = np.full(n, False), np.empty((0, 2), dtype=np.int64)
+    if not nest.scrap:
+        return Skeleton(framed, none)
+    kerfs = shapely.buffer(np.array([c.line for c in nest.scrap], dtype=object), kerf_mm / 2, quad_segs=4)
+    whole = skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm)
+    uncut = pieces_of(carrying(whole, kerf_mm), kerf_mm)
+    pieces = pieces_of(shapely.difference(shapely.union_all(uncut), shapely.union_all(kerfs)), kerf_mm)
+    if not len(pieces):
+        return Skeleton(framed, none)
+    of_largest = np.flatnonzero(shapely.intersects(uncut[largest(uncut)], shapely.point_on_surface(pieces)))
+    frame = of_largest[largest(pieces[of_largest])] if len(of_largest) else -1
+    reach = shapely.buffer(kerfs, _TOUCH_MM, quad_segs=4)
+    line, piece = shapely.STRtree(pieces).query(reach, predicate="intersects")
+    shared_mm = shapely.length(shapely.intersection(shapely.boundary(pieces[piece]), reach[line]))
+    length_mm = np.array([c.curve.length_mm for c in nest.scrap])
+    bounds = shared_mm > np.minimum(2 * (OVERSHOOT_MM + kerf_mm), length_mm[line] / 2)
+    line, piece = line[bounds], piece[bounds]
+    first = n - len(nest.scrap)
+    framed[first + line[piece == frame]] = True
+    framed[first + np.setdiff1d(np.arange(len(nest.scrap)), line)] = True
+    touches = np.zeros((len(nest.scrap), len(pieces)), dtype=bool)
+    touches[line, piece] = True
+    shared = touches.astype(np.int64) @ touches.T
+    np.fill_diagonal(shared, 0)
+    return Skeleton(framed, first + np.argwhere(shared > 0).astype(np.int64))
+
+
+# The facts of some contours of a nest: those of the whole, by numbers of their own. Nothing is measured anew.
+
+
+def new_numbers(count: int, left: Ints | Sequence[int]) -> Ints:
+    """The new number of each of `count` things when those of `left` alone stay, in that order; -1 for others.
+
+    Examples
+    --------
+    >>> new_numbers(4, [1, 3]).tolist()
+    [-1, 0, -1, 1]
+    """
+    number = np.full(count, -1, dtype=np.int64)
+    number[left] = np.arange(len(left))
+    return number
+
+
+def subset_candidates(whole: Facts, number: Ints) -> list[int]:
+    """The candidates of contours that stay."""
+    return [k for k, candidate in enumerate(whole.candidates) if number[candidate.contour] >= 0]
+
+
+def subset_facts(whole: Facts, nest: Nest, number: Ints) -> Facts:
+    """The facts of a nest that has some contours of the whole one, `number` from theirs to its own.
+
+    Boundary that faces contours which are not there faces neither a neighbour nor solid metal; the start side and the
+    zones are those of the whole sheet.
+    """
+    left = np.flatnonzero(number >= 0)
+    kept = subset_candidates(whole, number)
+    candidate = new_numbers(len(whole.candidates), kept)
+
+    def pairs(given: Ints) -> Ints:
+        there = (number[given] >= 0).all(axis=1)
+        return np.asarray(number[given[there]], dtype=np.int64).reshape(-1, 2)
+
+    def facing(given: Facing, rows: Ints) -> Facing:
+        row = rows[given.row]
+        there = (number[given.neighbour] >= 0) & (row >= 0)
+        return Facing(row[there], number[given.neighbour[there]], given.length_mm[there], given.gap_mm[there])
+
+    def stretch(given: Stretch) -> Stretch:
+        faced = facing(given.neighbours, candidate)
+        return Stretch(given.total_mm[kept], given.edge_mm[kept], given.solid_mm[kept], faced)
+
+    met = whole.older_kerfs.of_kept(kept, len(whole.candidates))
+    there = number[met.rings[:, 1]] >= 0
+    parent = whole.parent[left]
+    candidates = tuple(replace(whole.candidates[k], contour=int(number[whole.candidates[k].contour])) for k in kept)
+    return replace(
+        whole,
+        nest=nest,
+        parent=np.where(parent >= 0, number[parent], -1),
+        contains=pairs(whole.contains),
+        level_ahead=pairs(whole.level_ahead),
+        in_hull=pairs(whole.in_hull),
+        neighbours=facing(whole.neighbours, number),
+        edge_gap_mm=whole.edge_gap_mm[left],
+        edge_length_mm=whole.edge_length_mm[left],
+        solid_mm=whole.solid_mm[left],
+        long=whole.long[left],
+        zone=whole.zone[left],
+        torch_heat_kj=whole.torch_heat_kj[left],
+        candidates=candidates,
+        first=np.searchsorted(np.array([c.contour for c in candidates], dtype=np.int64), np.arange(len(left) + 1)),
+        head=stretch(whole.head),
+        tail=stretch(whole.tail),
+        scrap_framed=whole.scrap_framed[left],
+        scrap_beside=pairs(whole.scrap_beside),
+        older_kerfs=replace(met, rings=np.column_stack([met.rings[there, 0], number[met.rings[there, 1]]])),
+    )
+
+
+# The facts of what is left of a nest: those of the whole, less what is already cut.
+#
+# Nothing is measured anew. Boundary that faces a part which is out faces neither a neighbour nor solid metal any
+# more, so that it counts as free; the start side and the zones are those of the whole sheet.
+
+
+def loose_in(nest: Nest, out: frozenset[str]) -> dict[str, str]:
+    """Contours that can no longer be cut, each with the contour around it that is out."""
+    if not out:
+        return {}
+    ids = [c.id for c in nest.contours]
+    parents = parents_of(outlines_of(nest)).tolist()
+    return loose_contours(nest, {ids[k]: ids[p] for k, p in enumerate(parents) if p >= 0}, out)
+
+
+def remaining_facts(whole: Facts, already: AlreadyCut) -> Facts:
+    """The facts of what is left; only contours that are left may have candidates.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.cut import Cut
+    >>> from kerfwise.encoder.facts import FactOptions, compute_facts
+    >>> from kerfwise.rules.case import nest, part, rect
+    >>> row = [part(name, rect(10 + 100 * k, 10, 80, 80)) for k, name in enumerate("ABC")]
+    >>> facts = compute_facts(nest(400, 100, *row), FactOptions())
+    >>> left = remaining_facts(facts, AlreadyCut((Cut("A.outer", (10, 10), "cw", (5, 10)),)))
+    >>> [c.id for c in left.nest.contours], facts.level_ahead.tolist(), left.level_ahead.tolist()
+    (['B.outer', 'C.outer'], [[0, 1], [0, 2], [1, 2]], [[0, 1]])
+    """
+    out = already.contours
+    loose = loose_in(whole.nest, out)
+    nest = rest_of(whole.nest, out | loose.keys())
+    number = new_numbers(whole.n, [whole.nest.index[c.id] for c in nest.contours])
+    return replace(subset_facts(whole, nest, number), past=Past(whole, already, number, tuple(loose.items())))
+
+
+# The facts of what the first torch of a gantry cuts, where others cut copies together with it.
+
+
+def nest_of_first(nest: Nest, groups: Sequence[Group]) -> Nest:
+    """The nest without what further torches cut."""
+    return rest_of(nest, frozenset(nest.contours[k].id for group in groups for k in group.contours[1:]))
+
+
+def with_zones_of_first(whole: Facts, groups: Sequence[Group]) -> Facts:
+    """The facts of the whole, where zones are those of what the first torch cuts, and copies are in the same zones."""
+    nest = nest_of_first(whole.nest, groups)
+    options = replace(_of_leaders(whole, groups, len(nest.contours)), start_side=whole.start_side)
+    zones = compute_facts(nest, options).zone
+    found = np.ones(whole.n, dtype=np.int64)
+    for contour, zone in zip(nest.contours, zones.tolist(), strict=True):
+        found[whole.nest.index[contour.id]] = zone
+    for group in groups:
+        found[list(group.contours)] = found[group.contours[0]]
+    return replace(whole, zone=found)
+
+
+def _of_leaders(whole: Facts, groups: Sequence[Group], left: int) -> FactOptions:
+    """The options, where what a further torch cuts is named by what it is cut with; `left` contours are the first's.
+
+    A place among all contours is one as far along among these.
+    """
+    contours, parts = whole.nest.contours, whole.nest.parts
+    leader = {contours[k].id: contours[group.contours[0]].id for group in groups for k in group.contours}
+    head = {parts[k].id: parts[group.parts[0]].id for group in groups for k in group.parts}
+    pairs = ((leader.get(a, a), leader.get(b, b)) for a, b in whole.options.zone_pairs)
+    places: dict[str, int] = {}
+    for part, place in whole.options.zone_places:
+        places.setdefault(head.get(part, part), 1 + (place - 1) * left // whole.n if place < whole.n else left)
+    fixed = dict.fromkeys((head.get(part, part), zone) for part, zone in whole.options.zone_fixed)
+    return replace(
+        whole.options,
+        zone_pairs=tuple(dict.fromkeys((a, b) for a, b in pairs if a != b)),
+        zone_places=tuple(places.items()),
+        zone_fixed=tuple(fixed),
+    )
+
+
+def first_torch_facts(whole: Facts, groups: Sequence[Group], step: Point) -> Facts:
+    """The facts of what the first torch cuts, by numbers of their own.
+
+    The contours of each group have the same candidates in `whole`, in the same order.
+    """
+    nest = nest_of_first(whole.nest, groups)
+    own = new_numbers(whole.n, [whole.nest.index[c.id] for c in nest.contours])
+    own_candidate = new_numbers(len(whole.candidates), subset_candidates(whole, own))
+    number, candidate = own.copy(), own_candidate.copy()
+    torch = np.ones(whole.n, dtype=np.int64)
+    for group in groups:
+        first = whole.candidates_of(group.contours[0])
+        for k, contour in enumerate(group.contours[1:], 2):
+            number[contour], torch[contour] = own[group.contours[0]], k
+            span = whole.candidates_of(contour)
+            candidate[span.start : span.stop] = own_candidate[first.start : first.stop]
+    copies = Copies(whole, tuple(groups), number, candidate, torch, step)
+    return replace(subset_facts(whole, nest, own), copies=copies)

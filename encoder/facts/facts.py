@@ -13,9 +13,9 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
-from kerfwise.encoder.copies import Group
 from kerfwise.encoder.cut import Cut, Side
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.identical_parts import Group
 from kerfwise.encoder.nest import Nest
 
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")

@@ -1,12 +1,4 @@
-"""Links: ways through waste on which the torch may stay on from the end of one outer contour to the next.
-
-A link leads from where the torch leaves one part to where it joins another, straight or, where no straight one is free
-between two parts, round one corner. It keeps off all metal of parts as the cut itself does; off third contours, and the
-leads to them, by so much that no kerf meets another; and off what the torch has just burnt, but for the first kerf. It
-runs along nothing of the ring that it leads to, and parts that stand a kerf from another have none: some of their ring
-may be burnt already. No two links that a plan could use both come near each other, so that nobody has to remember which
-have been burnt.
-"""
+"""Links: paths through waste on which the torch may stay on from the end of one outer contour to the next."""
 
 from __future__ import annotations
 
@@ -17,17 +9,23 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.tolerance import tolerance_mm
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 
 from .facts import Facts, LinkPath
-from .link_corners import round_corners
-from .link_lines import Lines, LinkLines, Places
+
+# A link leads from where the torch leaves one part to where it joins another, straight or, where no straight one is
+# free between two parts, round one corner. It keeps off all metal of parts as the cut itself does; off third
+# contours, and the leads to them, by so much that no kerf meets another; and off what the torch has just burnt, but
+# for the first kerf. It runs along nothing of the ring that it leads to, and parts that stand a kerf from another
+# have none: some of their ring may be burnt already. No two links that a plan could use both come near each other, so
+# that nobody has to remember which have been burnt.
 
 _OFF_MM = 0.01
 """What chords may make of a distance."""
@@ -54,7 +52,7 @@ def with_links(facts: Facts, options: LinkOptions | None, cut_before: Iterable[C
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> from kerfwise.encoder.candidates import LeadOptions, build_candidates
     >>> from kerfwise.encoder.facts import FactOptions, compute_facts
     >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(102, 10, 80, 80)))
@@ -296,3 +294,159 @@ def _without_meetings(leave: Places, reach: Places, groups: Sequence[LinkLines],
     first = np.cumsum([0, *(len(links) for links in groups)])
     every = np.array(sorted(kept), dtype=np.int64)
     return [every[(every >= a) & (every < b)] - a for a, b in pairwise(first)]
+
+
+# Links as arrays: the places that they join, and the points of their ways.
+
+Lines = NDArray[np.object_]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Places:
+    """Candidates that no link tells apart, k places: their contour, and where links begin or end, (k, 2).
+
+    `leads` (k,) are those of the place's own contour that a link from or to it keeps off, as one shape each.
+    """
+
+    members: list[tuple[int, ...]]
+    contour: Ints
+    at: Floats
+    leads: Lines
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LinkLines:
+    """k links from the places `one` (k,) to the places `other` (k,), each along `points` (k, p, 2), p 2 or 3."""
+
+    one: Ints
+    other: Ints
+    points: Floats
+
+    def __len__(self) -> int:
+        return len(self.one)
+
+    @staticmethod
+    def straight(leave: Places, one: Ints, reach: Places, other: Ints) -> LinkLines:
+        """Straight ones."""
+        return LinkLines(one, other, np.stack([leave.at[one], reach.at[other]], axis=1))
+
+    def round(self, corner: Floats) -> LinkLines:
+        """The same by way of a corner each, (k, 2)."""
+        return LinkLines(self.one, self.other, np.stack([self.points[:, 0], corner, self.points[:, -1]], axis=1))
+
+    def take(self, rows: Ints | Bools) -> LinkLines:
+        """Some of them."""
+        return LinkLines(self.one[rows], self.other[rows], self.points[rows])
+
+    @property
+    def bent(self) -> bool:
+        """Whether they have corners."""
+        return bool(self.points.shape[1] > 2)
+
+    @property
+    def lines(self) -> Lines:
+        """Each as a line."""
+        return _link_lines(self.points)
+
+    @property
+    def length_mm(self) -> Floats:
+        """How long each is."""
+        steps = np.diff(self.points, axis=1)
+        return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
+
+    def onward(self, less_mm: float) -> Lines:
+        """Each without its first `less_mm`: its first straight piece is shortened, to its very end at the most."""
+        return _link_lines(_trimmed(self.points, less_mm))
+
+    def inward(self, less_mm: float) -> Lines:
+        """The same from the other end."""
+        return _link_lines(_trimmed(self.points[:, ::-1], less_mm))
+
+
+def _link_lines(points: Floats) -> Lines:
+    lines: Lines = shapely.linestrings(points)
+    return lines
+
+
+def _trimmed(points: Floats, less_mm: float) -> Floats:
+    begin, then = points[:, 0], points[:, 1]
+    length_mm = np.hypot(*(then - begin).T)
+    share = np.minimum(less_mm / np.maximum(length_mm, 1e-9), 1.0)[:, None]
+    return np.concatenate([(begin + share * (then - begin))[:, None], points[:, 1:]], axis=1)
+
+
+# Links round a corner: two straight pieces, between parts that no straight link joins.
+
+_WAYS = 12
+"""Ways from one part to another that corners are tried for: the nearest ends and joins."""
+_ALONG = (0.5, 1.5, 3.0, 5.0)
+_ASIDE = (1.5, 2.5, 4.0, 6.0)
+"""Corners near one of the ends: so many kerfs along the straight line, and so many beside it."""
+_SHARES = ((0.25, 0.15), (0.25, 0.3), (0.5, 0.15), (0.5, 0.3), (0.5, 0.45), (0.75, 0.15), (0.75, 0.3))
+"""Other corners: shares of the straight line, along it and beside it."""
+_CLEAR_KERFS = 1.1
+"""Both pieces are longer: the first kerf of a link may lie in what was just burnt."""
+
+
+def round_corners(
+    asked: LinkLines,
+    straight: LinkLines,
+    leave: Places,
+    reach: Places,
+    longest_mm: float,
+    kerf_mm: float,
+    free: Callable[[LinkLines], LinkLines],
+) -> LinkLines:
+    """The shortest free ways round one corner, between contours that have no straight link.
+
+    Parameters
+    ----------
+    asked, straight
+        All straight lines, and those that are free.
+    leave, reach
+        The places that they join.
+    longest_mm, kerf_mm
+        The longest link, and the width of the kerf.
+    free
+        Leaves out the links that something is in the way of.
+    """
+    pairs = asked.take(_nearest(asked, straight, leave, reach))
+    corners = _corners(pairs.points[:, 0], pairs.points[:, 1], kerf_mm)
+    way, number = np.nonzero(np.isfinite(corners[..., 0]))
+    bent = pairs.take(way).round(corners[way, number])
+    short = bent.length_mm <= longest_mm
+    found = free(bent.take(short))
+    # of each way the shortest; of ways as long the first
+    order = np.lexsort((np.arange(len(found)), found.length_mm, found.other, found.one))
+    same = (np.diff(found.one[order]) == 0) & (np.diff(found.other[order]) == 0)
+    return found.take(np.sort(order[np.append(True, ~same)[: len(order)]]))
+
+
+def _nearest(asked: LinkLines, straight: LinkLines, leave: Places, reach: Places) -> Ints:
+    """The numbers of the lines between contours without a straight link, the nearest few of each two contours."""
+    n = int(max(leave.contour.max(initial=0), reach.contour.max(initial=0))) + 1
+    of = leave.contour[asked.one] * n + reach.contour[asked.other]
+    joined = np.unique(leave.contour[straight.one] * n + reach.contour[straight.other])
+    rows = np.flatnonzero(~np.isin(of, joined))
+    rows = rows[np.lexsort((rows, asked.length_mm[rows], of[rows]))]
+    begins = np.flatnonzero(np.append(True, np.diff(of[rows]) != 0)[: len(rows)])
+    rank = np.arange(len(rows)) - np.repeat(begins, np.diff(np.append(begins, len(rows))))
+    return np.sort(rows[rank < _WAYS])
+
+
+def _corners(begin: Floats, end: Floats, kerf_mm: float) -> Floats:
+    """Where k links could turn, (k, c, 2): nan where a piece is too short, or the turn more than a right angle."""
+    step = end - begin
+    gap_mm = np.hypot(*step.T)[:, None]
+    along = step / gap_mm
+    aside = np.column_stack([-along[:, 1], along[:, 0]])
+    near = [(a * kerf_mm, side * b * kerf_mm) for a in _ALONG for b in _ASIDE for side in (1, -1)]
+    from_begin, beside = (np.array(values)[None] for values in zip(*near, strict=True))
+    shares = [(t, side * h) for t, h in _SHARES for side in (1, -1)]
+    share, width = (np.array(values)[None] for values in zip(*shares, strict=True))
+    x = np.concatenate([from_begin + 0 * gap_mm, gap_mm - from_begin, share * gap_mm], axis=1)
+    y = np.concatenate([beside + 0 * gap_mm, beside + 0 * gap_mm, width * gap_mm], axis=1)
+    corners: Floats = begin[:, None] + x[..., None] * along[:, None] + y[..., None] * aside[:, None]
+    short = np.minimum(np.hypot(x, y), np.hypot(gap_mm - x, y)) < _CLEAR_KERFS * kerf_mm
+    corners[short | (x * (gap_mm - x) < y * y)] = np.nan
+    return corners

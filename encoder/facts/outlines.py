@@ -1,4 +1,4 @@
-"""The contours of a nest as arrays, made once for all families of facts."""
+"""The contours of a nest as arrays, made once for all families of facts, and the four sides of its sheet."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import shapely
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.cut import Side
+from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
-
-from .sums import summed_by
 
 Geometries = NDArray[Any]
 ROUNDING_MM = 1e-6
@@ -86,7 +86,7 @@ def outlines_of(nest: Nest) -> Outlines:
         bounds_mm=shapely.bounds(line).reshape(n, 4),
         length_mm=np.array([c.curve.length_mm for c in contours], dtype=np.float64),
         area_mm2=np.nan_to_num(shapely.area(polygon)),
-        is_ccw=summed_by(of, cross, n) > 0,
+        is_ccw=sum_by_owner(of, cross, n) > 0,
         is_outer=np.array([c.kind == "outer" for c in contours], dtype=bool),
         is_mark=np.array([c.kind == "mark" for c in contours], dtype=bool),
         is_scrap=np.array([c.kind == "scrap" for c in contours], dtype=bool),
@@ -107,3 +107,53 @@ def well_inside(outlines: Outlines, contour: Ints, at: Floats) -> Bools:
     within = shapely.contains(outlines.polygon[contour], points)
     within[within] = ~shapely.dwithin(points[within], outlines.line[contour[within]], ROUNDING_MM)
     return np.asarray(within, dtype=np.bool_)
+
+
+# Lengths added up by whose they are.
+
+
+def sum_by_owner(owner: Ints, length_mm: Floats, count: int) -> Floats:
+    """Array (count,): the total length of each owner 0…count - 1.
+
+    Examples
+    --------
+    >>> sum_by_owner(np.array([2, 0, 2]), np.array([1.0, 5.0, 2.0]), 3).tolist()
+    [5.0, 0.0, 3.0]
+    """
+    return np.bincount(owner, weights=length_mm, minlength=count).astype(np.float64)
+
+
+def sum_by_pair(row: Ints, neighbour: Ints, length_mm: Floats, count: int) -> tuple[Ints, Ints, Floats]:
+    """Each (row, neighbour) pair that occurs, sorted, with its total length; neighbours are below `count`.
+
+    Examples
+    --------
+    >>> row, neighbour, total = sum_by_pair(np.array([1, 0, 1]), np.array([0, 2, 0]), np.array([1.0, 2.0, 3.0]), 3)
+    >>> row.tolist(), neighbour.tolist(), total.tolist()
+    ([0, 1], [2, 0], [2.0, 4.0])
+    """
+    pairs, which = np.unique(row * count + neighbour, return_inverse=True)
+    return pairs // count, pairs % count, sum_by_owner(which, length_mm, len(pairs))
+
+
+# The four sides of a sheet as directions: everything that follows the start side reads these tables.
+
+AXIS: dict[Side, int] = {"left": 0, "right": 0, "bottom": 1, "top": 1}
+"""The coordinate (0 for x, 1 for y) that changes as one walks away from the side."""
+
+AWAY: dict[Side, int] = {"left": 1, "right": -1, "bottom": 1, "top": -1}
+"""+1 where that coordinate grows on the way into the sheet, -1 where it shrinks."""
+
+OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
+
+
+def narrow_sides(bounds_mm: Box) -> tuple[Side, Side]:
+    """The two short sides of the sheet's bounding rectangle; left and right of a square, a millionth more or less.
+
+    Examples
+    --------
+    >>> narrow_sides((0, 0, 6000, 1500))
+    ('left', 'right')
+    """
+    xmin, ymin, xmax, ymax = bounds_mm
+    return ("left", "right") if xmax - xmin >= (ymax - ymin) * (1 - SAME_SHARE) else ("bottom", "top")

@@ -9,15 +9,13 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats
 
-from .crossing import Line, LineOrCircle, crossings
 from .curve import Curve
-from .offset_beside import offsets_beside
-from .offset_nearest import NOTHING, Nearest
-from .offset_region import offset_ring
-from .offset_sources import Sources, arc_bulge
+from .measures import Line, LineOrCircle, crossings
+from .offset_batch import CHORD_MM, Sources, arc_bulge, offset_curves, offset_ring
 from .segment import Point, Segment
 
 LEAST_MM, LEAST_MM2 = 1e-9, 1e-9
@@ -88,7 +86,7 @@ def offset_together(curves: Sequence[Curve], distances_mm: Sequence[float]) -> N
         for curve, mm in zip(curves, distances_mm, strict=True)
         if mm not in curve.beside and abs(mm) >= LEAST_MM and abs(curve.signed_area_mm2) >= LEAST_MM2
     ]
-    found = offsets_beside([curve for curve, _ in pairs], [mm for _, mm in pairs])
+    found = offset_curves([curve for curve, _ in pairs], [mm for _, mm in pairs])
     for (curve, mm), beside in zip(pairs, found, strict=True):
         curve.beside[mm] = beside
 
@@ -192,3 +190,71 @@ def _agrees(curve: Curve, nearest: Nearest, ring: Floats) -> bool:
     x, y = (ring - ring[0]).T
     area_mm2 = (np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
     return bool(error.max() < TOLERANCE_MM and abs(curve.signed_area_mm2 - area_mm2) < TOLERANCE_MM * curve.length_mm)
+
+
+# Which source each point of an offset curve belongs to.
+
+NOTHING = -1
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Nearest:
+    """Finds the source that points are offset from."""
+
+    sources: Sources
+    outline: Floats
+    """The drawn curve in chords, array (chords, 2): where each begins."""
+    tree: shapely.STRtree
+    """Of the chords."""
+    segment: NDArray[np.int64]
+    """The segment of each chord, and whether it is the first or the last one of it."""
+    first: NDArray[np.bool_]
+    last: NDArray[np.bool_]
+    rounded: NDArray[np.bool_]
+
+    @staticmethod
+    def among(sources: Sources, curve: Curve) -> Nearest:
+        """An index over the segments of `curve`, whose sources are given."""
+        chords = [s.flatten(CHORD_MM) if s.is_arc else np.array([s.end]) for s in curve.segments]
+        outline = np.concatenate([sources.drawn.start[:1], *chords])[:-1]
+        segment = np.repeat(np.arange(len(chords)), [len(c) for c in chords])
+        first = np.diff(segment, prepend=-1) > 0
+        chord = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
+        tree = shapely.STRtree(shapely.linestrings(chord))
+        return Nearest(sources, outline, tree, segment, first, np.roll(first, -1), sources.rounded)
+
+    def distances_mm(self, points: Floats) -> Floats:
+        """Distance of each point from the drawn curve, mm."""
+        found = shapely.points(points)
+        return np.asarray(shapely.distance(found, self.tree.geometries[self.tree.nearest(found)]))
+
+    def label(self, points: Floats) -> NDArray[np.int64]:
+        """The number of the source of each point; NOTHING at corners that the offset does not go around."""
+        found = shapely.points(points)
+        at, side, fraction = self._foot(points, self.tree.nearest(found))
+        wrong = np.flatnonzero(side * self.sources.right_mm < 0)
+        if len(wrong):
+            # Both sides of a slit lie on the same spot: take the side that faces the point.
+            row, near = self.tree.query_nearest(found[wrong])
+            _, near_side, _ = self._foot(points[wrong[row]], near)
+            facing = near_side * self.sources.right_mm > 0
+            at[wrong[row[facing]]] = near[facing]
+            at, side, fraction = self._foot(points, at)
+        n = len(self.sources)
+        k = self.segment[at]
+        before, after = self.first[at] & (fraction <= 1e-9), self.last[at] & (fraction >= 1 - 1e-9)
+        corner = np.where(before, (k - 1) % n, k)
+        labels = np.where(before | after, 2 * corner + 1, 2 * k)
+        gone = ((before | after) & ~self.rounded[corner]) | (
+            ~(before | after) & (self.sources.drawn.bulge[k] != 0) & (self.sources.radius_mm[k] < 1e-6)
+        )
+        labels[gone] = NOTHING
+        return labels
+
+    def _foot(self, points: Floats, at: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Chord numbers, positive where the point lies right of its chord, and the fraction along it (unclamped)."""
+        start = self.outline[at]
+        along = self.outline[(at + 1) % len(self.outline)] - start
+        rel = points - start
+        fraction = (rel * along).sum(axis=1) / (along * along).sum(axis=1)
+        return np.array(at), along[:, 1] * rel[:, 0] - along[:, 0] * rel[:, 1], fraction

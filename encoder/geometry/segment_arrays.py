@@ -10,9 +10,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats, Ints
-from kerfwise.encoder.distinct import distinct
-from kerfwise.encoder.ranges import laid_out
+from kerfwise.arrays import Floats, Ints, concat_ranges, unique
 
 from .curve import Curve
 
@@ -188,7 +186,7 @@ class SegmentArrays:
         piece = np.cumsum(n[of[rows]]) // _TOGETHER
         for some in np.split(rows, np.flatnonzero(np.diff(piece)) + 1):
             at_mm[some], far_mm[some] = self._nearest(
-                points[some], laid_out(self.first[of[some]], n[of[some]]), n[of[some]], of[some]
+                points[some], concat_ranges(self.first[of[some]], n[of[some]]), n[of[some]], of[some]
             )
         return at_mm, far_mm
 
@@ -201,7 +199,7 @@ class SegmentArrays:
         row, chord = chords.query(found, predicate="dwithin", distance=far_mm + 2 * _CHORD_MM)
         ends = np.searchsorted(row, np.arange(0, len(points) + _POINTS_AT_ONCE, _POINTS_AT_ONCE))
         parts = [
-            self._project(points[k * _POINTS_AT_ONCE :][:_POINTS_AT_ONCE], distinct(of[chord[begin:end]]))
+            self._project(points[k * _POINTS_AT_ONCE :][:_POINTS_AT_ONCE], unique(of[chord[begin:end]]))
             for k, (begin, end) in enumerate(pairwise(ends.tolist()))
         ]
         return np.concatenate([at for at, _ in parts]), np.concatenate([mm for _, mm in parts])

@@ -12,15 +12,14 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.questions import ANSWERED, LAYER, LIKELIEST, Asking, Choice, Question
+from kerfwise.encoder.text import join_names
 
 from .drawing import DrawnCurve
 from .layers import DEFAULT, Purpose, counted, setting, surely_cut, surely_sheet
-from .options import ReadOptions
+from .options import MM_PER, ReadOptions
 from .reading import Taken
-from .units import MM_PER
 
 SOUNDS_LIKE = {
     "mark": "marks",
@@ -340,7 +339,7 @@ def nothing_to_cut(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use]) -> st
     layers = {p.layer: uses[look_of(p)] for p in pieces}
     count = Counter(p.layer for p in pieces)
     likely = min(layers, key=lambda layer: (layers[layer].purpose == "sheet", -count[layer], layer))
-    said = listed([f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)], 8)
+    said = join_names([f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)], 8)
     if layers[likely].stated:
         advice = f"let drawing.layers.{layers[likely].purpose} match less"
     else:

@@ -16,23 +16,17 @@ from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
-from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import REPAIR, InputError
+from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
+from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking
-from kerfwise.encoder.still_going import so_much
 
-from .clipped import Clips, seen_through
-from .copies import check_copies
-from .drawing import Drawing, DrawnCurve
-from .dxf_entities import Hidden, curve, entities
-from .dxf_looks import Looks
-from .dxf_text import check_numbers, name_of
-from .foreign import FOREIGN_ERRORS
-from .options import ReadOptions
-from .units import DXF_UNITS, are_inches, dxf_units, mm_of
-from .unread import NO_LINES, Unread
+from .drawing import FOREIGN_ERRORS, Drawing, DrawnCurve, check_copies
+from .dxf_entities import NO_LINES, Hidden, Looks, Unread, check_numbers, curve, entities, name_of
+from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
+from .svg_visible import Clips, seen_through
 
 DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
 
@@ -65,7 +59,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     unread = Unread()
     try:
         _check_blocks(document)
-        so_much(len(document.modelspace()), "entity", "entities")
+        amount(len(document.modelspace()), "entity", "entities")
         shown = list(entities(document.modelspace(), hidden, unread))
         guess = options.units or DXF_UNITS.get(_header(document, data)[0] or 0, "mm")
         read = _pieces(shown, mm_of(guess) or 1.0, looks)
@@ -143,7 +137,7 @@ def hidden_layers(document: Document) -> Hidden:
 
 def mm_per_unit(path: Path, document: Document, options: ReadOptions) -> float:
     """Millimetres in a unit of the drawing."""
-    return mm_of(read_dxf(path, contents(path), options).units) or 1.0
+    return mm_of(read_dxf(path, read_limited(path), options).units) or 1.0
 
 
 def document_of(path: Path) -> Document:

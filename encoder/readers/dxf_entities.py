@@ -1,39 +1,47 @@
-"""DXF entities as curves: arcs stay arcs, splines and ellipses become arcs again, Z is ignored.
-
-Only what can be cut is read. Whatever else is drawn is counted, so that its absence can be said aloud.
-"""
+"""DXF entities as curves: arcs stay arcs, splines and ellipses become arcs again; names, looks, and what is not
+read."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import shapely
+from ezdxf.colors import aci2rgb
+from ezdxf.document import Drawing as Document
 from ezdxf.entities.arc import Arc
 from ezdxf.entities.circle import Circle
-from ezdxf.entities.dxfentity import DXFTagStorage
+from ezdxf.entities.dxfentity import DXFEntity, DXFTagStorage
 from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.ellipse import Ellipse
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.line import Line
 from ezdxf.entities.lwpolyline import LWPolyline
+from ezdxf.entities.mtext import MText
 from ezdxf.entities.polyline import Polyline
 from ezdxf.entities.spline import Spline
+from ezdxf.entities.text import Text
+from ezdxf.lldxf.encoding import decode_dxf_unicode, has_dxf_unicode
 from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
 from ezdxf.path import Path, make_path
 from ezdxf.xclip import XClip
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Note
 
-from .arcs import FLATTEN_MM, fitted
-from .clipped import Clips
-from .limits import LIMIT_MM, checked_curve
-from .unclamped import Unclamped
-from .unread import NO_LINES, Unread, layer_of
+from .drawing import LIMIT_MM, checked_curve
+from .fit_arcs import FLATTEN_MM, fit_curve
+from .layers import Layers, counted, writing_note
+from .svg_visible import Clips
+
+# Only what can be cut is read. Whatever else is drawn is counted, so that its absence can be said aloud.
 
 EVERYWHERE = 1e9
 """Half the side of a square that holds all that can be read, in any unit."""
@@ -228,4 +236,229 @@ def _flattened(
                 f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin: if the units are wrong, "
                 "pass --units (in Python: units=)"
             )
-    return fitted(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)
+    return fit_curve(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)
+
+
+# Splines whose knots go on beyond their ends, as CAD systems write closed ones.
+
+_DEEPEST = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Unclamped:
+    """A spline that is no curve over its first and last knots, as many as its degree; ezdxf would draw it there too."""
+
+    spline: BSpline
+
+    def flattening(self, distance: float, segments: int = 4) -> Iterator[Vec3]:
+        """Points along the curve, no chord between them further off it than about `distance`."""
+        knots, degree = self.spline.knots(), self.spline.order - 1
+        ends = np.unique(knots[degree : self.spline.count + 1])
+        times = np.unique(np.concatenate([np.linspace(a, b, segments + 1) for a, b in pairwise(ends)]))
+        points = [self._at(t) for t in times]
+        yield points[0]
+        for k in range(len(times) - 1):
+            yield from self._finer(times[k], points[k], times[k + 1], points[k + 1], distance, _DEEPEST)
+
+    def _at(self, time: float) -> Vec3:
+        return self.spline.evaluator.point(float(time))
+
+    def _finer(self, t0: float, start: Vec3, t1: float, end: Vec3, distance: float, depth: int) -> Iterator[Vec3]:
+        middle = self._at((t0 + t1) / 2)
+        # the middle of a short piece of a smooth curve lies beside that of its chord
+        if depth == 0 or middle.distance(start.lerp(end)) <= distance:
+            yield end
+        else:
+            yield from self._finer(t0, start, (t0 + t1) / 2, middle, distance, depth - 1)
+            yield from self._finer((t0 + t1) / 2, middle, t1, end, distance, depth - 1)
+
+
+# What a DXF file shows and kerfwise does not read: writing, dimensions, fillings, points, what nobody knows.
+
+WRITING = frozenset(("TEXT", "MTEXT", "RTEXT", "ATTRIB", "ARCALIGNEDTEXT"))
+NO_LINES = WRITING | frozenset(
+    (
+        *("ATTDEF", "SHAPE", "TOLERANCE", "ACAD_TABLE", "POINT", "RAY", "XLINE", "VIEWPORT"),
+        *("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MLEADER", "MULTILEADER"),
+        *("HATCH", "MPOLYGON", "SOLID", "TRACE", "WIPEOUT", "IMAGE", "OLE2FRAME", "PDFUNDERLAY"),
+    )
+)
+"""Types of entity that are no lines one could cut along."""
+
+
+@dataclass(slots=True)
+class Unread:
+    """What was passed over on the way.
+
+    `types` counts by entity type and layer, `hidden_layers` by layer; `writing` are the texts on each layer;
+    `flattened` counts blocks whose height was scaled by 0.
+    """
+
+    types: Counter[tuple[str, str]] = field(default_factory=Counter)
+    hidden_layers: Counter[str] = field(default_factory=Counter)
+    writing: defaultdict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
+    flattened: int = 0
+
+    def add(self, entity: DXFEntity, layer: str) -> None:
+        """Count an entity that is not read."""
+        if entity.dxftype() in WRITING:
+            self.writing[layer].append(_text(entity))
+        else:
+            self.types[entity.dxftype(), layer] += 1
+
+    def hidden(self, entity: DXFEntity, layer: str) -> None:
+        """Count an entity that is not shown, if it could have been cut."""
+        if entity.dxftype() not in NO_LINES:
+            self.hidden_layers[layer] += 1
+
+    def notes(self, layers: Layers) -> list[Note]:
+        """A word on each, but not on what is no line on layers that are left out anyway."""
+        notes = []
+        seen = Counter[str]()
+        for (kind, layer), count in self.types.items():
+            if kind not in NO_LINES or layers.use([layer]).purpose != "ignore":
+                seen[kind] += count
+        if seen:
+            listed = ", ".join(f"{n} {kind}" for kind, n in sorted(seen.items()))
+            text = f"left out, as they are not lines one can cut: {listed}; explode them in CAD if they are to be cut"
+            notes.append(Note("warning", text))
+        notes += [
+            writing_note(texts, layer, purpose)
+            for layer, texts in sorted(self.writing.items())
+            if (purpose := layers.use([layer]).purpose) != "ignore"
+        ]
+        if self.flattened:
+            blocks = f"{self.flattened} blocks are" if self.flattened > 1 else "1 block is"
+            notes.append(Note("warning", f"{blocks} inserted with a height scale of 0: read as flat"))
+        if self.hidden_layers:
+            hidden = counted(self.hidden_layers.elements())
+            notes.append(Note("warning", f"left out, as they are invisible or their layer is off or frozen: {hidden}"))
+        return notes
+
+
+def layer_of(entity: DXFEntity) -> str:
+    """The layer of an entity, also of a type that nobody knows, as its author wrote it."""
+    if isinstance(entity, DXFTagStorage):
+        return name_of(next((str(tag.value) for part in entity.xtags.subclasses for tag in part if tag.code == 8), "0"))
+    return name_of(str(entity.dxf.get("layer", "0"))) if entity.dxf.is_supported("layer") else "0"
+
+
+def _text(entity: DXFEntity) -> str:
+    if isinstance(entity, MText | Text):
+        return str(entity.plain_text())
+    return ""
+
+
+# The text of a DXF file before its library reads it: numbers that are none, and names that were written otherwise.
+
+_NUMBER = re.compile(rb"[ \t]*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[ \t]*")
+_READ = (b"ENTITIES", b"BLOCKS")
+"""Sections that hold what is drawn; headers and objects are full of other things."""
+
+
+def _is_real(code: int) -> bool:
+    """Whether the values of a group code are real numbers."""
+    return 10 <= code <= 59 or 110 <= code <= 149 or 210 <= code <= 239 or 1010 <= code <= 1059
+
+
+def check_numbers(data: bytes) -> None:
+    """Refuse a file with a coordinate that is no number: libraries read as far as it looks like one.
+
+    `120,75` would be 120, and a contour a little smaller than it is drawn. Binary files hold no text.
+
+    Raises
+    ------
+    InputError
+        With the line of the first one, the layer, and what was expected.
+    """
+    if data.startswith(b"AutoCAD Binary DXF"):
+        return
+    lines = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
+    section, layer, after_section = b"", b"0", False
+    for k in range(0, len(lines) - 1, 2):
+        code, value = lines[k].strip(), lines[k + 1]
+        if not code.isdigit() and not code.lstrip(b"-").isdigit():
+            return  # pairs of lines are out of step: the library says what it makes of that
+        number = int(code)
+        if number == 0:
+            after_section, layer = value.strip() == b"SECTION", b"0"
+        elif number == 2 and after_section:
+            section, after_section = value.strip(), False
+        elif number == 8:
+            layer = value.strip()
+        elif section in _READ and _is_real(number) and not _NUMBER.fullmatch(value):
+            given = value.strip().decode("utf-8", "replace")
+            on = name_of(layer.decode("utf-8", "surrogateescape"))
+            raise InputError(
+                f"{given!r} is no number (group code {number}, on layer '{on}'): expected one such as {_meant(given)}, "
+                "with a point and without spaces; export the drawing again with such numbers",
+                line=k + 2,
+            )
+
+
+def _meant(given: str) -> str:
+    """The number as it should have been written, where that is plain."""
+    tried = re.sub(r"[dD](?=[-+]?\d+$)", "E", given.replace(",", ".").replace("#", ""))
+    return tried if _NUMBER.fullmatch(tried.encode("utf-8", "replace")) else "120.75"
+
+
+def name_of(name: str) -> str:
+    """A layer's name as its author wrote it: `\\U+XXXX` decoded, and UTF-8 that was read as another code page.
+
+    Examples
+    --------
+    >>> name_of("\\\\U+0433\\\\U+0440\\\\U+0430\\\\U+0432"), name_of("GravÃ­r"), name_of("Konturteil Ä")
+    ('грав', 'Gravír', 'Konturteil Ä')
+    """
+    decoded = decode_dxf_unicode(name) if has_dxf_unicode(name) else name
+    if decoded.isascii():
+        return decoded
+    for page in ("cp1252", "latin-1", "cp1250", "cp1251"):
+        try:
+            again = decoded.encode(page, "surrogateescape").decode("utf-8")
+        except UnicodeError:
+            continue
+        return again
+    return decoded.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
+# How an entity of a DXF file looks: its colour and its line type, its own or those of its layer.
+
+NAMES = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "white", 8: "grey"}
+"""The colours that CAD programs number first; 7 is drawn white on black and black on white."""
+BY_BLOCK, BY_LAYER = 0, 256
+CONTINUOUS = ("", "continuous", "bylayer", "byblock")
+
+
+class Looks:
+    """Colours and line types of a document's entities."""
+
+    def __init__(self, document: Document) -> None:
+        rows = [(name_of(str(x.dxf.name)).lower(), x) for x in document.layers]
+        self._colours = {name: _named(abs(int(x.dxf.get("color", 7)))) for name, x in rows}
+        self._linetypes = {name: str(x.dxf.get("linetype", "Continuous")) for name, x in rows}
+
+    def colour(self, entity: DXFGraphic) -> str:
+        """The name of a colour, #rrggbb where it has none; "" where its block says it."""
+        if entity.dxf.hasattr("true_color"):
+            return f"#{int(entity.dxf.true_color) & 0xFFFFFF:06x}"
+        number = int(entity.dxf.get("color", BY_LAYER)) if entity.dxf.is_supported("color") else BY_LAYER
+        if number == BY_LAYER:
+            return self._colours.get(_layer(entity), "white")
+        return "" if number == BY_BLOCK else _named(abs(number))
+
+    def linetype(self, entity: DXFGraphic) -> str:
+        """The name of a line type, "" where lines are drawn through."""
+        own = str(entity.dxf.get("linetype", "BYLAYER")) if entity.dxf.is_supported("linetype") else "BYLAYER"
+        kind = self._linetypes.get(_layer(entity), "") if own.lower() == "bylayer" else own
+        return "" if kind.lower() in CONTINUOUS else kind
+
+
+def _layer(entity: DXFGraphic) -> str:
+    return name_of(str(entity.dxf.get("layer", "0"))).lower()
+
+
+def _named(number: int) -> str:
+    if number in NAMES:
+        return NAMES[number]
+    return "#{:02x}{:02x}{:02x}".format(*aci2rgb(number)) if 0 < number < BY_LAYER else "white"

@@ -5,24 +5,25 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
+from functools import cache
+from importlib.resources import files
+from itertools import islice
+from typing import TYPE_CHECKING, Any
 
-from kerfwise.encoder.bridges.bridge import Bridge
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import places, schema_message, spoken, strict_json
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet, as_scrap
-from kerfwise.encoder.still_going import so_much
-from kerfwise.encoder.strict_json import strict_json
+from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Sheet, as_scrap
+from kerfwise.encoder.progress_notice import amount
 
-from .frame import alike
-from .json_place import places
-from .json_schema import check_schema
-from .limits import checked_curve
-from .options import ReadOptions
+from .drawing import LIMIT_MM, checked_curve
+from .options import ReadOptions, doubts, mm_of
 from .reading import reading_of
-from .sheet import overridden
-from .units import doubts, mm_of
+from .sheet import overridden, same_size
+
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
 
 PART_KEYS = ("id", "outer", "holes", "marks", "tabs")
 
@@ -37,7 +38,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     """
     text, document = _parsed(data)
     if isinstance(document, dict) and isinstance(parts := document.get("parts"), list):
-        so_much(len(parts), "part", "parts")
+        amount(len(parts), "part", "parts")
     check_schema(document, text)
     if not document["parts"]:
         [(line, column)] = places(text, [["parts"]])
@@ -47,7 +48,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     _check_ids(document["parts"], text)
     parts = tuple(_part(given, scale) for given in document["parts"])
     sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
-    if options.sheet_size_mm is not None and not alike(_size(sheet), options.sheet_size_mm):
+    if options.sheet_size_mm is not None and not same_size(_size(sheet), options.sheet_size_mm):
         sheet, why, sheet_notes = overridden(sheet, options.sheet_size_mm)
     notes = (*_typing_slips(document["parts"]), *sheet_notes, *doubts(sheet, units))
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
@@ -169,3 +170,99 @@ def _typing_slips(parts: Sequence[Mapping[str, Any]]) -> list[Note]:
             if near:
                 notes.append(Note("warning", f"part '{part['id']}' has a key '{key}': is '{near[0]}' meant?"))
     return notes
+
+
+# The published JSON Schema of kerfwise-nest/1, and its complaints in words.
+
+MOST_ERRORS = 20
+FORMAT = "kerfwise-nest/1"
+FEW = 4
+"""Vertices that stand for all of a plain ring."""
+
+
+@cache
+def validator() -> Draft202012Validator:
+    """The validator of the schema beside this file."""
+    from jsonschema import Draft202012Validator as Validator
+
+    schema = json.loads((files(__package__) / "nest.schema.json").read_text(encoding="utf-8"))
+    return Validator(schema)
+
+
+def check_schema(document: object, text: str) -> None:
+    """Hold a parsed file against the schema.
+
+    A part whose rings are rows of plain numbers is known to pass and is not shown to the schema, which would take
+    minutes over the vertices of a large nest. Where the rest of the file is as plain, the schema is not even loaded.
+
+    Raises
+    ------
+    InputError
+        With a line for each mismatch (the first twenty), naming part, contour, vertex and line.
+    """
+    if _plain_nest(document):
+        return
+    shown, ids, numbers = document, [], []
+    if isinstance(document, dict) and isinstance(document.get("parts"), list):
+        parts = document["parts"]
+        ids = [p.get("id") if isinstance(p, dict) else None for p in parts]
+        numbers = [k for k, p in enumerate(parts) if not _plain(p)]
+        shown = {**document, "parts": [parts[k] for k in numbers] or [_short(part) for part in parts[:1]]}
+    found: list[tuple[list[str | int], str]] = []
+    for error in islice(validator().iter_errors(shown), MOST_ERRORS):
+        path = list(error.absolute_path)
+        if len(path) > 1 and path[0] == "parts":
+            path[1] = numbers[int(path[1])]
+        found.append((path, schema_message(error)))
+    if found:
+        raise _refusal(found, text, ids)
+
+
+def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[object]) -> InputError:
+    """One error for all the mismatches, in the order of the file where that is known."""
+    at = places(text, [path for path, _ in found])
+    order = sorted(range(len(found)), key=lambda k: (at[k][0] or 0, at[k][1] or 0))
+    (line, column), first = at[order[0]], found[order[0]]
+    if len(found) == 1:
+        return InputError(f"not a kerfwise-nest/1 file: {spoken(first[0], ids)}: {first[1]}", line=line, column=column)
+    lines = [f" (line {at[k][0]})" if at[k][0] else "" for k in order]
+    said = [f"{spoken(found[k][0], ids)}{where}: {found[k][1]}" for k, where in zip(order, lines, strict=True)]
+    return InputError("not a kerfwise-nest/1 file", line=line, column=column, details=tuple(said))
+
+
+def _plain_nest(document: object) -> bool:
+    """True for a nest on a rectangle, of plain parts, that the schema has nothing to say about."""
+    if not isinstance(document, dict) or not document.keys() <= {"format", "units", "sheet", "parts"}:
+        return False
+    sheet, parts = document.get("sheet"), document.get("parts")
+    if document.get("format") != FORMAT or document.get("units", "mm") not in ("mm", "cm", "m", "in", "ft"):
+        return False
+    if not isinstance(sheet, dict) or sheet.keys() != {"width", "height"} or not isinstance(parts, list):
+        return False
+    sized = all(type(x) in (int, float) and 0 < x <= LIMIT_MM for x in sheet.values())
+    return sized and all(map(_plain, parts))
+
+
+def _plain(part: object) -> bool:
+    """True for a part that the schema has nothing to say about."""
+    if not isinstance(part, dict) or not isinstance(part.get("id"), str) or not part["id"] or "tabs" in part:
+        return False
+    many = [part.get(key, []) for key in ("holes", "marks")]
+    return _plain_ring(part.get("outer")) and all(isinstance(m, list) and all(map(_plain_ring, m)) for m in many)
+
+
+def _short(part: dict[str, object]) -> dict[str, object]:
+    """A plain part with a few of its vertices: the schema says of all the same."""
+    outer = part["outer"]
+    assert isinstance(outer, list)
+    return {**part, "outer": outer[:FEW], **{key: [] for key in ("holes", "marks") if key in part}}
+
+
+def _plain_ring(rows: object) -> bool:
+    return isinstance(rows, list) and len(rows) >= 2 and all(map(_plain_vertex, rows))
+
+
+def _plain_vertex(row: object) -> bool:
+    if not isinstance(row, list) or not 2 <= len(row) <= 3:
+        return False
+    return all(type(x) in (int, float) and -LIMIT_MM <= x <= LIMIT_MM for x in row)

@@ -1,4 +1,4 @@
-"""Lines on layers to be cut that do not close: marked where a profile says so, else refused, never lost unsaid."""
+"""Lines on layers to be cut that do not close: marked where a profile says so, else refused with the places."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
 
+from kerfwise.arrays import Floats
+from kerfwise.encoder.contour_checks import metal_of
+from kerfwise.encoder.errors import REPAIR
 from kerfwise.encoder.nest import Note, Part
 from kerfwise.encoder.questions import LAYER, Asking, Choice, Question
-from kerfwise.encoder.validate.metal import metal_of
 
 from .by_layer import ByLayer
-from .drawing import DrawnCurve
+from .drawing import SNAP_MM, DrawnCurve, OpenLines
 from .layers import setting
-from .limits import SNAP_MM
-from .not_closed import OpenLines
-from .open_ends import REPAIR_FACTOR, ends, nearest_ends, open_end_problems
 from .options import ReadOptions
 
 BROKEN = 0.5
@@ -26,14 +26,14 @@ BROKEN = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class OpenLineDecision:
     """What becomes of open lines: those that are marked, and a word on each."""
 
     marks: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
 
 
-def settled(
+def decide_open_lines(
     chains: Sequence[DrawnCurve],
     rings: Sequence[DrawnCurve],
     parts: Sequence[Part],
@@ -42,7 +42,7 @@ def settled(
     options: ReadOptions,
     told_apart: ByLayer,
     asking: Asking,
-) -> Settled:
+) -> OpenLineDecision:
     """What is done with open lines on layers that are cut.
 
     A line no longer than the join tolerance is a crumb, and is left out. On a layer that `layers.cut` names, a line
@@ -61,7 +61,7 @@ def settled(
     chains = [c for c in chains if c.curve.length_mm > options.join_tolerance_mm]
     crumb_notes = tuple(_told(crumbs, "shorter than drawing.join_tolerance, and therefore left out"))
     if not chains:
-        return Settled((), crumb_notes)
+        return OpenLineDecision((), crumb_notes)
     stated = [told_apart.stated(c) for c in chains]
     whole = [not broken for broken in _maybe_broken(chains, options)]
     metal_mm = _in_metal(chains, parts)
@@ -107,7 +107,7 @@ def settled(
     notes += _told(ignored, f"{cut_and} left out (drawing.open_lines)")
     notes += _told(answered, "left out, as answered")
     notes += _told(in_waste, f"{cut_and} left out, for it lies in no part")
-    return Settled(tuple(marked), (*crumb_notes, *notes))
+    return OpenLineDecision(tuple(marked), (*crumb_notes, *notes))
 
 
 def _asked(
@@ -232,3 +232,38 @@ def _told(chains: Sequence[DrawnCurve], how: str) -> list[Note]:
         )
         for layer, those in sorted(by_layer.items())
     ]
+
+
+# Lines that do not close, told so that a person finds them in the drawing.
+
+REPAIR_FACTOR = 10
+"""With `repair`, gaps up to this many times the join tolerance are closed."""
+
+
+def ends(chain: DrawnCurve) -> str:
+    """How long a line is, where it starts and ends, and its layer."""
+    (x0, y0), (x1, y1) = chain.curve.vertices[[0, -1], :2].tolist()
+    return (
+        f"of {chain.curve.length_mm:.3f} mm from ({x0:.3f}, {y0:.3f}) to ({x1:.3f}, {y1:.3f}) on layer '{chain.layer}'"
+    )
+
+
+def nearest_ends(chains: Sequence[DrawnCurve]) -> Floats:
+    """Array (n, 2): how far the start and the end of each chain are from the nearest other end, its own too, mm."""
+    points = np.concatenate([c.curve.vertices[[0, -1], :2] for c in chains])
+    distances: Floats = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
+    return distances
+
+
+def open_end_problems(chains: Sequence[DrawnCurve], options: ReadOptions) -> list[str]:
+    """A line for each open chain: where its ends are, how far the nearest other open end is, and what to do."""
+    problems = []
+    for chain, gaps in zip(chains, nearest_ends(chains).tolist(), strict=True):
+        gap, (x, y) = min(zip(gaps, chain.curve.vertices[[0, -1], :2].tolist(), strict=True))
+        advice = "close the line in CAD"
+        if gap <= REPAIR_FACTOR * options.join_tolerance_mm:
+            advice = f"{advice}, raise drawing.join_tolerance over {gap:.3f} mm, or try {REPAIR}"
+        problems.append(
+            f"the line {ends(chain)} is open: the end at ({x:.3f}, {y:.3f}) is {gap:.3f} mm from any other: {advice}"
+        )
+    return problems

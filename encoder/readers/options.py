@@ -1,16 +1,21 @@
-"""What a person may say about how a nest file is to be read."""
+"""How a drawing is to be read: its units, and what a person may say about it."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+import numpy as np
+
+from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Answers
+from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.questions import Answers, Asking, Choice, Question
 
 from .layers import DEFAULT, Layers, Purpose
-from .units import MM_PER, mm_of
 
 FrameName = Literal["sheet", "part"]
 OpenLines = Literal["mark", "ignore", "refuse"]
@@ -106,3 +111,158 @@ class ReadOptions:
 def _require(holds: bool, message: str) -> None:
     if not holds:
         raise InputError(message)
+
+
+# Units of length that drawings come in.
+
+MM_PER = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+
+PER_INCH = {"pt": 72.0, "px": 96.0, "72dpi": 72.0, "90dpi": 90.0, "96dpi": 96.0}
+"""Units of drawing programs and printers, by how many of them make an inch."""
+
+UNITS = (*MM_PER, *PER_INCH)
+"""Every word for a unit that a profile takes; the command line takes any number of dots an inch, such as 300dpi."""
+
+DXF_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
+"""The values of the DXF header's $INSUNITS that a nest can be drawn in."""
+
+SMALLEST_SHEET_MM, LARGEST_SHEET_MM = 20.0, 50_000.0
+"""The longer side of any sheet one would cut lies between these."""
+
+
+INCH_SLACK = 1e-3
+"""How far a number times 64 may be from a whole one."""
+
+LONGEST_IN_INCHES = 240.0
+"""A drawing of more units than this is none in inches: no sheet is 20 ft long."""
+
+
+_WORDS = {
+    "mm": "millimetres",
+    "cm": "centimetres",
+    "m": "metres",
+    "in": "inches",
+    "ft": "feet",
+    "pt": "points, 72 an inch",
+    "px": "pixels, 96 an inch",
+}
+
+
+def mm_of(units: str) -> float | None:
+    """Millimetres in a unit: mm, cm, m, in, ft, pt, px, or dots an inch such as 90dpi; None for any other word.
+
+    Examples
+    --------
+    >>> mm_of("cm"), mm_of("pt") == mm_of("72 dpi") == 25.4 / 72, mm_of("yd")
+    (10.0, True, None)
+    """
+    if units in MM_PER:
+        return MM_PER[units]
+    if units in PER_INCH:
+        return 25.4 / PER_INCH[units]
+    dots = re.fullmatch(r"(\d{1,5}(?:\.\d+)?) ?dpi", units)
+    return 25.4 / float(dots[1]) if dots and float(dots[1]) > 0 else None
+
+
+def units_question(text: str, units: Sequence[str], longest: float) -> Question:
+    """Which of these units a drawing is in, the likeliest first; `longest` is its longer side in its own units."""
+    sizes = {unit: f"{longest * (mm_of(unit) or 1.0):.6g} mm long" for unit in units}
+    return Question("units", text, tuple(Choice(unit, _WORDS.get(unit, unit), sizes[unit]) for unit in units))
+
+
+def are_inches(points: Floats) -> bool:
+    """Whether half of some coordinates or more, from the lowest on, are multiples of 1/64.
+
+    Examples
+    --------
+    >>> are_inches(np.array([[0.0, 0.0], [3.5, 2.25]])), are_inches(np.array([[0.0, 0.0], [48.0, 2.4]]))
+    (True, False)
+    """
+    off = (points - points.min(axis=0))[points.max(axis=1) > points.min()] * 64
+    rest = np.abs(off - np.round(off))[np.abs(off) > INCH_SLACK]
+    return bool(rest.size) and float((rest < INCH_SLACK).mean()) > 0.5
+
+
+def dxf_units(
+    insunits: int | None,
+    measurement: int | None,
+    lunits: int | None,
+    longest: float,
+    asking: Asking,
+    in_inches: bool = True,
+) -> tuple[str, str]:
+    """The unit of a DXF file and why, from its header; asked about where that says nothing or contradicts itself.
+
+    Parameters
+    ----------
+    insunits, measurement, lunits
+        The header's $INSUNITS, $MEASUREMENT (0 imperial, 1 metric) and $LUNITS (3 and 4 are feet and inches), None
+        where the file does not have them.
+    longest
+        Longer side of all that is drawn, in units of the drawing.
+    in_inches
+        Whether the numbers are those of a drawing in inches, whole ones and fractions: see `are_inches`.
+    """
+    says_inches = (("LUNITS", lunits, (3, 4)), ("MEASUREMENT", measurement, (0,)))
+    imperial = [f"${name} {value}" for name, value, says in says_inches if value in says]
+    long = f"the drawing is {longest:.6g} units long"
+    if insunits in DXF_UNITS:
+        unit = DXF_UNITS[insunits]
+        if lunits in (3, 4) and unit not in ("in", "ft"):  # many programs leave $MEASUREMENT as it was
+            against = f"$INSUNITS {insunits} ({unit}) and $LUNITS {lunits} (feet and inches) contradict each other"
+            text = f"{against}, {long}: what is it in?"
+            return asking.ask(units_question(text, (unit, "in"), longest)), "asked: the header contradicts itself"
+        if not SMALLEST_SHEET_MM <= longest * MM_PER[unit] <= LARGEST_SHEET_MM and longest > 0:
+            fits = [u for u in ("mm", "in", "cm", "m") if SMALLEST_SHEET_MM <= longest * MM_PER[u] <= LARGEST_SHEET_MM]
+            if fits and unit not in fits:
+                size = f"{longest * MM_PER[unit]:.6g} mm"
+                text = f"$INSUNITS {insunits} says {unit}, in which the drawing is {size} long: what is it in?"
+                return asking.ask(units_question(text, (*fits, unit), longest)), "asked: the size is none of a sheet"
+        return unit, f"$INSUNITS {insunits}"
+    nothing = "the file names no unit" if insunits in (None, 0) else f"$INSUNITS {insunits} is no unit of a nest"
+    if longest > LONGEST_IN_INCHES:
+        return "mm", f"{nothing}, and it is too large to be in inches"
+    if measurement == 1:
+        return "mm", f"{nothing}, $MEASUREMENT 1 says metric"
+    if imperial:
+        said = f"{' and '.join(imperial)} say{'s' if len(imperial) == 1 else ''} inches"
+        text = f"{nothing}, and {said}, {long}: what is it in?"
+        order = ("in", "mm") if in_inches else ("mm", "in")
+        return asking.ask(units_question(text, order, longest)), "asked: the file names no unit"
+    order = ("in", "mm") if longest < SMALLEST_SHEET_MM else ("mm", "in")
+    return asking.ask(
+        units_question(f"{nothing}, {long}: what is it in?", order, longest)
+    ), "asked: the file names no unit"
+
+
+def doubts(sheet: Sheet, units: str) -> list[Note]:
+    """A note on a sheet of a size that no plant would cut; nothing where it is plausible.
+
+    Parameters
+    ----------
+    sheet
+        The sheet as read.
+    units
+        What the file was read in.
+
+    Examples
+    --------
+    >>> doubts(Sheet.rectangle(6000, 1500), "mm")
+    []
+    >>> doubts(Sheet.rectangle(60_000, 15_000), "mm")[0].text
+    'the sheet is 60000 × 15000 mm, too large to be one: if mm is the wrong unit, pass the right units'
+    """
+    width, height = np.ptp(sheet.outline.flatten(), axis=0).tolist()
+    extent = max(width, height)
+    if SMALLEST_SHEET_MM <= extent <= LARGEST_SHEET_MM:
+        return []
+    drawn = extent / (mm_of(units) or 1.0)
+    fits = [u for u, mm in MM_PER.items() if u != units and SMALLEST_SHEET_MM <= drawn * mm <= LARGEST_SHEET_MM]
+    named = (
+        f"--units (in Python: units=) {' or '.join(filter(None, [', '.join(fits[:-1]), fits[-1]]))}"
+        if fits
+        else "the right units"
+    )
+    size = "too small" if extent < SMALLEST_SHEET_MM else "too large"
+    text = f"the sheet is {width:g} × {height:g} mm, {size} to be one: if {units} is the wrong unit, pass {named}"
+    return [Note("warning", text)]

@@ -14,21 +14,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from kerfwise.encoder.bridges.join import with_bridges
-from kerfwise.encoder.contents import contents
+from kerfwise.encoder.bridges import with_bridges
+from kerfwise.encoder.contour_checks import flat, place, speck
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Contour, Nest, Note, Part
+from kerfwise.encoder.progress_notice import notice_if_long
 from kerfwise.encoder.questions import LAYER, Asking, Question, Questions, first_choices, with_gives
-from kerfwise.encoder.shown import shown
-from kerfwise.encoder.still_going import told_if_long
+from kerfwise.encoder.text import escape_text
 from kerfwise.encoder.validate import validated
 
-from .mend import mended
-from .not_closed import OpenLines
+from .drawing import OpenLines
+from .fit_arcs import FLATTEN_MM, fit_curve, with_arcs
 from .options import ReadOptions
 from .reading import Reading
-from .refit import with_arcs
 
 if TYPE_CHECKING:
     from .drawing import Drawing, DrawnCurve
@@ -93,7 +93,7 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
     suffix = file.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}", file=file)
-    with told_if_long(f"reading {file.name}"):
+    with notice_if_long(f"reading {file.name}"):
         return _read(file, suffix, options)
 
 
@@ -112,7 +112,7 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
         raise failed
     assert checked is not None
     sha256 = hashlib.sha256(data).hexdigest()
-    return replace(checked, file=shown(file.name), sha256=sha256, refit_arcs_mm=options.refit_arcs_mm)
+    return replace(checked, file=escape_text(file.name), sha256=sha256, refit_arcs_mm=options.refit_arcs_mm)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -154,7 +154,7 @@ def _rows(file: Path, options: ReadOptions) -> tuple[tuple[str, DrawnCurve], ...
     """The lines of a drawing with what their layers are taken for; none where that cannot be told."""
     if file.suffix.lower() == ".json":
         return ()
-    from .drawing_nest import taken_apart
+    from .nest_from_drawing import taken_apart
 
     door, asking = _Door(file, file.suffix.lower(), file_bytes(file)), Asking(dict(options.answers))
     try:
@@ -213,10 +213,10 @@ class _Door:
         file = self.file
         try:
             nest = self._nest(options, asking)
-            drawn = mended(nest) if options.repair else nest
+            drawn = repair_contours(nest) if options.repair else nest
             drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
         except OpenLines as error:
-            raise BrokenNest(replace(error.nest(), file=shown(file.name)), error, file) from error.__cause__
+            raise BrokenNest(replace(error.nest(), file=escape_text(file.name)), error, file) from error.__cause__
         except InputError as error:
             raise InputError(
                 error.message, file=file, line=error.line, column=error.column, details=error.details
@@ -228,7 +228,7 @@ class _Door:
                 checked = replace(validated(joined), notes=joined.notes)
             return checked
         except InputError as error:
-            raise BrokenNest(replace(drawn, file=shown(file.name)), error, file) from error.__cause__
+            raise BrokenNest(replace(drawn, file=escape_text(file.name)), error, file) from error.__cause__
 
     def _nest(self, options: ReadOptions, asking: Asking) -> Nest:
         """Each format's libraries are imported only when such a file is read."""
@@ -236,7 +236,7 @@ class _Door:
             from .json_nest import read_json
 
             return read_json(self.data, options)
-        from .drawing_nest import nest_of
+        from .nest_from_drawing import nest_of
 
         return nest_of(self.drawing(options, asking), options, asking)
 
@@ -309,7 +309,7 @@ def _given(nest: Nest) -> str:
 def file_bytes(file: Path) -> bytes:
     """All bytes of a nest file; InputError if it cannot be opened or is empty."""
     try:
-        data = contents(file)
+        data = read_limited(file)
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
@@ -317,3 +317,50 @@ def file_bytes(file: Path) -> bytes:
     if not data.strip():
         raise InputError("the file is empty", file=file)
     return data
+
+
+# What `repair` can mend in contours, each mend with its note.
+
+DOMINANT = 0.95
+"""A ring that crosses itself is mended if one of the rings it falls into has this share of the whole area."""
+
+
+def repair_contours(nest: Nest) -> Nest:
+    """The nest without holes, marks and parts that enclose nothing, and with rings that cross no line of their own.
+
+    A ring without one dominant loop stays as it is, for the checks to report. Contours keep their ids.
+    """
+    notes: list[Note] = []
+    parts = [p for p in (_mended_part(part, notes) for part in nest.parts) if p is not None]
+    return replace(nest, parts=tuple(parts), notes=(*nest.notes, *notes))
+
+
+def _mended_part(part: Part, notes: list[Note]) -> Part | None:
+    gone = [c for c in part if (speck if c.kind == "mark" else flat)(c.curve)]
+    if part.outer in gone and len(part.holes) + len(part.marks) > len(gone) - 1:
+        gone.remove(part.outer)  # a part that still holds something is no speck: let the checks report it
+    notes += [Note("repaired", f"{c.id} encloses nothing, {place(c.curve)}: left out", (c.id,)) for c in gone]
+    if part.outer in gone:
+        return None
+    holes = tuple(_mended_ring(h, notes) for h in part.holes if h not in gone)
+    marks = tuple(m for m in part.marks if m not in gone)
+    return replace(part, outer=_mended_ring(part.outer, notes), holes=holes, marks=marks)
+
+
+def _mended_ring(contour: Contour, notes: list[Note]) -> Contour:
+    if flat(contour.curve) or contour.polygon.is_valid:
+        return contour
+    polygon = contour.curve.polygon(FLATTEN_MM)
+    pieces = [g for g in shapely.get_parts(shapely.make_valid(polygon)) if g.geom_type == "Polygon"]
+    whole = sum(g.area for g in pieces)
+    largest = max(pieces, key=lambda g: g.area, default=shapely.Polygon())
+    ring = shapely.Polygon(largest.exterior)
+    if not whole or largest.area < DOMINANT * whole or ring.area - largest.area > (1 - DOMINANT) * whole:
+        return contour
+    curve = fit_curve(np.array(ring.exterior.coords))
+    if curve is None or not curve.polygon().is_valid:
+        curve = Curve.of(ring.exterior.coords[:-1])
+    reason = shapely.is_valid_reason(polygon)
+    lost = f"{len(pieces) - 1} loops of {whole - largest.area:.3f} mm² in all are cut off"
+    notes.append(Note("repaired", f"{contour.id} crossed itself ({reason}): {lost}", (contour.id,)))
+    return replace(contour, curve=curve)

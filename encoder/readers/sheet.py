@@ -1,4 +1,4 @@
-"""The sheet of a drawing: drawn on a layer of its own, given by size, the page, or the parts' bounding box."""
+"""The sheet of a drawing: on a layer of its own, given by size, the page, a frame, or the parts' bounding box."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Ints
+from kerfwise.encoder.contour_checks import flat
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.questions import Asking, Choice, Question
 from kerfwise.encoder.validate import coincident
-from kerfwise.encoder.validate.rings import flat
 
-from .depth import surrounding
 from .drawing import DrawnCurve
-from .frame import ALIKE_MM, alike
-from .options import ReadOptions
+from .options import FrameName, ReadOptions
 
 NO_SHEET = "no layer is the sheet's"
 """How a note begins that says what the sheet is taken from."""
@@ -48,7 +48,7 @@ def choose_sheet(
     if drawn:
         sheet = drawn_sheet(drawn)
         x0, y0, x1, y1 = sheet.bounds
-        if asked is None or alike((x1 - x0, y1 - y0), asked):
+        if asked is None or same_size((x1 - x0, y1 - y0), asked):
             return sheet, why or f"drawn on layer '{drawn[0].layer}'", []
         return overridden(sheet, asked)
     # chords cut the round side of an arc short, by less than what is rounded here
@@ -140,3 +140,123 @@ def _laid_around(x: float, y: float, width: float, height: float) -> Sheet:
 def _rectangle(x: float, y: float, width: float, height: float, *, stated: bool) -> Sheet:
     outline = Curve.of([(x, y), (x + width, y), (x + width, y + height), (x, y + height)])
     return Sheet(outline, stated=stated)
+
+
+# One rectangle around everything, on no layer of its own: the sheet, or a part with openings? Nobody can tell.
+
+STRAIGHT_MM = 0.05
+"""A ring is a rectangle if it leaves its bounding box by less than this, on the average of the box's outline."""
+
+ALIKE_MM = 1.0
+"""A frame and a sheet whose sides differ by less are one and the same."""
+
+PACKED = 0.5
+"""Openings seldom take more than this share of a part; parts on a sheet do."""
+
+ROUGHLY = 0.8
+"""A rectangle with sides of at least this share of those of the sheet that is given may be that sheet's margin."""
+
+
+def frame_of_drawing(rings: Sequence[DrawnCurve]) -> tuple[DrawnCurve, ...]:
+    """The rectangle that holds all other rings, with every copy of it; nothing where there is none."""
+    areas = [p.area for p in rings]
+    lines = np.array([p.curve.line() for p in rings], dtype=object)  # a ring that encloses nothing has no area to ask
+    box = shapely.box(*shapely.total_bounds(lines).tolist())
+    largest = max(range(len(rings)), key=lambda k: areas[k].area)
+    if box.area - areas[largest].area > STRAIGHT_MM * box.length:
+        return ()
+    pairs = coincident([p.curve for p in rings])
+    around = {largest} | {k for pair in pairs if largest in pair for k in pair}
+    return tuple(rings[k] for k in sorted(around)) if len(around) < len(rings) else ()
+
+
+def use_of_frame(
+    frame: Sequence[DrawnCurve],
+    rings: Sequence[DrawnCurve],
+    page: Sheet | None,
+    options: ReadOptions,
+    asking: Asking,
+) -> tuple[FrameName, str]:
+    """What the frame is, and why: as the options say, as the size of the sheet makes plain, or as is answered.
+
+    A sheet that is cut out as a part is scrap, and so is a part that is taken for the sheet.
+    """
+    if options.frame is not None:
+        return options.frame, "as given (--frame, drawing.frame)"
+    size = _size(frame[0])
+    if options.sheet_size_mm is not None:
+        if same_size(size, options.sheet_size_mm):
+            return "sheet", "a rectangle around everything of the size of --sheet"
+        if any(side < ROUGHLY * given for side, given in zip(size, options.sheet_size_mm, strict=True)):
+            return "part", ""
+    holds = _holds_parts(frame, rings)
+    on_page = page is not None and same_size(size, _sides(page.bounds))
+    as_large = ", as large as the page" if on_page else ""
+    choices = (
+        Choice("sheet", "the sheet; what is in it is parts"),
+        Choice("part", "a part; what is in it is openings"),
+    )
+    said = asking.ask(
+        Question(
+            "frame",
+            f"a rectangle of {size[0]:g} × {size[1]:g} mm is drawn around everything{as_large}, {frame[0].place}, and "
+            "no layer says whether it is the sheet or a part: what is it?",
+            choices if holds else choices[::-1],
+        )
+    )
+    return ("sheet" if said == "sheet" else "part"), asking.because("frame")
+
+
+def _holds_parts(frame: Sequence[DrawnCurve], rings: Sequence[DrawnCurve]) -> bool:
+    """Whether what is in a frame is parts, most likely: some have holes, or they fill most of it."""
+    areas = np.array([p.area for p in rings if p not in frame], dtype=object)
+    inner, outer = shapely.STRtree(areas).query(shapely.point_on_surface(areas), predicate="within")
+    sizes = shapely.area(areas)
+    return bool((sizes[outer] > sizes[inner]).any()) or sizes.sum() > PACKED * frame[0].area.area
+
+
+def frame_note(frame: Sequence[DrawnCurve]) -> Note:
+    """That the frame is taken for the sheet."""
+    width, height = _size(frame[0])
+    return Note(
+        "warning", f"the rectangle around everything, {width:g} × {height:g} mm, {frame[0].place}, is the sheet"
+    )
+
+
+def _size(piece: DrawnCurve) -> tuple[float, float]:
+    return _sides(piece.area.bounds)
+
+
+def _sides(bounds: tuple[float, float, float, float]) -> tuple[float, float]:
+    x0, y0, x1, y1 = bounds
+    return round(x1 - x0, 3), round(y1 - y0, 3)
+
+
+def same_size(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two sizes are those of one sheet."""
+    return all(abs(a - b) <= ALIKE_MM for a, b in zip(one, other, strict=True))
+
+
+# Which ring lies in which: even depth is the outside of a part, odd depth a hole.
+
+
+def surrounding(areas: Sequence[shapely.Geometry]) -> tuple[Ints, Ints]:
+    """The depth of every area, and the number of the smallest one around it (-1 for none).
+
+    The areas may touch but not cross: one that has an inner point in a larger one lies in it.
+
+    Examples
+    --------
+    >>> depth, parent = surrounding([shapely.box(0, 0, 9, 9), shapely.box(1, 1, 8, 8), shapely.box(2, 2, 3, 3)])
+    >>> depth.tolist(), parent.tolist()
+    ([0, 1, 2], [-1, 0, 1])
+    """
+    shapes = np.array(areas, dtype=object)
+    size = shapely.area(shapes)
+    inside, around = shapely.STRtree(shapes).query(shapely.point_on_surface(shapes), predicate="within")
+    larger = size[around] > size[inside]
+    inside, around = inside[larger], around[larger]
+    parent = np.full(len(shapes), -1, dtype=np.int64)
+    from_largest = np.argsort(-size[around], kind="stable")
+    parent[inside[from_largest]] = around[from_largest]  # the last to be written is the smallest
+    return np.bincount(inside, minlength=len(shapes)).astype(np.int64), parent

@@ -3,31 +3,31 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import shapely
 import svgelements
 
+from kerfwise.arrays import Floats
+from kerfwise.encoder.contour_checks import enclosed
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Note
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
-from kerfwise.encoder.still_going import so_much
-from kerfwise.encoder.validate.rings import enclosed
 
-from .clipped import Clips, seen_through
-from .drawing import Drawing, DrawnCurve
-from .foreign import FOREIGN_ERRORS
-from .layers import Layers, Purpose, counted
-from .options import ReadOptions
-from .svg_page import page_of
-from .svg_paths import curves
-from .svg_seen import CLIP, MASK, SHAPE, Seen, hidden_told
-from .svg_sound import sound
-from .writing import writing_note
+from .drawing import FOREIGN_ERRORS, LIMIT_MM, Drawing, DrawnCurve, checked_curve
+from .fit_arcs import FLATTEN_MM, fit_arcs
+from .layers import Layers, Purpose, counted, writing_note
+from .options import ReadOptions, mm_of, units_question
+from .svg_validate import validate_svg
+from .svg_visible import CLIP, MASK, SHAPE, Clips, Seen, hidden_told, seen_through
 
 NUMBERED = re.compile(
     "(path|rect|circle|ellipse|line|polyline|polygon|g|group|use|text|tspan|image|layer|svg)[-_]?[0-9][-_0-9]*"
@@ -58,7 +58,7 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
     try:
         page = page_of(svg, options, data, asking)
         shown = list(shown_elements(svg))
-        so_much(len(shown), "shape", "shapes")
+        amount(len(shown), "shape", "shapes")
         areas = _clip_areas(svg, page.to_mm)
         drawn = [
             (c, s) for s in shown if isinstance(s.element, svgelements.Shape) for c in curves(s.element, page.to_mm)
@@ -147,7 +147,7 @@ def sound_svg(data: bytes) -> tuple[bytes, Seen]:
         If it is no XML, or holds what cannot be read.
     """
     try:
-        return sound(data)
+        return validate_svg(data)
     except FOREIGN_ERRORS as error:
         raise InputError(f"not an SVG file that can be read: {error}") from error
 
@@ -221,3 +221,195 @@ def _unread(shown: Sequence[Shown], layers: Layers) -> list[Note]:
         count = "1 image is" if images == 1 else f"{images} images are"
         notes.append(Note("warning", f"{count} left out: trace to paths what is to be cut"))
     return notes
+
+
+# The page of an SVG file: what a user unit is in mm, and where the sheet's lower left corner would be.
+
+MM_PER_LENGTH = {"mm": 1.0, "cm": 10.0, "q": 0.25, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96}
+
+
+SVG_UNITS = ("px", "mm", "pt", "in")
+"""What a file without units may be in, the likeliest first."""
+
+HEAD_BYTES = 4000
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """How to get from svgelements' pixels (y down) to mm (y up); `sheet` is None where the file gives no size.
+
+    `units` names what the drawing was taken to be in, `because` why.
+    """
+
+    to_mm: Any
+    units: str
+    sheet: Sheet | None
+    because: str = ""
+
+
+def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | None = None) -> Page:
+    """The page of a parsed file.
+
+    A user unit is what `options.units` says; else the page's width and height over those of its viewBox; else what the
+    program that wrote the file counts in, by its own words in `data`; else that is asked about. svgelements' own
+    conversion is undone first: it rounds the inch and guesses a missing side.
+
+    Raises
+    ------
+    InputError
+        When the page has no size, or stretches the drawing in one direction.
+    """
+    sides = [_length(svg.values.get(name)) for name in ("width", "height")]
+    box = svg.viewbox
+    x0, y0, width, height = (box.x, box.y, box.width, box.height) if box else (0.0, 0.0, 0.0, 0.0)
+    if box and not (width > 0 and height > 0):
+        raise InputError(f"the viewBox is {width} × {height}: expected a width and a height over 0")
+    scales = [mm / user for (mm, _), user in zip(sides, (width, height), strict=True) if mm and user]
+    stretched = len(scales) == 2 and abs(scales[0] - scales[1]) > 1e-6 * scales[0]
+    if stretched and "none" in str(svg.values.get("preserveAspectRatio")):
+        raise InputError("the page stretches the drawing in one direction; give it a viewBox of its own shape")
+    measured = any(unit.lower() not in ("", "px") for _, unit in sides)
+    if options.units is not None:
+        scale, units, because = mm_of(options.units) or 1.0, options.units, "as given (--units, drawing.units)"
+    elif measured and scales:
+        scale, units, because = min(scales), "mm", "the page's width and height say so"
+    else:
+        extent = max(width, height) or max((mm or 0.0) * 96 / 25.4 for mm, _ in sides)
+        units, because = _pixels(data, extent, None if measured else asking)
+        scale = min(scales, default=25.4 / 96) * (mm_of(units) or 1.0) * 96 / 25.4
+    if not box:
+        pixel = scale * 96 / 25.4
+        sides = [(mm if mm is None or unit.lower() not in ("", "px") else mm * pixel, unit) for mm, unit in sides]
+    size = (width * scale, height * scale) if box else tuple(mm or 0.0 for mm, _ in sides)
+    sheet = Sheet.rectangle(*size) if min(size) > 0 else None
+    to_user = ~svgelements.Matrix(svg.viewbox_transform or "")
+    upright = svgelements.Matrix(scale, 0, 0, -scale, -x0 * scale, y0 * scale + (size[1] if sheet else 0.0))
+    return Page(to_user * upright, units, sheet, because)
+
+
+def _pixels(data: bytes, extent: float, asking: Asking | None) -> tuple[str, str]:
+    """What the units of a file without any are, and why: by the words of the program that wrote it, or answered."""
+    head = data[:HEAD_BYTES].decode("utf-8", "replace")
+    if "Adobe Illustrator" in head:
+        return "pt", "Illustrator counts 72 an inch"
+    if found := re.search(r'inkscape:version="(\d+)\.(\d+)', data.decode("utf-8", "replace")):
+        old = (int(found[1]), int(found[2])) < (0, 92)
+        return (
+            ("90dpi", f"Inkscape {found[1]}.{found[2]} counts 90 an inch")
+            if old
+            else ("px", "Inkscape counts 96 an inch")
+        )
+    question = units_question(
+        f"the file names no unit{f', its page is {extent:g} units long' if extent else ''}: what is it in?",
+        SVG_UNITS,
+        extent,
+    )
+    if asking is None:
+        return "px", "pixels of a page that has a size are 96 an inch"
+    return asking.ask(question), "asked: the file names no unit"
+
+
+def _length(given: object) -> tuple[float | None, str]:
+    """A side of the page in mm and its unit; None where it is not given, or only as a share of the window."""
+    found = re.fullmatch(r"\s*\+?([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*", str(given))
+    if not found or (found[2] and found[2].lower() not in MM_PER_LENGTH):
+        return None, ""
+    return float(found[1]) * MM_PER_LENGTH[found[2].lower() or "px"], found[2]
+
+
+# SVG shapes as curves: circular arcs stay arcs, everything bent otherwise becomes arcs again.
+
+ROUND = 1e-6
+"""An elliptical arc whose radii differ by less than this share is circular."""
+
+
+def curves(shape: Any, to_mm: Any) -> list[Curve]:
+    """The subpaths of a shape in mm, y up.
+
+    Parameters
+    ----------
+    shape
+        Any svgelements.Shape.
+    to_mm
+        The svgelements.Matrix from its coordinates to mm.
+    """
+    found = []
+    for subpath in abs(svgelements.Path(shape) * to_mm).as_subpaths():
+        rows: list[Floats] = []
+        end, shut = None, False
+        for segment in svgelements.Path(subpath):
+            if isinstance(segment, svgelements.Move):
+                continue
+            shut = shut or isinstance(segment, svgelements.Close)
+            if segment.start is not None and segment.end is not None and segment.start != segment.end:
+                vertices = _vertices(segment)
+                rows.append(vertices[:-1])
+                end = vertices[-1:]
+        if end is not None:
+            vertices = np.concatenate([*rows, end])
+            closed = shut or bool(np.hypot(*(vertices[0] - vertices[-1])[:2]) < 1e-6)
+            found.append(checked_curve(vertices, closed))
+    return found
+
+
+def _vertices(segment: Any) -> Floats:
+    """The vertices of one segment, the last with bulge 0."""
+    match segment:
+        case svgelements.Arc():
+            return _arc(segment)
+        case svgelements.CubicBezier() | svgelements.QuadraticBezier():
+            return _bezier(segment)
+    return np.array([(*segment.start, 0.0), (*segment.end, 0.0)])
+
+
+def _arc(arc: Any) -> Floats:
+    if abs(arc.rx - arc.ry) < ROUND * max(arc.rx, arc.ry):
+        start, middle, end = _at(arc, 0), _at(arc, 0.5), _at(arc, 1)
+        halves = [(start, _at(arc, 0.25), middle), (middle, _at(arc, 0.75), end)]
+        whole = [(start, middle, end)]
+        rows = [(*a, _bulge(a, m, b)) for a, m, b in (halves if abs(arc.sweep) > math.pi else whole)]
+        return np.array([*rows, (*end, 0.0)])
+    _refuse_far([arc.center.x, arc.center.y, arc.rx, arc.ry])
+    step = 2 * math.sqrt(2 * FLATTEN_MM / max(arc.rx, arc.ry, FLATTEN_MM))
+    return _sampled(arc, max(8, math.ceil(abs(arc.sweep) / step)))
+
+
+def _bezier(curve: Any) -> Floats:
+    """Points at equal steps of the parameter, as many as Wang's formula asks for.
+
+    The chords of a Bézier curve of degree d, cut in n, stay within d (d - 1) L / (8 n²) of it, L the largest second
+    difference of its control points (Wang 1984).
+    """
+    control = np.array([(p.x, p.y) for p in curve])
+    _refuse_far(control.ravel().tolist())
+    degree = len(control) - 1
+    bend = float(np.hypot(*np.diff(control, 2, axis=0).T).max())
+    return _sampled(curve, max(2, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8 * FLATTEN_MM)))))
+
+
+def _sampled(segment: Any, pieces: int) -> Floats:
+    points = np.array(segment.npoint(np.arange(pieces + 1) / pieces))
+    points[0], points[-1] = segment.start, segment.end  # exact, so that neighbours still meet
+    keep = np.append(np.hypot(*np.diff(points, axis=0).T) > 1e-9, True)
+    return fit_arcs(points[keep])
+
+
+def _at(segment: Any, fraction: float) -> Point:
+    ends = {0.0: segment.start, 1.0: segment.end}
+    point = ends[fraction] if fraction in ends else segment.point(fraction)
+    return float(point.x), float(point.y)
+
+
+def _bulge(start: Point, middle: Point, end: Point) -> float:
+    """The bulge of the arc through three points, the second half-way along."""
+    across = (end[0] - start[0]) * (middle[1] - start[1]) - (end[1] - start[1]) * (middle[0] - start[0])
+    return -2 * across / math.dist(start, end) ** 2
+
+
+def _refuse_far(numbers: list[float]) -> None:
+    """Flattening a curve of astronomic size would never end."""
+    if not all(abs(x) <= LIMIT_MM for x in numbers):
+        raise InputError(
+            "a curve reaches more than a kilometre from the origin: if the units are wrong, "
+            "pass --units (in Python: units=)"
+        )

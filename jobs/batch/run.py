@@ -1,37 +1,50 @@
-"""A batch: every nest on every machine, what is finished skipped, whatever goes wrong with one kept from the others."""
+"""A batch: every nest on every machine, what is finished skipped, here or on a Dask cluster."""
 
 from __future__ import annotations
 
+import contextlib
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol
+from types import TracebackType
+from typing import Any, Generic, Protocol, Self, TypeVar
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.postproc.files import write_files
+from kerfwise.encoder.errors import InputError, RulesConflict, exception_text
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
+from kerfwise.encoder.readers.read import BrokenNest
+from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.page import page_bytes, page_data
+from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
+from kerfwise.jobs.programs import time_made
+from kerfwise.jobs.progress import Listener
+from kerfwise.jobs.request import NoPlan, options_for
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.output_files import remnant_files, write_files
+from kerfwise.postproc.report import draw
+from kerfwise.postproc.report.simple_pictures import thumbnail
 
-from .index import index_files
-from .left import Left, left_in, tidy
-from .machines import Machines, job_of
-from .papers import Papers, leave_papers, papers_of
-from .piece import Options, Piece
-from .planning import Made, fault, plan_piece
-from .row import Row
-from .sources import Source, named
-from .store import Store
+from .reports import Papers, index_files, leave_papers, papers_of
+from .result import PLAN, Figures, Row
+from .store import StaleOutput, Store, stale_outputs, tidy
+from .tasks import Changed, Machines, NestTask, Options, Source, expect_same, job_of, name_sources, task_inputs
+
+# A batch: every nest on every machine, what is finished skipped, whatever goes wrong with one kept from the others.
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
     """A piece that is to be planned, and its key."""
 
-    piece: Piece
+    piece: NestTask
     key: str
 
 
-def plan_task(task: Task) -> Made:
+def plan_task(task: Task) -> TaskOutput:
     """What a process of the batch does with a task."""
-    return plan_piece(task.piece, task.key)
+    return plan_task_inputs(task.piece, task.key)
 
 
 class Run(Protocol):
@@ -39,7 +52,7 @@ class Run(Protocol):
 
     def __call__(
         self, pieces: Iterable[Task], began: Callable[[Task], None]
-    ) -> Iterator[tuple[Task, Made | Exception]]: ...
+    ) -> Iterator[tuple[Task, TaskOutput | Exception]]: ...
 
 
 class Watcher:
@@ -48,7 +61,7 @@ class Watcher:
     def planned(self, pieces: int, before: int) -> None:
         """So many pieces there are, and so many of them were finished before."""
 
-    def began(self, piece: Piece) -> None:
+    def began(self, piece: NestTask) -> None:
         """A piece is being planned now."""
 
     def ended(self, row: Row) -> None:
@@ -71,7 +84,7 @@ class Batch:
     interrupted: bool = False
     faults: Mapping[str, Exception] = field(default_factory=dict)
     papers: Papers = field(default_factory=Papers)
-    left: tuple[Left, ...] = ()
+    left: tuple[StaleOutput, ...] = ()
     tidied: int = 0
 
     @property
@@ -110,11 +123,11 @@ def run_batch(
     that are not among the sources is removed.
     """
     watcher = watcher or Watcher()
-    pieces = list(_pieces(named(sources, store.names()), machines, store.out, options, version))
+    pieces = list(_pieces(name_sources(sources, store.names()), machines, store.out, options, version))
     _leave(pieces, machines, store)
     named_here = {(piece.machine.name, piece.name) for piece in pieces}
     removed = tidy(store, named_here) if tidied else 0
-    rows: dict[Piece, Row] = {}
+    rows: dict[NestTask, Row] = {}
     tasks = []
     for piece in pieces:
         key = piece.key()
@@ -139,7 +152,7 @@ def run_batch(
     done = tuple(ended.values())
     names = tuple(dict.fromkeys([*(m.name for m in machines.named), *(piece.machine.name for piece in pieces)]))
     papers = papers_of(ended, names, store.out, make=sheets and not interrupted)
-    left = left_in(store, named_here)
+    left = stale_outputs(store, named_here)
     write_files({store.out / name: text for name, text in index_files(done, names, papers.files, left).items()})
     return Batch(done, names, again, len(pieces) - len(done), interrupted, faults, papers, left, removed)
 
@@ -152,17 +165,17 @@ def _is_other(task: Task, store: Store) -> bool:
 
 def _pieces(
     sources: Mapping[str, Source], machines: Machines, out: Path, options: Options, version: str
-) -> Iterator[Piece]:
+) -> Iterator[NestTask]:
     """Each nest on the machines that it is for, with what its job file says of the sheets."""
     for name, source in sources.items():
         job = job_of(source.file)
         quantity, order, due = (1, "", None) if job is None else (job.quantity, job.order or "", job.due)
         for machine in machines.of(job):
             day = "" if due is None else due.isoformat()
-            yield Piece(name, source.file, machine, options, version, out, quantity, order, day)
+            yield NestTask(name, source.file, machine, options, version, out, quantity, order, day)
 
 
-def _leave(pieces: Iterable[Piece], machines: Machines, store: Store) -> None:
+def _leave(pieces: Iterable[NestTask], machines: Machines, store: Store) -> None:
     """Remove what is there of nests on machines of this batch that their job files do not mean any more."""
     where: dict[str, set[str]] = {}
     for piece in pieces:
@@ -173,7 +186,7 @@ def _leave(pieces: Iterable[Piece], machines: Machines, store: Store) -> None:
                 store.leave(machine.name, nest)
 
 
-def _kept(task: Task, made: Made | Exception, store: Store) -> Row:
+def _kept(task: Task, made: TaskOutput | Exception, store: Store) -> Row:
     """The row of what was made, once its files are written; that they cannot be is the fault of this one alone."""
     made = fault(task.piece, made) if isinstance(made, Exception) else made
     row = replace(made.row, key=task.key)
@@ -181,3 +194,250 @@ def _kept(task: Task, made: Made | Exception, store: Store) -> Row:
         return store.keep(row, made.contents)
     except InputError as error:
         return replace(row, ended="fault", told=str(error), figures=None, files={})
+
+
+# One nest planned on one machine, as `kerfwise solve` does it; whatever goes wrong is an answer, too.
+
+
+@dataclass(frozen=True, slots=True)
+class TaskOutput:
+    """The row of a piece, and the content of its files by their names."""
+
+    row: Row
+    contents: Mapping[str, str | bytes]
+
+
+class _Elsewhere(Listener):
+    """Ctrl-C is answered where the pieces are handed out."""
+
+    def __enter__(self) -> Self:
+        return self
+
+
+def plan_task_inputs(piece: NestTask, key: str) -> TaskOutput:
+    """Plan one nest on one machine. That it is refused is in the row; what nobody foresaw is raised.
+
+    `key` is what the piece was when it was handed out; where its files have changed since, that is a fault.
+    """
+    try:
+        expect_same(piece, key)
+        made = _planned(piece)
+        expect_same(piece, key)
+        return made
+    except Changed as changed:
+        return _without_plan(piece, "fault", str(changed))
+    except Questions as error:
+        asks = "\n".join(
+            f"  - {escape_text(line)}" for question in error.questions for line in question.told().split("\n")
+        )
+        return _without_plan(piece, "asks", f"{error.message}\n{asks}")
+    except InputError as error:
+        seen = _seen(error.nest, error.wrong) if isinstance(error, BrokenNest) else ""
+        wrong = "refused" if _is_of(error, piece.source) else "no fit"
+        return _without_plan(piece, wrong, _told(error, piece.source), thumbnail=seen)
+    except NoPlan as error:
+        conflict = error.conflict
+        seen = _seen(error.facts.nest, conflict.contours if conflict is not None else ())
+        relax = conflict is not None and conflict.relax is not None
+        return _without_plan(piece, "no plan", str(error), relax=relax, thumbnail=seen)
+    except RulesConflict as error:
+        return _without_plan(piece, "no plan", str(error), relax="in Python relax=True, leaves" in str(error))
+
+
+def fault(piece: NestTask, error: Exception) -> TaskOutput:
+    """The row of a piece that has ended in a way that nobody foresaw."""
+    return _without_plan(piece, "fault", f"a fault of kerfwise itself: {escape_text(exception_text(error))}")
+
+
+def _planned(piece: NestTask) -> TaskOutput:
+    options, notes = piece.options, list[str]()
+    given = task_inputs(piece, notes.append)
+    limits = options_for(
+        given.nest, given.profile, work=options.work, time_s=options.time_s, gap=options.gap, seed=options.seed,
+        memory_gb=options.memory_gb,
+    )  # fmt: skip
+    done = plan_nest(given, limits, relax=options.relax, listener=_Elsewhere())
+    if not done.made.verdict.ok:
+        broken = ", ".join(done.made.verdict.broken())
+        return _without_plan(piece, "not safe", f"the check refuses the plan that was found: {broken}")
+    seen = thumbnail(done.given.nest, done.made.plan)
+    row = _row(piece, "planned", figures=_figures(done), notes=tuple(notes), thumbnail=seen)
+    return TaskOutput(row, _contents(piece, given, done))
+
+
+def _contents(piece: NestTask, given: Inputs, done: FinishedPlan) -> Mapping[str, str | bytes]:
+    """Program, plan, picture and page, and what of the sheet can be used again, by the names that they have."""
+    stem, plan = Path(piece.name).name, done.made.plan
+    files: dict[str, str | bytes] = {
+        f"{stem}.nc": done.made.program,
+        f"{stem}{PLAN}": plan.to_json(),
+        f"{stem}.svg": draw(given.nest, plan, ".svg", given.profile.home_on(given.nest)),
+    }
+    if not done.given.profile.machine.torches.several:  # the page knows one
+        page = page_data(done.given, plan, done.made.verdict, done.made.program, False, "none")
+        files[f"{stem}.html"] = page_bytes(page)
+    saved = remnant_files(f"{stem}.nc", given.nest, given.profile)
+    return files | {path.name: text for path, text in saved.items()}
+
+
+def _figures(done: FinishedPlan) -> Figures:
+    plan, times = done.made.plan, time_made(done.given, done.made.plan)
+    gap = plan.solve.gap if plan.light_gap is None else plan.light_gap
+    cost = times.cost
+    return Figures(
+        contours=len(plan.cuts),
+        pierces=plan.totals.pierces,
+        cut_mm=round(plan.totals.cut_mm, 3),
+        idle_mm=round(plan.totals.idle_mm, 3),
+        time_s=round(times.total_s, 3),
+        gap=None if gap is None else round(gap, 6),
+        excuses=tuple(_excuses(plan)),
+        cost=None if cost is None else round(cost.total, 4),
+        currency="" if cost is None else cost.currency,
+    )
+
+
+def _excuses(plan: Plan) -> Iterator[str]:
+    """Where a hard rule does not hold, and why, a sentence each; relaxed ones are among them."""
+    for rule in plan.rules:
+        yield from (f"{rule.id}: {why}" for _, why in rule.exceptions)
+    yield from (f"{dropped.rule}: {dropped.why}" for dropped in plan.dropped if dropped.relaxed)
+
+
+def _is_of(error: InputError, source: Path) -> bool:
+    """Whether it is the file of a nest that is wrong."""
+    return error.file is not None and Path(str(error.file)).name == source.name
+
+
+def _told(error: InputError, source: Path) -> str:
+    """All that is wrong with a nest, without the name of its file, which stands in the row."""
+    message = error.message
+    place = ", ".join(f"{what} {at}" for what, at in (("line", error.line), ("column", error.column)) if at is not None)
+    if _is_of(error, source):
+        head = InputError(f"{place}: {message}" if place else message)
+    else:
+        head = InputError(message, file=error.file, line=error.line, column=error.column)
+    return "\n".join([str(head), *(f"  - {escape_text(text)}" for text in error.details)])
+
+
+def _seen(nest: Nest, alert: tuple[str, ...]) -> str:
+    """A thumbnail of a nest that was refused; none where it is too broken to be drawn."""
+    try:
+        return thumbnail(nest, alert=alert)
+    except Exception:  # of a broken nest nothing is sure
+        return ""
+
+
+def _row(piece: NestTask, ended: Any, told: str = "", **more: Any) -> Row:
+    sheets: dict[str, Any] = {"quantity": piece.quantity, "order": piece.order, "due": piece.due}
+    return Row(piece.name, str(piece.source), piece.machine.name, ended, told, **sheets, **more)
+
+
+def _without_plan(piece: NestTask, ended: Any, told: str, **more: Any) -> TaskOutput:
+    return TaskOutput(_row(piece, ended, told, **more), {})
+
+
+# The same batch on the machines of a Dask cluster, given by the address of its scheduler.
+
+Piece = TypeVar("Piece")
+Made = TypeVar("Made")
+
+ANSWER_S = 10.0
+"""How long a scheduler may take to answer."""
+AHEAD = 4
+"""Pieces handed out for each thread of the cluster: enough to keep it busy, few enough to be told what is done now."""
+
+
+def dask() -> Any:
+    """Dask's package for several machines, which is an extra.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise InputError("--scheduler needs Dask: pip install 'kerfwise[cluster]'") from None
+    return distributed
+
+
+class Cluster(Generic[Piece, Made]):
+    """Pieces of work done by the workers of a Dask scheduler.
+
+    Where a worker dies, Dask gives what it did to another; a piece that has killed several is an exception. Each piece
+    comes back once. Files are named, not sent: the workers see nests and profiles under the same paths.
+
+    Raises
+    ------
+    InputError
+        If Dask is not installed, or no scheduler answers at the address.
+    """
+
+    def __init__(self, work: Callable[[Piece], Made], scheduler: str, tell: Callable[[str], None]) -> None:
+        client = dask().Client
+        for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm", "tornado"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here, in words
+        try:
+            self._client: Any = client(scheduler, timeout=ANSWER_S, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            said = f"no Dask scheduler answers ({error})"
+            raise InputError(f"--scheduler {scheduler}: {said}; start one with `dask scheduler`") from None
+        self._work, self._scheduler = work, scheduler
+        workers = self._workers()
+        if not workers:
+            tell(f"the scheduler {scheduler} has no worker yet: start some with `dask worker {scheduler} --nthreads 1`")
+        if any(worker["nthreads"] > 1 for worker in workers):
+            tell(
+                "workers with several threads plan several nests in one process, which is slow: --nthreads 1 is faster"
+            )
+
+    def run(self, pieces: Iterable[Piece], began: Callable[[Piece], None]) -> Iterator[tuple[Piece, Made | Exception]]:
+        """Each piece with what was made of it, as soon as it is finished; with the exception, where one was raised.
+
+        Raises
+        ------
+        InputError
+            If the scheduler is lost.
+        """
+        left = iter(pieces)
+        given: dict[Any, Piece] = {}
+        answers = dask().as_completed(loop=self._client.loop)
+        try:
+            while True:
+                room = AHEAD * max(1, sum(worker["nthreads"] for worker in self._workers())) - len(given)
+                for _, piece in zip(range(room), left, strict=False):
+                    future = self._client.submit(self._work, piece, pure=False)
+                    given[future] = piece
+                    answers.add(future)
+                    began(piece)
+                if not given:
+                    return
+                future = next(answers)
+                yield given.pop(future), self._answer(future)
+        finally:
+            self._client.cancel(list(given), force=True)
+
+    def _answer(self, future: Any) -> Made | Exception:
+        if future.cancelled():
+            raise InputError(f"--scheduler {self._scheduler}: was lost; the same command goes on from here")
+        error = future.exception()
+        if isinstance(error, Exception):
+            return error
+        made: Made = future.result()
+        future.release()
+        return made
+
+    def _workers(self) -> list[dict[str, Any]]:
+        with contextlib.suppress(OSError, TimeoutError):
+            return list(self._client.scheduler_info(n_workers=-1)["workers"].values())
+        return []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._client.close()

@@ -1,7 +1,6 @@
 """Two ways to cut one nest, side by side."""
 
-from .files import Comparison, compare
-from .pair import expect_two, pair_of
-from .side import Side, SideAsked, side_of
+from .output import Comparison, compare
+from .sides import Side, SideAsked, expect_two, pair_of, side_of
 
 __all__ = ["Comparison", "Side", "SideAsked", "compare", "expect_two", "pair_of", "side_of"]

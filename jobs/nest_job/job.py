@@ -1,21 +1,57 @@
-"""What a planner writes down about one nest: its profile, locks and settings, how many sheets, for whom and when."""
+"""What a planner writes down about one nest, where its job file stands, and how it is read."""
 
 from __future__ import annotations
 
 import datetime
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
+import yaml
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
 from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.kind import Number, OptionKind, Pairs, Text, Unfit, scalar_text
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number, Pairs, Text
-from kerfwise.rules.options.yaml_positions import Place
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.one_nest import Setting
+from kerfwise.rules.options.quantities import PointOrOff
+from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items
+from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profiles
+from kerfwise.rules.profile.overrides import Setting, read_lock, read_settings
 
-from .day import Day
+# A day, as job files have it: 2026-12-24.
+
+_WRITTEN = r"\d{4}-\d{2}-\d{2}"
+
+
+@dataclass(frozen=True, slots=True)
+class Day(OptionKind):
+    """A day of the calendar: year, month and day, as in ISO 8601."""
+
+    def read(self, node: yaml.Node) -> datetime.date:
+        text = scalar_text(node, self).strip()
+        if not re.fullmatch(_WRITTEN, text, re.ASCII):
+            raise self.refuse(node)
+        try:
+            return datetime.date.fromisoformat(text)
+        except ValueError as error:
+            raise Unfit(f"there is no such day as {text}: {error}", node) from None
+
+    def write(self, value: datetime.date) -> str:
+        return value.isoformat()
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "string", "format": "date", "pattern": f"^{_WRITTEN}$"}
+
+    def expected(self) -> str:
+        return "a day such as 2026-12-24 (year-month-day)"
+
+
+# What a planner writes down about one nest: its profile, locks and settings, how many sheets, for whom and when.
 
 MOST_SHEETS = 100_000
 
@@ -70,3 +106,118 @@ class Job:
         if self.profile is None or self.profile in shipped_profiles():
             return self.profile
         return str(Path(self.file).parent / self.profile)
+
+
+# Job files read: every mistake with its line and column.
+
+LOCKS, TABS, SET = "locks", "tabs", "set"
+
+
+def read_job(path: str | Path) -> Job:
+    """Read a job file.
+
+    What it names (a profile, contours, keys of the profile) is looked up where the job is used: see `jobs/inputs.py`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
+    """
+    try:
+        data = read_limited(path, MOST_BYTES_OF_YAML)
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"not a job file: the file is not UTF-8 text ({error.reason})", file=path) from None
+    except ValueError as error:  # a NUL, or half a character
+        raise InputError(f"cannot read the job file: no file can have this name ({error})", file=path) from None
+    except OSError as error:
+        raise InputError(f"cannot read the job file: {error.strerror}", file=path) from None
+    return replace(job_of(text, str(path)), sha256=hashlib.sha256(data).hexdigest())
+
+
+def job_of(text: str, file: str) -> Job:
+    """The job that a text describes.
+
+    Raises
+    ------
+    InputError
+        As `read_job` does.
+
+    Examples
+    --------
+    >>> job = job_of("quantity: 4\\ndue: 2026-12-24\\nlocks: [P2 first]\\n", "plate.job.yaml")
+    >>> job.quantity, job.due.day, job.locks[0].contour, str(job.locks[0].place)
+    (4, 24, 'P2', 'plate.job.yaml:3:9')
+    """
+    problems, root = Problems(file), compose(text, file)
+    members = list(entries(root, problems, "job file")) if root is not None else []
+    own = {key: value for key, _, value in members if key in (LOCKS, TABS, SET)}
+    rest = [member for member in members if member[0] not in own]
+    said_at = {key: problems.place(key_node) for key, key_node, _ in members}
+    job = read_fields(rest, Job(file=file, said_at=said_at), problems, "job file", other=(LOCKS, TABS, SET))
+    locks = [*_locks(own[LOCKS], problems)] if LOCKS in own else []
+    locks += _tabs(own[TABS], problems) if TABS in own else []
+    settings = read_settings(own[SET], problems) if SET in own else ()
+    problems.raise_any()
+    return replace(job, locks=tuple(locks), settings=settings)
+
+
+def _locks(node: yaml.Node, problems: Problems) -> Iterator[Lock]:
+    """Each entry is a line in words, or a mapping as in a profile."""
+    for number, entry in enumerate(items(node, problems, LOCKS), 1):
+        if is_empty(entry):
+            problems.add(
+                entry,
+                f"{LOCKS}[{number}]: expected a lock, got nothing; write '#7 first' in quotes: # begins a comment",
+            )
+        elif isinstance(entry, yaml.ScalarNode):
+            try:
+                yield replace(read_lock(str(entry.value)), place=problems.place(entry))
+            except InputError as error:
+                problems.add(entry, f"{LOCKS}[{number}]: {error.message}")
+        else:
+            own = Problems(problems.file)
+            yield from read_locks(yaml.SequenceNode("tag:yaml.org,2002:seq", [entry], entry.start_mark), own)
+            for line, column, said in own.found:
+                problems.found.append((line, column, said.replace(f"{LOCKS}[1]", f"{LOCKS}[{number}]", 1)))
+
+
+def _tabs(node: yaml.Node, problems: Problems) -> Iterator[Lock]:
+    """A contour or part, and where tabs hold it: a point, several, or off."""
+    for name, key_node, value in entries(node, problems, TABS):
+        several = isinstance(value, yaml.SequenceNode) and any(isinstance(v, yaml.SequenceNode) for v in value.value)
+        for one in value.value if several else (value,):
+            try:
+                yield Lock(contour=name, tab=PointOrOff().read(one), place=problems.place(key_node))  # type: ignore[arg-type]
+            except Unfit as error:
+                problems.add(error.node or one, f"{TABS}.{name}: {error}")
+
+
+# Where the job file of a nest is looked for: beside it, under its name.
+
+ENDING = ".job.yaml"
+
+
+def job_beside(nest: str | Path) -> Path | None:
+    """The job file beside a nest's file, `plate.job.yaml` for `plate.dxf`; None where there is none.
+
+    Examples
+    --------
+    >>> job_beside("examples/nests/e1x_6.dxf") is None
+    True
+    """
+    path = Path(nest)
+    beside = path.with_name(beside_name(path)) if path.stem else None
+    return beside if beside is not None and is_file(beside) else None
+
+
+def beside_name(nest: str | Path) -> str:
+    """What the job file of a nest is called."""
+    return f"{Path(nest).stem}{ENDING}"
+
+
+def misnamed(nest: str | Path) -> Path | None:
+    """A file beside a nest that is nearly called as its job file would be; None where there is none."""
+    path = Path(nest)
+    nearly = (f"{path.name}{ENDING}", f"{path.stem}.job.yml", f"{path.stem}.job.json", f"{path.stem}.job")
+    return next((file for name in nearly if path.stem and is_file(file := path.with_name(name))), None)

@@ -7,9 +7,8 @@ import sys
 from typing import Any
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kind import OptionKind
+from kerfwise.rules.options.kind import OptionKind, Text
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.quantities import PointOrOff, PointXY
 
 from .job import Job

@@ -1,24 +1,74 @@
-"""From nests to programs: every sheet planned, judged, and its files made."""
+"""From nests to programs, sheet by sheet: planned, repaired where that is needed, judged."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.text import clock, metres
 from kerfwise.encoder.validate import validated
-from kerfwise.jobs.batch.figures import clock, metres
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.main_job import Finished, plan_nest
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.times import time_made
-from kerfwise.postproc.nc.remnant import remnant_files
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
+from kerfwise.jobs.programs import time_made
+from kerfwise.jobs.progress import Listener, Listeners
+from kerfwise.jobs.request import options_for
+from kerfwise.nesting.fill import LEFT, Taste
+from kerfwise.nesting.layout import OF, Sheetful, refill_sheet
+from kerfwise.nesting.shapes import Shapes
+from kerfwise.postproc.output_files import remnant_files
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
+
+from .nests import Nested, nest_files, nests_from
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Programs:
+    """The nests as they are cut, the plan of each, a line for each and for what was repaired."""
+
+    nested: Nested
+    plans: tuple[FinishedPlan, ...]
+    told: tuple[str, ...]
+    interrupted: bool
+
+    def files(self, dxf: bool) -> dict[str, str | bytes]:
+        """Nests, programs, plans, pictures and remnants, by the names that they have."""
+        files = nest_files(self.nested, ".nest.svg", dxf)
+        for name, done in zip(self.nested.names, self.plans, strict=True):
+            files |= program_files(name, done)
+        return files
+
+
+def make_programs(
+    nested: Nested, profile: Profile, work: float, relax: bool, listener: Callable[[str], Listener]
+) -> Programs:
+    """Plan every sheet as `kerfwise solve` would plan it.
+
+    Raises
+    ------
+    InputError, RulesConflict
+        If a sheet has no plan, not even with its parts moved apart: `RulesConflict` names the sheet.
+    """
+    heard = Listeners(listener)
+    plans: list[FinishedPlan] = []
+    told: list[str] = []
+    for number, name in enumerate(nested.names):
+        try:
+            nested, done, how = planned(nested, number, profile, work, heard, relax)
+        except RulesConflict as error:
+            raise RulesConflict(f"{name}: {error.message}; nothing was written", error.reasons) from error
+        plans.append(done)
+        told += [plan_text(name, done), *([how] if how else [])]
+    return Programs(nested, tuple(plans), tuple(told), heard.interrupted)
+
+
+# From nests to programs: every sheet planned, judged, and its files made.
 
 
 def _as_read(name: str, text: str) -> Nest:
@@ -30,7 +80,7 @@ def _as_read(name: str, text: str) -> Nest:
 
 def plan_sheet(
     name: str, text: str, profile: Profile, work: float, *, relax: bool = False, listener: Listener
-) -> Finished:
+) -> FinishedPlan:
     """Plan the nest in a text, as `kerfwise solve` would plan its file.
 
     Raises
@@ -38,14 +88,14 @@ def plan_sheet(
     InputError, RulesConflict
         As `plan_nest` does; also if the check refuses the plan.
     """
-    given = Given(profile.as_cut(_as_read(name, text)), profile)
+    given = Inputs(profile.as_cut(_as_read(name, text)), profile)
     done = plan_nest(given, options_for(given.nest, profile, work=work), relax=relax, listener=listener)
     if not done.made.verdict.ok:
         raise RulesConflict(f"the check refuses the plan: {', '.join(done.made.verdict.broken())}")
     return done
 
 
-def program_files(name: str, done: Finished) -> dict[str, str | bytes]:
+def program_files(name: str, done: FinishedPlan) -> dict[str, str | bytes]:
     """Program, plan and picture of a sheet, and what of it can be used again, by the names that they have."""
     nest, profile, plan = done.given.nest, done.given.profile, done.made.plan
     files: dict[str, str | bytes] = {
@@ -56,7 +106,7 @@ def program_files(name: str, done: Finished) -> dict[str, str | bytes]:
     return files | {path.name: text for path, text in remnant_files(f"{name}.nc", nest, profile).items()}
 
 
-def plan_text(name: str, done: Finished) -> str:
+def plan_text(name: str, done: FinishedPlan) -> str:
     """What the program of a sheet takes, in a line."""
     plan, times = done.made.plan, time_made(done.given, done.made.plan)
     cost = "" if times.cost is None else f", {times.cost.total:.2f} {times.cost.currency}"
@@ -65,3 +115,120 @@ def plan_text(name: str, done: Finished) -> str:
         f"{name}.nc: {len(plan.cuts)} contours, {totals.pierces} pierces, idle {metres(totals.idle_mm)}, "
         f"{clock(times.total_s)}{cost}"
     )
+
+
+# Nests whose rules cannot hold, repaired: the parts of a sheet moved apart on it, where there is room to spare.
+
+_WIDER = (0.25, 0.75, 1.5)
+"""By how much of the gap parts have more around them, in turn; of `_LEAST_MM` where the gap is less."""
+_LEAST_MM = 2.0
+_SMALLER = (2, 1, 0)
+"""How often blocks with common edges are doubled instead, in turn."""
+_TASTES = (LEFT, Taste(0.01, 1.0), Taste(blocks=True))
+
+
+def plan_or_repair(
+    nested: Nested, number: int, plan: Callable[[str, str], FinishedPlan], stopped: Callable[[], bool]
+) -> tuple[Nested, FinishedPlan, str]:
+    """Plan a sheet; where it cannot be cut, move its parts apart and plan it again.
+
+    First the parts that the refusal names are moved, then all. The sheet stays the same, and so does what lies on it.
+
+    Parameters
+    ----------
+    nested, number
+        The nests, and which of them, from 0 on.
+    plan
+        Plans a nest: takes its name and its text.
+    stopped
+        Whether somebody wants no more of it.
+
+    Returns
+    -------
+    The nests, the plan, and what was moved, in a clause; nothing where nothing was.
+
+    Raises
+    ------
+    InputError, RulesConflict
+        The first refusal, if the parts have no room to be moved, or cannot be cut for another reason.
+    """
+    name = nested.names[number]
+    try:
+        return nested, plan(name, nested.texts[number]), ""
+    except (InputError, RulesConflict) as error:
+        for made, how in _moved(nested, number, str(error)):
+            if stopped():
+                break
+            if made.faults:
+                continue
+            try:
+                return made, plan(name, made.texts[number]), f"{name} repaired: {how}"
+            except (InputError, RulesConflict):
+                continue
+        raise
+
+
+def _moved(nested: Nested, number: int, refusal: str) -> Iterator[tuple[Nested, str]]:
+    """The nests with the parts of one sheet further apart, wider and wider."""
+    layout, sheet = nested.layout, nested.layout.sheets[number]
+
+    def anew(full: Sheetful) -> Nested:
+        return nests_from(replace(layout, sheets=(*layout.sheets[:number], full, *layout.sheets[number + 1 :])))
+
+    if layout.spacing.common is not None:
+        for doubled in _SMALLER:
+            if (placed := _laid(nested, sheet, {}, doubled)) is not None:
+                yield (
+                    anew(placed),
+                    f"blocks of {2**doubled} parts with common edges at most" if doubled else "no blocks",
+                )
+    kinds = sorted({one.kind for one in sheet.placed})
+    named = _named(nested, number, refusal) or set(kinds)
+    spacing = layout.spacing
+    for widened in [named] if named == set(kinds) else [named, set(kinds)]:
+        for share in _WIDER:
+            more_mm = share * max(spacing.gap_mm, _LEAST_MM)
+            if (placed := _laid(nested, sheet, dict.fromkeys(widened, more_mm))) is None:
+                break
+            names = ", ".join(layout.wanted.types[kind].name for kind in sorted(widened))
+            told = "all parts" if widened == set(kinds) else names
+            yield anew(placed), f"{more_mm:.3g} mm more around {told}"
+
+
+def _named(nested: Nested, number: int, refusal: str) -> set[int]:
+    """The part types that a refusal is about."""
+    words = set(re.findall(r"[^\s,;:()]+", refusal))
+    said = {word.rsplit(".", 1)[0] for word in words} | words
+    numbers = {kind.name: k for k, kind in enumerate(nested.layout.wanted.types)}
+    parts = nested.nests[number].parts
+    return {numbers[str(part.attributes[OF])] for part in parts if part.id in said}
+
+
+def _laid(nested: Nested, sheet: Sheetful, more: dict[int, float], doubled: int = 0) -> Sheetful | None:
+    """The sheet with its parts laid once more, some with so much more around them; None where they have no room.
+
+    Blocks with common edges are doubled so often at the most; 0: none are made.
+    """
+    layout = nested.layout
+    shapes = Shapes(
+        layout.wanted.types, layout.spacing.gap_mm, layout.spacing.common if doubled else None, more, doubled
+    )
+    tastes = [replace(taste, blocks=taste.blocks or doubled > 0) for taste in _TASTES]
+    return refill_sheet(sheet, sheet.placed, shapes, layout.spacing, tastes)
+
+
+def planned(
+    nested: Nested,
+    number: int,
+    profile: Profile,
+    work: float,
+    listener: Callable[[str], Listener],
+    relax: bool = False,
+) -> tuple[Nested, FinishedPlan, str]:
+    """A sheet planned as `kerfwise solve` would plan it, repaired where that is needed: see `plan_or_repair`."""
+    heard = Listeners(listener)
+
+    def plan(name: str, text: str) -> FinishedPlan:
+        return plan_sheet(name, text, profile, work, relax=relax, listener=heard(name))
+
+    return plan_or_repair(nested, number, plan, lambda: heard.stopped)

@@ -6,11 +6,10 @@ import json
 import sys
 from typing import Any
 
-from kerfwise.rules.options.kind import OptionKind
+from kerfwise.rules.options.kind import OptionKind, Text
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.options.plain_values import Text
 
-from .rows import PartRow, SheetRow
+from .request import PartRow, SheetRow
 
 Json = dict[str, Any]
 

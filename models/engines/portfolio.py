@@ -23,16 +23,16 @@ from math import inf
 from threading import Event
 from typing import TYPE_CHECKING, NamedTuple
 
-from kerfwise.models.engines import beam, bounds, cpsat, ideals, setting_out, shares
-from kerfwise.models.engines.ideals.series import series
-from kerfwise.models.engines.ideals.windows import polish
-from kerfwise.models.engines.known import Known
-from kerfwise.models.engines.names import Member
+from kerfwise.models.engines.ideals.heuristic_sweeps import polish
+from kerfwise.models.engines.ideals.stretch import series
 from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions, table_bytes
-from kerfwise.models.engines.watch import Watch
-from kerfwise.models.kernels import running_s
+from kerfwise.models.jit import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
+
+from . import Member, beam, bounds, cpsat, ideals, shared_state, solution
+from .shared_state import SharedState
+from .solution import Watch
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.search import Searcher
@@ -45,8 +45,8 @@ def run_portfolio(
     options: SolveOptions,
     watch: Watch,
     start: tuple[int, ...] | None = None,
-    earlier: Known | None = None,
-) -> Known:
+    earlier: SharedState | None = None,
+) -> SharedState:
     """Everything that can be found out about a problem within the limits, by all members or by the one asked for.
 
     Parameters
@@ -82,8 +82,8 @@ class Run:
     def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
         self.problem, self.options, self.watch = problem, options, watch
         self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
-        self.most_bytes = table_bytes(options.memory_gb, setting_out.crossed_bytes(problem))
-        self.known = Known()
+        self.most_bytes = table_bytes(options.memory_gb, solution.crossed_bytes(problem))
+        self.known = SharedState()
         self.count: ideals.Count | None = None
         self.swept = self.shown = False
         self.preview: Incumbent | None = None
@@ -98,7 +98,11 @@ class Run:
 
     def over(self) -> bool:
         """Whether no further member is to begin."""
-        late = self.options.time_s is not None and self.known.incumbent is not None and self.left() < shares.SET_OUT_S
+        late = (
+            self.options.time_s is not None
+            and self.known.incumbent is not None
+            and self.left() < shared_state.SET_OUT_S
+        )
         return self.known.proven or self.watch.stopped or late
 
     def takes(self, member: Member, why: str) -> bool:
@@ -159,20 +163,20 @@ def bounded_well(problem: Problem) -> bool:
 
 def bounded_beside(run: Run) -> bool:
     """Whether the bound by flows is looked for at the same time as a better plan."""
-    many = run.problem.n > shares.FLOW_FEW
+    many = run.problem.n > shared_state.FLOW_FEW
     return many and bounded_well(run.problem) and not carried(run.problem) and run.options.gap is None
 
 
 def stretches_short(run: Run, count: ideals.Count) -> bool:
     """Whether stretches are so short that a bound may make the sets few."""
     longest = count.longest
-    return longest <= shares.LONGEST or (longest <= shares.LONGEST_ZONE and longest <= run.problem.n / 2)
+    return longest <= shared_state.LONGEST or (longest <= shared_state.LONGEST_ZONE and longest <= run.problem.n / 2)
 
 
 def sweep_ends(run: Run) -> bool:
     """Whether a sweep over all sets fits well into what is left."""
     count = run.count
-    return count is not None and count.fits(run.most_bytes) and count.seconds <= shares.SURE * run.left()
+    return count is not None and count.fits(run.most_bytes) and count.seconds <= shared_state.SURE * run.left()
 
 
 # Ideals
@@ -184,14 +188,14 @@ def count_sets(run: Run) -> None:
         return
 
     def going(entries: int) -> bool:
-        few = entries < shares.PREVIEW_AFTER_ENTRIES or run.problem.n > shares.PREVIEW_MOST_CONTOURS
+        few = entries < shared_state.PREVIEW_AFTER_ENTRIES or run.problem.n > shared_state.PREVIEW_MOST_CONTOURS
         if not (few or run.shown or run.options.member):
             show_preview(run)
         return run.watch("ideals", None, None)
 
-    most = shares.COUNTED_FEW if run.problem.n <= shares.LONGEST else shares.COUNTED
-    alone = run.options.member is not None and run.problem.n > shares.COUNTED_ALONE_CONTOURS
-    most *= min(1.0, run.left() / (shares.COUNTED_ALONE_S if alone else shares.COUNTED_S))
+    most = shared_state.COUNTED_FEW if run.problem.n <= shared_state.LONGEST else shared_state.COUNTED
+    alone = run.options.member is not None and run.problem.n > shared_state.COUNTED_ALONE_CONTOURS
+    most *= min(1.0, run.left() / (shared_state.COUNTED_ALONE_S if alone else shared_state.COUNTED_S))
     run.count = ideals.count_sets(run.of_sets, most, going)
     run.known.work += run.count.work
 
@@ -201,8 +205,8 @@ def swept_at_once(run: Run) -> bool:
     count = run.count
     if count is None or not count.fits(run.most_bytes):
         return False
-    longest_s = shares.AT_ONCE_S if stretches_short(run, count) else shares.AT_ONCE_MANY_S
-    if not (run.options.member or count.seconds <= min(longest_s, shares.AT_ONCE * run.left())):
+    longest_s = shared_state.AT_ONCE_S if stretches_short(run, count) else shared_state.AT_ONCE_MANY_S
+    if not (run.options.member or count.seconds <= min(longest_s, shared_state.AT_ONCE * run.left())):
         return False
     run.known.notes.append(f"ideals: {'swept at once' if run.options.member is None else 'asked for'}, {count}")
     run.swept = True
@@ -224,16 +228,18 @@ def proof_share(run: Run) -> float:
     """Seconds for the proof."""
     if run.options.member:
         return run.left()
-    small = run.problem.n <= shares.LONGEST
-    return run.left() * (shares.PROOF_SMALL if small else shares.PROOF_ZONES if _zones(run) else shares.PROOF)
+    small = run.problem.n <= shared_state.LONGEST
+    return run.left() * (
+        shared_state.PROOF_SMALL if small else shared_state.PROOF_ZONES if _zones(run) else shared_state.PROOF
+    )
 
 
 def prove(run: Run, share: float) -> None:
     """The ideals, bounded by walks in stages; of a large nest with zones walks take no more, linear programs do."""
-    if run.options.member or run.problem.n <= shares.LONGEST or not _zones(run):
+    if run.options.member or run.problem.n <= shared_state.LONGEST or not _zones(run):
         sweep(run, share)
     else:
-        sweep(run, share, tuple(shares.PROOF / shares.PROOF_ZONES * stage for stage in ideals.STAGES))
+        sweep(run, share, tuple(shared_state.PROOF / shared_state.PROOF_ZONES * stage for stage in ideals.STAGES))
 
 
 def _zones(run: Run) -> bool:
@@ -256,9 +262,9 @@ def sweep(run: Run, share: float, stages: tuple[float, ...] = ideals.STAGES) -> 
 def priced_suits(run: Run) -> bool:
     """Whether a nest is so small that the ideals with multipliers of the flow come near its best plan at once."""
     problem = run.problem
-    if run.over() or run.options.member is not None or problem.n > shares.FLOW_FEW or not bounded_well(problem):
+    if run.over() or run.options.member is not None or problem.n > shared_state.FLOW_FEW or not bounded_well(problem):
         return False
-    return ideals.priceable(problem) and ideals.sets_out(problem, run.left() * shares.PRICED)
+    return ideals.priceable(problem) and ideals.sets_out(problem, run.left() * shared_state.PRICED)
 
 
 def sweep_priced(run: Run, share: float) -> None:
@@ -301,7 +307,7 @@ def show_preview(run: Run) -> None:
     from kerfwise.models.engines.search import Searcher
 
     searcher, run.shown = Searcher(run.problem, run.options.seed), True
-    searcher.run(shares.PREVIEW_WORK, run.options.time_s and shares.PREVIEW_WORK, run.watch.preview)
+    searcher.run(shared_state.PREVIEW_WORK, run.options.time_s and shared_state.PREVIEW_WORK, run.watch.preview)
     run.preview = searcher.best
 
 
@@ -315,17 +321,21 @@ def search_suits(run: Run) -> bool:
 def look_share(run: Run) -> float:
     """Seconds for the first look."""
     left = run.left()
-    return left if run.options.member else min(shares.FIRST_MOST * left, max(shares.FIRST * left, shares.FIRST_S))
+    return (
+        left
+        if run.options.member
+        else min(shared_state.FIRST_MOST * left, max(shared_state.FIRST * left, shared_state.FIRST_S))
+    )
 
 
 def look(run: Run, share: float) -> None:
     """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
-    few = run.options.member is None and run.problem.n <= shares.LONGEST
-    looks = shares.LOOKS if few else 1
+    few = run.options.member is None and run.problem.n <= shared_state.LONGEST
+    looks = shared_state.LOOKS if few else 1
     best: Searcher | None = None
     for number in range(looks):
         known = run.known.incumbent
-        search(run, share / looks, run.options.seed + number * shares.SEEDS_APART if number else None)
+        search(run, share / looks, run.options.seed + number * shared_state.SEEDS_APART if number else None)
         if best is None or run.known.incumbent is not known:
             best = run.searcher
         if run.over():
@@ -350,9 +360,11 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
 def windows(run: Run, share: float) -> None:
     """Windows of the best plan in their best order."""
     known = run.known
-    if known.incumbent is None or run.over() or setting_out.windows_s(run.problem) > share:
+    if known.incumbent is None or run.over() or solution.windows_s(run.problem) > share:
         return
-    polished = polish(run.problem, known.incumbent, share, run.within(share), shares.WINDOWS_BYTES * run.most_bytes)
+    polished = polish(
+        run.problem, known.incumbent, share, run.within(share), shared_state.WINDOWS_BYTES * run.most_bytes
+    )
     known.offer(polished.incumbent, "windows")
     known.work += polished.work
 
@@ -371,14 +383,14 @@ def beam_share(run: Run) -> float:
     """Seconds for the beam."""
     if run.options.member:
         return run.left()
-    dense = density(run.problem) >= shares.DENSE and not bounded_beside(run)
-    return run.left() * (shares.BEAM_DENSE if dense else shares.BEAM_SPARSE)
+    dense = density(run.problem) >= shared_state.DENSE and not bounded_beside(run)
+    return run.left() * (shared_state.BEAM_DENSE if dense else shared_state.BEAM_SPARSE)
 
 
 def widen_beam(run: Run, share: float) -> None:
     """Beams, each wider than the last."""
     known = run.known
-    if not run.sets_out(setting_out.beam_s(run.problem), share):
+    if not run.sets_out(solution.beam_s(run.problem), share):
         known.notes.append(NOT_BEGUN.format("beam"))
         return
     outcome = beam.beam(run.problem, known.incumbent, share, run.limit_s(share), run.watch, most_bytes=run.most_bytes)
@@ -396,27 +408,29 @@ def widen_beam(run: Run, share: float) -> None:
 def improve_and_bound(run: Run, _: float) -> None:
     """A better plan and a higher bound, where nothing is proven yet."""
     if run.known.priced:
-        search(run, run.left() * shares.SEARCH_PRICED)
+        search(run, run.left() * shared_state.SEARCH_PRICED)
         windows(run, run.left())
         return
     if bounded_beside(run):
-        search(run, run.left() * shares.SEARCH_ALONE)
+        search(run, run.left() * shared_state.SEARCH_ALONE)
         if not run.over() and run.known.incumbent is not None:
             improve_while_bounded(run)
         return
     bounded, held = bounded_well(run.problem), carried(run.problem)
     well = bounded and not held
-    few = shares.FLOW_FIRST if run.problem.n <= shares.FLOW_FEW else 0.0
-    bound_by_flows(run, run.left() * (few if well else shares.FLOW_CARRIED if bounded else shares.FLOW_PLAIN))
+    few = shared_state.FLOW_FIRST if run.problem.n <= shared_state.FLOW_FEW else 0.0
+    bound_by_flows(
+        run, run.left() * (few if well else shared_state.FLOW_CARRIED if bounded else shared_state.FLOW_PLAIN)
+    )
     if not run.over():
-        share = shares.SEARCH_NEST if well else shares.SEARCH if held else shares.SEARCH_PLAIN
-        polishing = shares.WINDOWS_NEST if well else shares.WINDOWS
+        share = shared_state.SEARCH_NEST if well else shared_state.SEARCH if held else shared_state.SEARCH_PLAIN
+        polishing = shared_state.WINDOWS_NEST if well else shared_state.WINDOWS
         if not (well or model_sets_out(run, run.left() * (1.0 - share) * (1.0 - polishing))):
-            share, polishing = shares.SEARCH_LAST, 1.0
+            share, polishing = shared_state.SEARCH_LAST, 1.0
         search(run, run.left() * share)
         windows(run, run.left() * polishing)
     if well and not run.over():
-        bound_by_flows(run, run.left() * shares.FLOW)
+        bound_by_flows(run, run.left() * shared_state.FLOW)
 
 
 def bound_by_flows(run: Run, share: float) -> None:
@@ -443,7 +457,7 @@ def improve_while_bounded(run: Run) -> None:
     """
     plan, left, began = run.known.incumbent, run.left(), run.known.work
     assert plan is not None
-    share = shares.FLOW_BESIDE * left
+    share = shared_state.FLOW_BESIDE * left
     reached, within = Event(), run.within(share, lambda *_: not run.watch.stopped)
 
     def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
@@ -452,8 +466,8 @@ def improve_while_bounded(run: Run) -> None:
 
     def bound() -> ideals.Proof | bounds.FlowBound:
         """By flows, and by the ideals with their multipliers where these hold all that is asked."""
-        most_bytes = (1.0 - shares.WINDOWS_BYTES) * run.most_bytes
-        if ideals.priceable(run.problem) and ideals.sets_out(run.problem, shares.FIRST_BOUNDS * share):
+        most_bytes = (1.0 - shared_state.WINDOWS_BYTES) * run.most_bytes
+        if ideals.priceable(run.problem) and ideals.sets_out(run.problem, shared_state.FIRST_BOUNDS * share):
             proof = ideals.prove_priced(run.problem, plan, share, going, run.limit_s(share), most_bytes)
             return bounds.FlowBound(0, share) if proof is None else proof
         return bounds.flow_bound(run.problem, plan, share, going, most_bytes, run.ends_s(share))
@@ -461,9 +475,9 @@ def improve_while_bounded(run: Run) -> None:
     with ThreadPoolExecutor(1) as thread:
         bounding = thread.submit(bound)
         try:
-            search(run, shares.SEARCH_BESIDE * left)
-            windows(run, shares.WINDOWS_BESIDE * left)
-            while not wait([bounding], shares.NEWS_S).done:
+            search(run, shared_state.SEARCH_BESIDE * left)
+            windows(run, shared_state.WINDOWS_BESIDE * left)
+            while not wait([bounding], shared_state.NEWS_S).done:
                 if not run.watch("bound", plan.cost, None):
                     reached.set()
         finally:
@@ -481,7 +495,7 @@ def improve_while_bounded(run: Run) -> None:
 
 def model_sets_out(run: Run, share: float) -> bool:
     """Whether CP-SAT has time for more than its model."""
-    return run.sets_out(setting_out.cpsat_s(run.problem), share)
+    return run.sets_out(solution.cpsat_s(run.problem), share)
 
 
 def solve_model(run: Run, share: float) -> None:
@@ -513,7 +527,7 @@ STEPS = (
     Step(swept_at_once, Run.left, sweep),
     Step(search_suits, look_share, look),
     Step(proof_suits, proof_share, prove),
-    Step(priced_suits, lambda run: run.left() * shares.PRICED, sweep_priced),
+    Step(priced_suits, lambda run: run.left() * shared_state.PRICED, sweep_priced),
     Step(beam_suits, beam_share, widen_beam),
     Step(lambda run: not run.over() and run.options.member is None, Run.left, improve_and_bound),
     Step(lambda run: not run.over(), Run.left, solve_model),

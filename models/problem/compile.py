@@ -5,35 +5,35 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
+from operator import attrgetter
 
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.microns import cost_um, points_um
-from kerfwise.models.physics.timing.constant import Feeds
-from kerfwise.rules.by_kind import Kinds, by_kind
+from kerfwise.encoder.geometry.tolerances import cost_um, points_um
+from kerfwise.models.physics.motion import Feeds
 from kerfwise.rules.statements import (
+    AtLeast,
     Contiguous,
     Crossing,
+    Enough,
     Forbid,
+    Kinds,
     Link,
     Precede,
     Statement,
+    by_kind,
 )
 
-from .closure import close
-from .conditions import Condition
-from .crossed_areas import Going
-from .crossings import Crossings, TooManyMoves, find_crossings, from_home
-from .last import digest
-from .links import Links
-from .magnitude import check_magnitude
-from .pace import Pace
-from .problem import Problem, SoftGroup
-from .sites import sites_of
-from .translated import Translated, begin_with, translated
+from .bitsets import digest
+from .conditions import Condition, LoweredStatements, lower_statements, starts_with
+from .crossings import Crossings, Going, TooManyMoves, find_crossings, from_home
+from .precedence import close
+from .problem import Durations, Links, Problem, SoftGroup
+from .simplify import sites_of
 
 
 def make_problem(
@@ -61,7 +61,7 @@ def make_problem(
     """
     kinds = by_kind(statements)
     contour_of = np.repeat(np.arange(facts.n), np.diff(facts.first)).tolist()
-    told = translated(statements, contour_of, Translated() if earlier is None else earlier.told)
+    told = lower_statements(statements, contour_of, LoweredStatements() if earlier is None else earlier.told)
     blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
     orders = digest(told.pairs, blocks)
     before = earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, told.pairs, blocks)
@@ -89,7 +89,7 @@ def make_problem(
 
 
 def _on_sites(
-    facts: Facts, told: Translated, kinds: Kinds, home_mm: tuple[float, float], feeds: Feeds | None
+    facts: Facts, told: LoweredStatements, kinds: Kinds, home_mm: tuple[float, float], feeds: Feeds | None
 ) -> Problem:
     """Sites, and what is asked of them; nothing of orders yet."""
     allowed, costs = _candidate_costs(facts, kinds.forbid)
@@ -115,20 +115,20 @@ def _on_sites(
         lags=(),
         general=told.general,
         ids=tuple(c.id for c in facts.nest.contours),
-        pace=Pace() if feeds is None else Pace.of(facts, chosen.tolist(), feeds),
+        pace=Durations() if feeds is None else Durations.of(facts, chosen.tolist(), feeds),
     )
 
 
 def _same_sites(statements: tuple[Statement, ...], earlier: Problem) -> bool:
     """Whether a problem of these statements has the sites of the earlier one, for what is new is about none of them."""
     known = earlier.told.statements
-    if not begin_with(statements, known):
+    if not starts_with(statements, known):
         return False
     new, old = by_kind(statements[len(known) :]), by_kind(known)
     return not (new.forbid or new.link or new.at_least or any(s.over is None for s in (*old.crossing, *new.crossing)))
 
 
-def _gone_on(earlier: Problem, told: Translated) -> Problem:
+def _gone_on(earlier: Problem, told: LoweredStatements) -> Problem:
     """The sites of an earlier problem with what is asked of them, and what is new."""
     new = dict.fromkeys(told.conditions[len(earlier.told.conditions) :])
     at = {condition.contour for condition in new}
@@ -252,3 +252,111 @@ def _on_site(conditions: Sequence[Condition], candidate_site: Ints, chosen: Ints
         elif (when := site[c.when]) is not None:
             found[Condition(c.contour, c.members, c.weights, c.bound, c.about, when, c.cost)] = None
     return tuple(found)
+
+
+# No sum overflows: what the dearest plan could cost is added up in Python's own integers before any engine begins.
+
+MOST_UM = 10**14
+"""100,000 km of idle travel: below it every engine's sums are exact, those in doubles included."""
+
+MOST_COUNTED = 10**15
+"""What the weights of one condition, and what it asks for, may come to: its engines add them up in 64 bits."""
+
+TRAVEL = "objective.idle, objective.time and machine.home"
+
+
+def dearest_um(problem: Problem) -> dict[str, int]:
+    """What a plan can cost at most, whole µm, not tight: of idle travel, and of each rule that has a price."""
+    found: dict[str, int] = defaultdict(int)
+    found[TRAVEL] = (problem.n + 1) * _longest_um(problem)
+    dearest = np.zeros(problem.n, dtype=np.int64)
+    np.maximum.at(dearest, problem.site_contour, problem.site_cost)
+    found["entries that a soft rule forbids"] += sum(dearest.tolist())
+    for rule, of_rule in _by_rule(problem.conditions).items():
+        found[rule] += _dearest_of(problem, of_rule)
+    for g in problem.soft_groups:
+        found[g.about.rule] += g.cost * (len(g.contours) - 1)
+    for lag in problem.lags:
+        if lag.weight is not None:
+            found[lag.about.rule] += cost_um(lag.weight) * lag.cuts + round(lag.weight) * round(lag.seconds * 1000)
+    for s in problem.general:
+        found[s.about.rule] += 0 if s.weight is None else cost_um(s.weight)
+    if len(problem.crossings):  # of the areas that a move crosses each is charged once
+        found["idle travel over parts that are out"] += (
+            (problem.n + 1) * problem.n * max(0, int(problem.crossings.cost.max()))
+        )
+    return dict(found)
+
+
+def _by_rule(conditions: Sequence[Condition]) -> dict[str, list[Condition]]:
+    found: dict[str, list[Condition]] = defaultdict(list)
+    for condition in conditions:
+        found[condition.about.rule].append(condition)
+    return found
+
+
+def _dearest_of(problem: Problem, conditions: Sequence[Condition]) -> int:
+    """What breaking conditions of one rule can cost at most; of the sites of a contour one is used."""
+    total, of_site = 0, dict[int, int]()
+    for c in conditions:
+        if c.when is None:
+            total += c.cost or 0
+        else:
+            of_site[c.when] = of_site.get(c.when, 0) + (c.cost or 0)
+    contours, of_contour = problem.site_contour.tolist(), dict[int, int]()
+    for site, cost in of_site.items():
+        of_contour[contours[site]] = max(of_contour.get(contours[site], cost), cost)
+    return total + sum(of_contour.values())
+
+
+def check_magnitude(problem: Problem) -> None:
+    """Refuse a problem whose costs, or the weights of whose conditions, could overflow.
+
+    Raises
+    ------
+    InputError
+        If the dearest plan could cost more than `MOST_UM`; names what most of it comes from. If the weights of a
+        condition come to more than `MOST_COUNTED`; names the rule and the contour.
+    """
+    given: tuple[Condition | AtLeast, ...] = (*problem.conditions, *problem.general)
+    for asked in () if _surely_counted(problem) else given:
+        if _counted(asked) > MOST_COUNTED:
+            about = asked.about
+            contours = f" of {', '.join(about.contours)}" if about.contours else ""
+            raise InputError(
+                f"rule {about.rule} counts what is asked{contours} by weights that come to {_counted(asked):.3g}, more "
+                f"than can be counted exactly ({MOST_COUNTED:.0e}): make them, and what they must come to, smaller"
+            )
+    found = dearest_um(problem)
+    if sum(found.values()) > MOST_UM:
+        most = max(found, key=lambda name: found[name])
+        key = most if most == TRAVEL else f"weight of {most}"
+        raise InputError(
+            f"a plan could cost {sum(found.values()) / 1e9:.3g} km of idle travel, more than can be counted exactly "
+            f"({MOST_UM // 10**9:,} km), most of it by {key}: state less there"
+        )
+
+
+def _surely_counted(problem: Problem) -> bool:
+    """Whether nothing comes near what can be counted: told of all weights and bounds together."""
+    if problem.general:
+        return False
+    of_each = list(map(attrgetter("weights"), problem.conditions))
+    weights, bounds = set(chain.from_iterable(of_each)), set(map(attrgetter("bound"), problem.conditions))
+    most = max(map(abs, weights), default=0) * max(map(len, of_each), default=0)
+    return most + max(map(abs, bounds), default=0) <= MOST_COUNTED
+
+
+def _counted(asked: Condition | AtLeast | Enough) -> int:
+    """What the weights of a condition, those in it and what it asks for come to at most."""
+    within = () if isinstance(asked, Condition) else asked.literals
+    inner = max((_counted(literal) for literal in within if isinstance(literal, Enough)), default=0)
+    return max(inner, sum(map(abs, asked.weights)) + abs(asked.bound))
+
+
+def _longest_um(problem: Problem) -> int:
+    """No move costs more."""
+    if problem.matrix is not None:
+        return max(map(abs, map(int, (problem.matrix.min(), problem.matrix.max())))) if problem.matrix.size else 0
+    points = np.vstack([problem.ends(), problem.pierces()]).astype(np.float64)
+    return int(problem.travel_weight * float(np.linalg.norm(np.ptp(points, axis=0)))) + 1

@@ -12,8 +12,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import is_
+from typing import assert_never
 
-from kerfwise.rules.statements import About, AtLeast, Before, NoGood, Precede
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.encoder.geometry.tolerances import cost_um
+from kerfwise.rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    Link,
+    NoGood,
+    Precede,
+    Statement,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +53,12 @@ class Condition:
         return sum(w for k, w in zip(self.members, self.weights, strict=True) if k in already) >= self.bound
 
 
-def of_soft_precede(statement: Precede, cost: int) -> Condition:
+def soft_precede_condition(statement: Precede, cost: int) -> Condition:
     """When `before` is cut, `after` is not yet out."""
     return Condition(statement.before, (statement.after,), (-1,), 0, statement.about, cost=cost)
 
 
-def of_no_good(statement: NoGood, cost: int | None) -> Iterator[Condition]:
+def no_good_condition(statement: NoGood, cost: int | None) -> Iterator[Condition]:
     """Whoever of `out` comes last finds one of `left` already out: with k = |out| - 1 others,
 
     k + 1 for each of `left` in S, less one for each other of `out` in S, is at least 1 - k.
@@ -58,7 +77,7 @@ def of_no_good(statement: NoGood, cost: int | None) -> Iterator[Condition]:
         )
 
 
-def of_at_least(statement: AtLeast, contour_of: Sequence[int], cost: int | None) -> Condition | None:
+def at_least_condition(statement: AtLeast, contour_of: Sequence[int], cost: int | None) -> Condition | None:
     """The statement as a condition, if all its literals are about one contour's predecessors; else None.
 
     `contour_of` maps candidates to contours. `Before(x, i)` is x in S; `Before(i, x)` is 1 minus x in S.
@@ -87,3 +106,72 @@ def _about_pivot(statement: AtLeast, pivot: int, cost: int | None) -> Condition 
             return None
     members = tuple(sorted(weights))
     return Condition(pivot, members, tuple([weights[k] for k in members]), bound, statement.about, statement.when, cost)
+
+
+# What statements come to before candidates become sites: hard orders as pairs, conditions, and what no condition
+# says.
+#
+# A round of a solve asks for those of the round before and a few more, so that only these are worked out.
+
+
+def _no_pairs() -> Ints:
+    return np.empty((0, 2), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoweredStatements:
+    """Statements and what they come to: `pairs` (k, 2) of contours of which the first is hard before the second.
+
+    In `conditions`, `when` is a candidate. Other kinds of statements are fields of a problem of their own.
+    """
+
+    statements: tuple[Statement, ...] = ()
+    pairs: Ints = field(default_factory=_no_pairs)
+    conditions: tuple[Condition, ...] = ()
+    general: tuple[AtLeast, ...] = ()
+
+
+def starts_with(statements: tuple[Statement, ...], known: tuple[Statement, ...]) -> bool:
+    """Whether they begin with the very statements that are known."""
+    return len(statements) >= len(known) and all(map(is_, known, statements))
+
+
+def lower_statements(
+    statements: tuple[Statement, ...], contour_of: Sequence[int], earlier: LoweredStatements
+) -> LoweredStatements:
+    """What statements come to; where they begin with those of an `earlier` answer, that is taken over.
+
+    `contour_of` maps candidates to contours, the same ones as for the earlier answer.
+    """
+    if not starts_with(statements, earlier.statements):
+        earlier = LoweredStatements()
+    before: list[int] = []
+    after: list[int] = []
+    conditions: list[Condition] = []
+    general: list[AtLeast] = []
+    for s in statements[len(earlier.statements) :]:
+        match s:
+            case Precede():
+                if s.weight is None:
+                    before.append(s.before)
+                    after.append(s.after)
+                else:
+                    conditions.append(soft_precede_condition(s, cost_um(s.weight)))
+            case NoGood():
+                conditions.extend(no_good_condition(s, None if s.weight is None else cost_um(s.weight)))
+            case AtLeast():
+                made = at_least_condition(s, contour_of, None if s.weight is None else cost_um(s.weight))
+                if made is None:
+                    general.append(s)
+                else:
+                    conditions.append(made)
+            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link():
+                pass  # `make_problem` reads them
+            case _:
+                assert_never(s)
+    return LoweredStatements(
+        statements,
+        np.concatenate([earlier.pairs, np.array([before, after], dtype=np.int64).T.reshape(-1, 2)]),
+        (*earlier.conditions, *conditions),
+        (*earlier.general, *general),
+    )

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.geometry.microns import cost_um
+from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Pick
 
-from .bits import ROWS_AT_ONCE
-from .closure import known_immediate_pairs
+from .bitsets import ROWS_AT_ONCE
 from .conditions import Condition
 from .crossings import FORBIDDEN
+from .precedence import known_immediate_pairs
 from .problem import Problem
 
 

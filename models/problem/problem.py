@@ -6,22 +6,163 @@ the last digit. Candidates of a contour that no statement tells apart and that s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.encoder.ranges import laid_out
-from kerfwise.rules.statements import About, AtLeast, Lag
+from kerfwise.arrays import Bools, Floats, Int32s, Ints, concat_ranges
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import cost_um, points_um
+from kerfwise.models.physics.motion import Feeds
+from kerfwise.rules.statements import About, AtLeast, Lag, Link, Statement, by_kind
 
-from .conditions import Condition
+from .conditions import Condition, LoweredStatements
 from .crossings import Crossings
-from .followers import Followers
-from .links import Links
-from .pace import Pace
-from .successors import known_followers
-from .translated import Translated
+from .precedence import Followers, known_followers
+
+# Moves with the torch on: from the end of one site through waste to another, in place of idle travel and a pierce.
+
+
+def links_on(
+    candidates: Sequence[Candidate], statements: Iterable[Statement], route: Sequence[int], home_mm: Point
+) -> list[Link | None]:
+    """For every cut of a route (candidates in order) the link that leads to it, as the compiled problem has it."""
+    kinds = by_kind(statements)
+    if not kinds.link:
+        return [None] * len(route)
+    place = np.full(len(candidates), -1, dtype=np.int64)
+    place[list(route)] = np.arange(len(route))
+    offered, steps = Links.of(kinds.link, place, len(route)), np.arange(len(route) - 1)
+    taken = offered.rows_of(steps, steps + 1).tolist()
+    price = sum(s.weight for s in kinds.idle_travel)
+    timed = {frozenset((lag.first, lag.second)) for lag in kinds.lag if lag.seconds > 0}
+    found: list[Link | None] = [None] * len(route)
+    for k, ((a, b), row) in enumerate(zip(pairwise(route), taken, strict=True), 1):
+        if row >= 0 and frozenset((candidates[a].contour, candidates[b].contour)) not in timed:
+            leave, reach = points_um([candidates[a].end, candidates[b].pierce], home_mm).astype(np.float64)
+            idle = int(np.rint(price * np.sqrt(((leave - reach) ** 2).sum())))
+            found[k] = kinds.link[offered.path[row]] if offered.cost[row] < idle else None
+    return found
+
+
+def _none() -> Ints:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Links:
+    """Row k: going from site `leave[k]` to site `reach[k]` costs `cost[k]` µm, whatever is out.
+
+    The cut of that site begins at once and takes `ms[k]` more than with a pierce and a lead-in, mostly less. `path[k]`
+    is the number of the statement among those given, which knows the way. Rows are sorted by `leave` and then by
+    `reach`, each move once; `sites` is the number of sites. Neither end is home.
+
+    A cost may be less than 0, as the site reached is paid for with its pierce; with what that site costs, it is not.
+    """
+
+    leave: Ints = field(default_factory=_none)
+    reach: Ints = field(default_factory=_none)
+    cost: Ints = field(default_factory=_none)
+    ms: Ints = field(default_factory=_none)
+    path: Ints = field(default_factory=_none)
+    sites: int = 0
+
+    def __len__(self) -> int:
+        return len(self.leave)
+
+    @staticmethod
+    def of(statements: Sequence[Link], candidate_site: Ints, sites: int) -> Links:
+        """The moves that statements offer between the sites of their candidates, of several the cheapest.
+
+        Examples
+        --------
+        >>> from kerfwise.rules.statements import About
+        >>> offer = Link((0,), (2, 3), ((0, 0), (9, 0)), About("links", (), ""), -4.5)
+        >>> links = Links.of([offer], np.array([0, 0, 1, -1]), 2)
+        >>> links.leave.tolist(), links.reach.tolist(), links.cost.tolist()
+        ([0], [1], [-4500])
+        """
+        leaves = [np.unique(candidate_site[list(s.leave)]) for s in statements]
+        reaches = [np.unique(candidate_site[list(s.reach)]) for s in statements]
+        sizes = [len(a) * len(b) for a, b in zip(leaves, reaches, strict=True)]
+        number = np.repeat(np.arange(len(statements), dtype=np.int64), sizes)
+        leave = np.concatenate([_none(), *(np.repeat(a, len(b)) for a, b in zip(leaves, reaches, strict=True))])
+        reach = np.concatenate([_none(), *(np.tile(b, len(a)) for a, b in zip(leaves, reaches, strict=True))])
+        cost = np.array([cost_um(s.weight) for s in statements], dtype=np.int64)[number]
+        ms = np.array([round(s.seconds * 1000) for s in statements], dtype=np.int64)[number]
+        order = np.lexsort([number, cost, reach, leave])
+        order = order[(leave[order] >= 0) & (reach[order] >= 0)]
+        move = leave[order] * sites + reach[order]
+        once = order[np.append(True, move[1:] != move[:-1])] if len(order) else order
+        return Links(leave[once], reach[once], cost[once], ms[once], number[once], sites)
+
+    def only(self, kept: Bools) -> Links:
+        """Some of the rows."""
+        return Links(self.leave[kept], self.reach[kept], self.cost[kept], self.ms[kept], self.path[kept], self.sites)
+
+    def renumbered(self, number: Ints, sites: int) -> Links:
+        """The rows between sites that are left, `number[s]` is the new number of site s, in the same order, or -1."""
+        there = (number[self.leave] >= 0) & (number[self.reach] >= 0)
+        left = self.only(there)
+        return Links(number[left.leave], number[left.reach], left.cost, left.ms, left.path, sites)
+
+    def rows_of(self, leave: Ints | Int32s, reach: Ints | Int32s) -> Ints:
+        """The row of the move from `leave[k]` to `reach[k]`, (k,), -1 where it is no link."""
+        if not len(self):
+            return np.full(len(leave), -1, dtype=np.int64)
+        known, asked = self.leave * (self.sites + 1) + self.reach, leave.astype(np.int64) * (self.sites + 1) + reach
+        at = np.minimum(np.searchsorted(known, asked), len(known) - 1)
+        return np.where(known[at] == asked, at, -1)
+
+    def laid_over(self, table: Ints, leave: Ints, reach: Ints) -> None:
+        """Put what links cost into a table of moves from the sites `leave` (rows) to `reach` (columns)."""
+        low, high = np.searchsorted(self.leave, leave), np.searchsorted(self.leave, leave, side="right")
+        if (low == high).all():
+            return
+        link = concat_ranges(low, high - low)
+        row, by_site = np.repeat(np.arange(len(leave)), high - low), np.argsort(reach, kind="stable")
+        sites, asked = reach[by_site], self.reach[link]
+        low, high = np.searchsorted(sites, asked), np.searchsorted(sites, asked, side="right")
+        again = np.repeat(np.arange(len(link)), high - low)
+        table[row[again], by_site[concat_ranges(low, high - low)]] = self.cost[link[again]]
+
+
+# How long cuts and moves take, in whole milliseconds, for statements that count seconds.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Durations:
+    """`cut_ms` (m,) is the time of every site's cut, piercing included; a move of d µm takes d · `ms_per_um`, rounded.
+
+    An empty `cut_ms` says that cuts and moves take no time.
+    """
+
+    cut_ms: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    ms_per_um: float = 0.0
+
+    @staticmethod
+    def of(facts: Facts, representatives: Sequence[int], feeds: Feeds) -> Durations:
+        """The pace of a machine, for the candidates that the sites stand for."""
+        times = []
+        for number in representatives:
+            candidate = facts.candidates[number]
+            contour = facts.nest.contours[candidate.contour]
+            if contour.kind == "mark":
+                times.append(feeds.mark_start_s + candidate.cut_mm / feeds.mark_mm_s)
+            else:
+                pierce = feeds.edge_s if candidate.unpierced else feeds.pierce_s
+                run_mm = candidate.cut_mm + candidate.at_corners_mm(contour)
+                times.append(pierce + run_mm / (feeds.cut_mm_s * contour.feed_share))
+        return Durations(np.asarray(np.rint(np.array(times) * 1000), dtype=np.int64), 1.0 / feeds.travel_mm_s)
+
+    def move_ms(self, from_um: Ints, to_um: Ints) -> Ints:
+        """Time of the moves between points (k, 2), ms."""
+        gap = np.sqrt(((from_um.astype(np.float64) - to_um) ** 2).sum(axis=-1))
+        return np.asarray(np.rint(gap * self.ms_per_um), dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +210,12 @@ class Problem:
     general: tuple[AtLeast, ...]
     ids: tuple[str, ...]
     crossings: Crossings = field(default_factory=Crossings)
-    pace: Pace = field(default_factory=Pace)
+    pace: Durations = field(default_factory=Durations)
     links: Links = field(default_factory=Links)
     matrix: Ints | None = None
     left_out: tuple[tuple[str, str], ...] = ()
     orders: bytes = b""
-    told: Translated = field(default_factory=Translated, repr=False)
+    told: LoweredStatements = field(default_factory=LoweredStatements, repr=False)
 
     @property
     def m(self) -> int:
@@ -88,7 +229,7 @@ class Problem:
     def sites_of(self, contours: Ints | Sequence[int]) -> Ints:
         """Site numbers of several contours, one after the other."""
         chosen = np.asarray(contours, dtype=np.int64)
-        return laid_out(self.first[chosen], self.first[chosen + 1] - self.first[chosen])
+        return concat_ranges(self.first[chosen], self.first[chosen + 1] - self.first[chosen])
 
     @property
     def looks_one_back(self) -> bool:

@@ -1,13 +1,9 @@
 """The independent check of plans and programs."""
 
 from .check import check_cuts, check_program
-from .heating import Heating, Thermometer
-from .judged_cuts import JudgedCuts
-from .judgement import Excused, Judgement
-from .planned import Planned
-from .relaxed import Relaxed
-from .result import CheckResult, Measured, report
-from .totals import Claims
+from .feeds import Heating, Thermometer
+from .plan_conformance import Claims, PlanClaims
+from .result import CheckResult, Excused, JudgedCuts, Judgement, Measured, RelaxedStatement, report
 
 __all__ = [
     "CheckResult",
@@ -17,8 +13,8 @@ __all__ = [
     "JudgedCuts",
     "Judgement",
     "Measured",
-    "Planned",
-    "Relaxed",
+    "PlanClaims",
+    "RelaxedStatement",
     "Thermometer",
     "check_cuts",
     "check_program",

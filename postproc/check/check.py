@@ -8,44 +8,50 @@ from dataclasses import replace
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check.reader.old import Trusted
-from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
-from kerfwise.postproc.check.reader.program import NcProgram, of_all_torches
-from kerfwise.rules.judging.kerf_starts import in_older_kerfs
-from kerfwise.rules.profile.cuts_section import Scrap
+from kerfwise.postproc.check.reader.program import NcProgram, expand_torches
+from kerfwise.postproc.check.reader.read_program import Trusted, origin_warning, read_on_machine, with_program_origin
+from kerfwise.rules.judging.pierces import starts_in_older_kerfs
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Scrap
 from kerfwise.rules.rule import Violation
 
-from .bridges import broken_bridges
-from .burnt_rings import Tabs, burnt_rings, burnt_twice, cut_tabs, left_open
-from .coverage import coverage, once_each
-from .edge_loss import Accepted, lost_elsewhere, told_of_losses
-from .edge_starts import edge_starts, run_up_mm
-from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
-from .judge import judge
-from .judged_cuts import JudgedCuts
-from .judgement import Judgement
-from .links import bad_links, long_leads
-from .loose_metal import burnt_loose
-from .loose_skeleton import off_the_frame
-from .metal import Pairs, gouges, off_sheet
-from .pierce_pass import not_of_a_pass
-from .planned import Planned, strays_from
-from .program_rules import in_steps_of, judgement, tolerance_mm
-from .rebuild import rebuild
-from .relaxed import Relaxed, read_relaxed, relaxed_warnings
-from .result import CheckResult, Measured
-from .resumed import burnt_by
-from .running import judge_running
-from .runs_from_cuts import runs_from_cuts, unlit_tabs
-from .skeleton_pieces import wrong_pieces
-from .slits import Slots, misplaced, passes_of_cuts, passes_of_program, slits_of_made, told_of_slots, with_passes
-from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
-from .torch_run import TorchRun
-from .torches import most_at_once, not_together, stated_spacing, stricter, wrong_spacing
-from .totals import Claims, claims_kept, idle_mm, totals
-from .travel import beyond_travel, rapids_beyond_travel
-from .uncut import Allowed, features_lost
+from .coverage import Tabs, burnt_rings, burnt_tabs, burnt_twice, coverage, first_cuts, open_contours
+from .cuts_from_program import pierce_pass_violations, rebuild
+from .features_kept import Allowed, features_lost
+from .feeds import Thermometer, heatings_of_cuts, heatings_of_program, judge_running, measured
+from .gouging import Accepted, Pairs, edge_loss_notes, gouges, paths_off_sheet, wrong_edge_losses
+from .loose_metal import broken_bridges, cuts_in_loose_metal, cuts_in_loose_skeleton, wrong_pieces
+from .machine_limits import (
+    bad_links,
+    edge_starts,
+    long_leads,
+    paths_beyond_travel,
+    rapids_beyond_travel,
+    run_up_mm,
+    stated_spacing,
+    stricter,
+    torch_count,
+    wrong_spacing,
+    wrong_torch_cuts,
+)
+from .plan_conformance import Claims, PlanClaims, claims_kept, idle_mm, strays_from, totals
+from .plan_runs import burnt_before, runs_from_cuts, unlit_tabs
+from .result import CheckResult, JudgedCuts, Judgement, Measured, RelaxedStatement, read_relaxed, relaxed_warnings
+from .rule_verdicts import judge
+from .small_features import (
+    JudgedNest,
+    Slots,
+    judged_nest,
+    misplaced,
+    passes_of_cuts,
+    passes_of_program,
+    slits_of_made,
+    slot_notes,
+    small_hole_notes,
+    small_holes,
+    with_passes,
+)
+from .torch_run import TorchRun, in_steps_of, judgement, tolerance_mm
 
 _ROUNDING_MM = 1e-3
 
@@ -55,7 +61,7 @@ def check_cuts(
     cuts: CutSequence,
     profile: Profile,
     claims: Claims | None = None,
-    relaxed: Sequence[Relaxed] = (),
+    relaxed: Sequence[RelaxedStatement] = (),
     thermometer: Thermometer | None = None,
     tabs: Tabs | None = None,
 ) -> CheckResult:
@@ -70,16 +76,16 @@ def check_cuts(
     judged_by = replace(judged_by, nest=nest)
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
     judged, warnings = _judge_paths(judged_by, slots, cuts, runs, faults, profile, relaxed, tabs=tabs)
-    in_kerfs = _begun_in_kerfs(nest, cuts, profile)
+    in_kerfs = _starts_in_kerfs(nest, cuts, profile)
     heatings = heatings_of_cuts(nest, cuts, runs, profile, in_kerfs)
-    felt = measured(once_each(nest, cuts), heatings, thermometer)
+    felt = measured(first_cuts(nest, cuts), heatings, thermometer)
     rules = judge(nest, felt, profile, relaxed)
-    for other in (cuts.turned(by) for by in range(1, most_at_once(cuts))):
+    for other in (cuts.turned(by) for by in range(1, torch_count(cuts))):
         paths, wrong = runs_from_cuts(nest, other, profile.material.kerf_mm)
         more, _ = _judge_paths(judged_by, slots, other, paths, wrong, profile, relaxed, tabs=tabs)
-        judged, rules = stricter(judged, more), stricter(rules, judge(nest, once_each(nest, other), profile, relaxed))
-    if profile.machine.torches.several or most_at_once(cuts) > 1:
-        judged.append(judgement("torches", not_together(cuts, profile)))
+        judged, rules = stricter(judged, more), stricter(rules, judge(nest, first_cuts(nest, other), profile, relaxed))
+    if profile.machine.torches.several or torch_count(cuts) > 1:
+        judged.append(judgement("torches", wrong_torch_cuts(cuts, profile)))
     by_rules = JudgedCuts(nest, felt, profile, tuple(relaxed), tuple(rules))
     warnings += relaxed_warnings(relaxed)
     if claims is not None:
@@ -96,7 +102,7 @@ def check_program(
     file: str = "",
     thermometer: Thermometer | None = None,
     tabs: Tabs | None = None,
-    planned: Planned | None = None,
+    planned: PlanClaims | None = None,
     known: JudgedCuts | None = None,
     trusted: Trusted | None = None,
     side: Side | None = None,
@@ -126,30 +132,30 @@ def check_program(
         return result
 
 
-def _begun_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozenset[int]:
+def _starts_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozenset[int]:
     """The positions of cuts that begin in the kerf of an older one, and pierce nothing."""
-    return in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.kerf_starts else frozenset()
+    return starts_in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.kerf_starts else frozenset()
 
 
 def _judge_program(
-    judged_by: Judged,
+    judged_by: JudgedNest,
     program: NcProgram,
     profile: Profile,
     thermometer: Thermometer | None,
     tabs: Tabs | None,
-    planned: Planned | None,
+    planned: PlanClaims | None,
     known: JudgedCuts | None,
     side: Side | None,
     turned: int = 0,
 ) -> CheckResult:
     """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
     nest = judged_by.nest
-    told = [*other_origin(program, profile), *_coarse(program, profile)]
-    profile = on_its_origin(program, profile)
+    told = [*origin_warning(program, profile), *_coarse(program, profile)]
+    profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
     profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))
     torches = profile.machine.torches
-    burnt = of_all_torches(program, torches.shift, turned)
+    burnt = expand_torches(program, torches.shift, turned)
     nest, slots = with_passes(nest, passes_of_program(nest, burnt, profile), profile)
     judged_by = replace(judged_by, nest=nest)
     kerf_mm, in_passes = profile.material.kerf_mm, profile.cuts.pierce_pass is not None
@@ -167,10 +173,10 @@ def _judge_program(
         judged.append(judgement("torches", of_torches))
     if planned is not None and not turned:
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
-    begun = _begun_in_kerfs(nest, built.cuts, profile)
+    begun = _starts_in_kerfs(nest, built.cuts, profile)
     in_kerfs = {(run.where, built.cuts[run.position - 1].torch) for run in built.runs if run.position in begun}
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
-    felt = measured(once_each(nest, built.cuts), heatings_of_program(burnt), thermometer)
+    felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), thermometer)
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += relaxed_warnings(relaxed)
@@ -185,13 +191,13 @@ def _coarse(program: NcProgram, profile: Profile) -> Iterator[str]:
 
 
 def _judge_paths(
-    judged_by: Judged,
+    judged_by: JudgedNest,
     slots: Slots,
     cuts: CutSequence,
     runs: Sequence[TorchRun],
     faults: Sequence[Violation],
     profile: Profile,
-    relaxed: Sequence[Relaxed],
+    relaxed: Sequence[RelaxedStatement],
     astray: Iterable[Violation] = (),
     tabs: Tabs | None = None,
     comments: Sequence[str] | None = None,
@@ -207,10 +213,10 @@ def _judge_paths(
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
     made = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
-    before = burnt_by(nest, cuts[: cuts.made], kerf_mm)
+    before = burnt_before(nest, cuts[: cuts.made], kerf_mm)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
-    opened = list(left_open(several, cuts.positions()))
-    lost = list(lost_elsewhere(nest, kerf_mm, _accepted(profile)))
+    opened = list(open_contours(several, cuts.positions()))
+    lost = list(wrong_edge_losses(nest, kerf_mm, _accepted(profile)))
     skipped, allowed = _at_fault([*faults, *opened]), Allowed.by(profile)
     uncut = features_lost(runs, kerf_mm, skipped, slits_of_made(nest, cuts), tabs, before.lines, allowed)
     run_up = run_up_mm(nest, profile)
@@ -224,14 +230,18 @@ def _judge_paths(
                 *(f for f in faults if f.rule == "every-contour-once"),
             ],
         ),
-        *([judgement("tabs", cut_tabs(several))] if tabs else []),
+        *([judgement("tabs", burnt_tabs(several))] if tabs else []),
         *([judgement("edge-loss", lost)] if nest.losses or lost else []),
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
-        *([judgement("pierce-pass", not_of_a_pass(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
+        *([judgement("pierce-pass", pierce_pass_violations(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", [*bad_links(runs, kerf_mm, profile.cuts.links.longest_mm), *long]),
         judgement(
-            "loose-metal", [*burnt_loose(nest, runs, kerf_mm, before.lines), *off_the_frame(nest, runs, made, kerf_mm)]
+            "loose-metal",
+            [
+                *cuts_in_loose_metal(nest, runs, kerf_mm, before.lines),
+                *cuts_in_loose_skeleton(nest, runs, made, kerf_mm),
+            ],
         ),
         *(
             [judgement("scrap-pieces", wrong_pieces(nest, runs, made, profile))]
@@ -245,18 +255,18 @@ def _judge_paths(
             [*uncut.lost, *misplaced(slots, cuts, kerf_mm)],
         ),
         judgement("kerf-side", _of("kerf-side", faults)),
-        judgement("on-sheet", off_sheet(nest, runs, kerf_mm, run_up)),
+        judgement("on-sheet", paths_off_sheet(nest, runs, kerf_mm, run_up)),
         judgement("edge-start", edge_starts(nest, whole, profile)),
         judgement("no-gouging", found.violations),
     ]
     if profile.reach_on(nest) is not None:
-        judged.append(judgement("within-travel", [*beyond_travel(nest, cuts, runs, profile), *astray]))
+        judged.append(judgement("within-travel", [*paths_beyond_travel(nest, cuts, runs, profile), *astray]))
     return judged, [
         *_resumed(cuts),
-        *told_of_small_holes(judged_by, profile),
-        *told_of_slots(nest, slots, kerf_mm),
+        *small_hole_notes(judged_by, profile),
+        *slot_notes(nest, slots, kerf_mm),
         *uncut.told(),
-        *told_of_losses(nest),
+        *edge_loss_notes(nest),
         *found.warnings,
     ]
 
@@ -280,7 +290,7 @@ def _resumed(cuts: CutSequence) -> list[str]:
     return [f"resumed after cut {cuts.made}: what was cut before is taken as stated"] if cuts.made else []
 
 
-def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs | None:
+def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[RelaxedStatement]) -> Pairs | None:
     """Pairs of parts that may burn each other's metal; None for all, where the profile lets contours touch."""
     book = profile.rulebook()
     guards = {name for name in profile.settings() if book[name].guards_metal}

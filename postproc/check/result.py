@@ -1,14 +1,24 @@
-"""What a check finds: a judgement on every rule, and whether any hard one is broken; and the same as text."""
+"""What a check finds: a judgement on every rule, what is excused or relaxed, and all of it as text."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Literal
 
-from kerfwise.encoder.shown import shown
+import numpy as np
 
-from .judged_cuts import JudgedCuts
-from .judgement import Judgement
+from kerfwise.encoder.cut import Cut, CutSequence, Pierce
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.graphs import path
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import escape_text
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Ids, Strength, Violation
+
+# What a check finds: a judgement on every rule, and whether any hard one is broken; and the same as text.
 
 MOST = 20
 MOST_SOFT = 3
@@ -59,7 +69,7 @@ def report(result: CheckResult, most: int = MOST) -> str:
     """
     width = max((len(j.id) for j in result.rules), default=0)
     lines = [line for judgement in result.rules for line in _lines(judgement, width, most)]
-    lines += [f"warning: {shown(text)}" for text in result.warnings[:most]]
+    lines += [f"warning: {escape_text(text)}" for text in result.warnings[:most]]
     if len(result.warnings) > most:
         lines.append(f"... and {len(result.warnings) - most} more warnings")
     measured = result.measured
@@ -79,15 +89,294 @@ def _failed(result: CheckResult) -> str:
 
 
 def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
-    yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {shown(judgement.sentence)}"
+    yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {escape_text(judgement.sentence)}"
     if judgement.unjudged is not None:
-        yield f"    {shown(judgement.unjudged)}"
+        yield f"    {escape_text(judgement.unjudged)}"
     told = most if judgement.strength == "hard" else min(most, MOST_SOFT)
     for violation in judgement.violations[:told]:
-        yield f"    {shown(violation.text)}"
+        yield f"    {escape_text(violation.text)}"
     if len(judgement.violations) > told:
         yield f"    ... and {len(judgement.violations) - told} more"
     for excused in judgement.excused[:most]:
-        yield f"    excused: {shown(excused.violation.text)} ({shown(excused.why)})"
+        yield f"    excused: {escape_text(excused.violation.text)} ({escape_text(excused.why)})"
     if len(judgement.excused) > most:
         yield f"    ... and {len(judgement.excused) - most} more excused"
+
+
+# What a check says of one rule.
+
+Verdict = Literal["holds", "broken", "excused", "not judged", "off"]
+
+
+@dataclass(frozen=True, slots=True)
+class Excused:
+    """A violation that may stand, and why."""
+
+    violation: Violation
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """One rule against one plan or program; one that is off is not judged at all.
+
+    `unjudged` says why nothing can be said, where that is so. A rule that `must_be_judged` does not hold then.
+    """
+
+    id: str
+    strength: Strength
+    sentence: str
+    violations: tuple[Violation, ...] = ()
+    excused: tuple[Excused, ...] = ()
+    unjudged: str | None = None
+    must_be_judged: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing breaks the rule but what is excused, as far as it has to be known."""
+        return not self.violations and not (self.must_be_judged and self.unjudged is not None)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The judgement in a word or two."""
+        if self.strength == "off":
+            return "off"
+        if self.violations:
+            return "broken"
+        if self.unjudged is not None:
+            return "not judged"
+        return "excused" if self.excused else "holds"
+
+
+# Cuts that were judged already: a program is written from a plan, and the rules say of both the same.
+
+SAME = 1e-3
+"""Millimetres and seconds that two cuts may differ by and be the same: what a program's decimals make of a plan's."""
+
+DRIFT = 1e-7
+"""Share of a time that it may be off besides: what the same decimals add up to over thousands of cuts."""
+
+MIDWAY_MM = 3e-3
+"""The same of the middle of a lead's arc: programs have a line for an arc that rises less."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class JudgedCuts:
+    """The judgements of a profile's rules on cuts, and by what they were judged."""
+
+    nest: Nest
+    cuts: CutSequence
+    profile: Profile
+    relaxed: tuple[RelaxedStatement, ...]
+    rules: tuple[Judgement, ...]
+
+    def known(
+        self, nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[RelaxedStatement]
+    ) -> tuple[Judgement, ...] | None:
+        """The judgements on other cuts, where these are the same; None where they are not, or were measured hot."""
+        alike = nest is self.nest and profile == self.profile and tuple(relaxed) == self.relaxed
+        return self.rules if alike and same(self.cuts, cuts) else None
+
+
+def same(one: CutSequence, other: CutSequence) -> bool:
+    """Whether two sequences say the same of every cut, rounding aside, and nobody has measured temperatures."""
+    measured = (one.hot_spots, other.hot_spots) != (None, None)
+    if measured or one.begun or other.begun or (one.start_side, one.made) != (other.start_side, other.made):
+        return False
+    if len(one) != len(other) or not _near(one.home, other.home) or len(one.pierces) != len(other.pierces):
+        return False
+    cuts_alike = all(map(_same_cut, one, other)) and _same_times(one, other)
+    return cuts_alike and all(map(_same_hole, one.pierces, other.pierces))
+
+
+def _same_hole(one: Pierce, other: Pierce) -> bool:
+    return (one.contour, one.before) == (other.contour, other.before) and _near(one.at, other.at)
+
+
+def _same_times(one: CutSequence, other: CutSequence) -> bool:
+    """Whether each cut takes as long, as long after the one before, and both get to it at the same time."""
+    times = np.array([[(cut.start_s, cut.end_s) for cut in cuts] for cuts in (one, other)]).reshape(2, -1)
+    off_s = np.abs(np.diff(times, axis=0))
+    steps_off_s = np.abs(np.diff(np.diff(times, axis=1), axis=0))
+    return bool((off_s <= SAME + DRIFT * np.abs(times[0])).all() and (steps_off_s <= SAME).all())
+
+
+def _same_cut(one: Cut, other: Cut) -> bool:
+    return (
+        _words(one) == _words(other)
+        and _near(_numbers(one), _numbers(other))
+        and _same_lead(one.lead_in, other.lead_in)
+        and _same_lead(one.lead_out, other.lead_out)
+    )
+
+
+def _words(cut: Cut) -> tuple[object, ...]:
+    return cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span, cut.tabs, cut.torch, cut.together
+
+
+def _numbers(cut: Cut) -> list[float]:
+    return [*cut.entry, *cut.pierce]
+
+
+def _same_lead(one: Curve | None, other: Curve | None) -> bool:
+    """Two leads by their ends and by how far their arcs stand off; one that goes nowhere is none."""
+    first, second = _stretches(one), _stretches(other)
+    return len(first) == len(second) and all(
+        _near(a[:4], b[:4]) and _near(a[4:], b[4:], MIDWAY_MM) for a, b in zip(first, second, strict=True)
+    )
+
+
+def _stretches(lead: Curve | None) -> list[list[float]]:
+    """Ends of every line or arc of a lead, and the point of it that is midway."""
+    if lead is None:
+        return []
+    return [
+        [ax, ay, bx, by, (ax + bx + bulge * (by - ay)) / 2, (ay + by - bulge * (bx - ax)) / 2]
+        for (ax, ay, bulge), (bx, by, _) in pairwise(lead.vertices.tolist())
+        if abs(bx - ax) + abs(by - ay) > SAME
+    ]
+
+
+def _near(one: Sequence[float], other: Sequence[float], by: float = SAME) -> bool:
+    return all(abs(a - b) <= by for a, b in zip(one, other, strict=True))
+
+
+# Statements that are relaxed because the hard rules cannot all hold: what they excuse, and nothing else.
+#
+# A plan lists them among what it has dropped, a program in comments such as `RELAXED 2 level-ahead P1.outer
+# P2.outer`; where one comment has no room for all contours the next goes on with the same number.
+
+WHY = "relaxed: the hard rules cannot all hold"
+_RELAXED = re.compile(r"RELAXED (?P<number>\d+) (?P<rule>\S+) (?P<contours>.+)", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class RelaxedStatement:
+    """One statement that is relaxed: the rule it comes from and the contours it is about."""
+
+    rule: str
+    contours: tuple[str, ...]
+
+
+def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[RelaxedStatement, ...]:
+    """What the comments of a program say is relaxed; contours that the nest does not have are left out."""
+    comments = tuple(comments)
+    ids = ids_by_name(nest, comments)
+    found: dict[tuple[int, str], list[str]] = {}
+    for words in filter(None, map(_RELAXED.fullmatch, comments)):
+        names = (ids.get(normalize_name(name)) for name in words["contours"].split())
+        found.setdefault((int(words["number"]), words["rule"].lower()), []).extend(n for n in names if n)
+    return tuple(RelaxedStatement(rule, tuple(names)) for (_, rule), names in found.items())
+
+
+def excuse_relaxed(
+    nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement], relaxed: Sequence[RelaxedStatement]
+) -> list[Judgement]:
+    """The judgements, with violations of hard rules excused where a relaxed statement is all that asked for more."""
+    of_rule: dict[str, list[tuple[str, ...]]] = {}
+    for statement in relaxed:
+        of_rule.setdefault(statement.rule, []).append(statement.contours)
+    return [
+        _excuse_relaxed(nest, cuts, profile, judgement, of_rule[judgement.id])
+        if judgement.strength == "hard" and judgement.violations and judgement.id in of_rule
+        else judgement
+        for judgement in judged
+    ]
+
+
+def _excuse_relaxed(
+    nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement, statements: Sequence[tuple[str, ...]]
+) -> Judgement:
+    rule, options = profile.rulebook()[judgement.id], profile.settings()[judgement.id].options
+    orders = rule.pairs(nest, cuts, options)
+    runs = [set(run) for run in rule.together(nest, options)]
+    excused = {
+        k: Excused(v, why) for k, v in enumerate(judgement.violations) if (why := _why(v, statements, orders, runs))
+    }
+    return replace(
+        judgement,
+        violations=tuple(v for k, v in enumerate(judgement.violations) if k not in excused),
+        excused=(*judgement.excused, *excused.values()),
+    )
+
+
+def _why(
+    violation: Violation, statements: Sequence[tuple[str, ...]], orders: Sequence[Ids], runs: Sequence[set[str]]
+) -> str | None:
+    """Why a violation may stand, if a relaxed statement is about its contours, or held them in this order."""
+    named = set(violation.contours)
+    for contours in statements:
+        if set(contours) == named:
+            return WHY
+        if set(contours) in runs and named - set(contours) and len(named & set(contours)) > 1:
+            return WHY
+    gone = {frozenset(contours) for contours in statements}
+    if len(named) == 1:  # such as the first of all: nothing but relaxed orders may have moved it
+        moved = violation.orders
+        return WHY if moved and all(frozenset(pair) in gone for pair in moved) else None
+    return WHY if _is_order_relaxed(violation.contours, orders, gone) else None
+
+
+def _is_order_relaxed(contours: tuple[str, ...], orders: Sequence[Ids], gone: set[frozenset[str]]) -> bool:
+    """For two contours that the rule orders by way of others: whether the relaxed orders break every such way."""
+    if len(contours) != 2 or not any(name in pair for name in contours for pair in gone):
+        return False
+    number: dict[str, int] = {}
+    for pair in (contours, *orders):
+        for name in pair:
+            number.setdefault(name, len(number))
+    links = [(number[a], number[b]) for a, b in orders]
+    left = [k for k, pair in enumerate(orders) if frozenset(pair) not in gone]
+    one, other = number[contours[0]], number[contours[1]]
+    asked = path(links, range(len(links)), one, other) is not None
+    return asked and path(links, left, one, other) is None
+
+
+def relaxed_warnings(relaxed: Sequence[RelaxedStatement]) -> Iterator[str]:
+    """A line for every statement that is relaxed: a check never passes over them in silence."""
+    yield from (f"relaxed: {statement.rule} about {', '.join(statement.contours)}" for statement in relaxed)
+
+
+# Names of contours as they survive in a program's comments.
+
+_NAME = re.compile(r"NAME (?P<number>\d{1,9}) (?P<told>\S+) IS (?P<spelt>(?:[A-Za-z0-9.-]|=[0-9A-F]{2})*)")
+
+
+def normalize_name(name: str) -> str:
+    """A contour's id without what a writer replaces: everything but letters, digits and dots.
+
+    Examples
+    --------
+    >>> normalize_name("Plate (2)-a.hole1")
+    'PLATE_2_A.HOLE1'
+    """
+    return re.sub(r"[^A-Za-z0-9.]+", "_", name).upper()
+
+
+def ids_by_name(nest: Nest, comments: Iterable[str]) -> Mapping[str, str]:
+    """Folded name → contour id: those that the program's comments map (`NAME 1 P-1.outer IS =D0=9F.outer`), and ids.
+
+    A name that two ids fold to is left out: which of them it means nobody can say.
+    """
+    found: dict[str, str] = {}
+    twice: set[str] = set()
+    for contour in nest.contours:
+        key = normalize_name(contour.id)
+        if key in found:
+            twice.add(key)
+        found[key] = contour.id
+    spelt: dict[tuple[int, str], str] = {}
+    for words in filter(None, map(_NAME.fullmatch, comments)):
+        mapped = (int(words["number"]), words["told"])
+        spelt[mapped] = spelt.get(mapped, "") + words["spelt"]
+    known = {contour.id for contour in nest.contours}
+    kept = {key: name for key, name in found.items() if key not in twice}
+    for (_, told), text in spelt.items():
+        if (name := _unspelt(text)) in known:
+            kept[normalize_name(told)] = name
+    return kept
+
+
+def _unspelt(text: str) -> str:
+    data = re.sub(rb"=([0-9A-F]{2})", lambda found: bytes([int(found[1], 16)]), text.encode())
+    return data.decode("utf-8", "replace") if b"\xed" not in data else data.decode("utf-8", "surrogatepass")

@@ -1,10 +1,7 @@
 """Controls and how they spell a program."""
 
-from .dialect import ControlName, Dialect
-from .fit import expect_words, fitting_dialect
-from .kinds import LineNumbers
-from .load import dialect_names, dialect_text, load_dialect, pierce_dwell_of
-from .power import powers_of
+from .dialect import ControlName, Dialect, LineNumbers
+from .load import dialect_names, dialect_text, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
 
 __all__ = [
     "ControlName",

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter, OrderedDict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain, tee
 from pathlib import PurePath
 
+from kerfwise.encoder.cut import Cut, Pierce
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers.reading import DONE
 from kerfwise.encoder.slits import features_cut_across
-from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, pierce_dwell_of, powers_of
+from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
 from kerfwise.rules.profile.profile import Profile
 
-from .blocks import comment, number, numbered, plain, room_for, seconds_text
-from .body import body_of_plan
-from .names import name_comments, program_names
-from .plan_paths import SHA_DIGITS
-from .reading_comments import reading_comments
-from .resume_comments import out_comments, resume_comment
-from .setting_comments import setting_comments
+from .gcode import (
+    GcodeWriter,
+    comment,
+    is_comment,
+    name_comments,
+    number,
+    number_blocks,
+    plain,
+    program_names,
+    room_for,
+    seconds_text,
+)
+from .toolpaths import SHA_DIGITS, Toolpath, expect_same_nest, toolpaths
 
 ARCS_REFITTED = "ARCS REFITTED WITHIN"
 """What a program of a nest says whose flattened outlines were made arcs again; a length in mm follows."""
@@ -39,7 +52,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     names = program_names(profile.as_cut(nest), dialect)
     body = body_of_plan(plan, names, nest, profile, dialect)
-    return "\n".join([*numbered([*_header(plan, names, nest, profile, dialect), *body], dialect), ""])
+    return "\n".join([*number_blocks([*_header(plan, names, nest, profile, dialect), *body], dialect), ""])
 
 
 def head_comments(plan: Plan, nest: Nest, profile: Profile) -> list[str]:
@@ -136,3 +149,290 @@ def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator
                 line = ""
             line = f"{line} {name}".lstrip()
         yield comment(dialect, head, line)
+
+
+# The blocks that make a plan's cuts, without the comments at the top of its program; its times count the same.
+
+
+@dataclass(frozen=True, slots=True)
+class _Spelt:
+    """What the blocks of a plan's cuts hang on: times and verdicts do not change them."""
+
+    cuts: tuple[tuple[object, ...], ...]
+    pierces: tuple[tuple[object, ...], ...]
+    first: int
+    names: Mapping[str, str] = field(hash=False)
+    profile: Profile = field(hash=False)
+    dialect: Dialect = field(hash=False)
+
+
+def body_of_plan(
+    plan: Plan,
+    names: Mapping[str, str],
+    nest: Nest,
+    profile: Profile,
+    dialect: Dialect,
+    paths: Sequence[Toolpath] | None = None,
+) -> tuple[str, ...]:
+    """All blocks but the comments at the top; the last ones asked for are kept with the nest.
+
+    `names` are those of contours, the profile has the plan's origin, and `paths` are the plan's, where they are known.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
+    """
+    expect_same_nest(plan, profile.as_cut(nest))
+    cuts = tuple((*_geometry(planned.cut), planned.dwell_s) for planned in plan.cuts)
+    pierces, first = tuple((hole.contour, hole.at, hole.before) for hole in plan.pierces), plan.resumed_after + 1
+    spelt = _Spelt(cuts, pierces, first, names, profile, dialect)
+    known = nest.kept.setdefault(body_of_plan, OrderedDict())
+    body: tuple[str, ...] | None = known.get(spelt)
+    if body is None:
+        paths = toolpaths(plan, nest, profile) if paths is None else paths
+        body = tuple(_body(paths, names, nest, profile, dialect, first, plan.pierces))
+        known.clear()
+        known[spelt] = body
+    return body
+
+
+def blocks_of_plan(plan: Plan, nest: Nest, profile: Profile, paths: Sequence[Toolpath]) -> int:
+    """How many blocks the program of a plan has, comments left out; see `body_of_plan`."""
+    dialect = load_dialect(profile.machine.dialect)
+    names = program_names(profile.as_cut(nest), dialect)
+    return sum(not is_comment(block, dialect) for block in body_of_plan(plan, names, nest, profile, dialect, paths))
+
+
+def _geometry(cut: Cut) -> tuple[object, ...]:
+    """All of a cut but its times, its entry, and what it is excused from. Leads are told apart as objects."""
+    ways = cut.pierce, cut.lead_in, cut.lead_out, cut.span, cut.tabs
+    return cut.contour, cut.direction, *ways, cut.zone, cut.linked, cut.torch, cut.together
+
+
+def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) -> str:
+    """What stands before a cut: its number, name, zone and direction."""
+    with_torch = f" TORCH {cut.torch}" if cut.torch > 1 else ""
+    told = f"ZONE {cut.zone} {cut.direction.upper()}{with_torch}"
+    return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, told)
+
+
+def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile, pierces: Sequence[Pierce] = ()) -> int:
+    """How many blocks a program of these paths and pierces has, comments left out, without writing it."""
+    dialect = load_dialect(profile.machine.dialect)
+    body = _body(paths, {}, nest, profile, dialect, pierces=pierces)
+    return sum(not is_comment(block, dialect) for block in body)
+
+
+def _body(
+    paths: Iterable[Toolpath],
+    names: Mapping[str, str],
+    nest: Nest,
+    profile: Profile,
+    dialect: Dialect,
+    first: int = 1,
+    pierces: Sequence[Pierce] = (),
+) -> Iterator[str]:
+    """All but the comments at the top, which make no blocks; `first` is the number of the first cut.
+
+    `pierces` are made before the cuts that they say.
+    """
+    yield from (block.format(program=program_number(dialect)) for block in dialect.header)
+    x, y = profile.frame_on(nest).corner
+    pen = GcodeWriter(dialect, profile.machine.home, powers_of(dialect, profile))
+    due: dict[int, list[tuple[int, Pierce]]] = {}
+    for count, pierce in enumerate(pierces, 1):
+        due.setdefault(pierce.before, []).append((count, pierce))
+    pen.torches = profile.machine.torches.count
+    order = first
+    for made, after in _with_next(paths):
+        for count, pierce in due.get(order, ()):
+            at = round(pierce.at[0], 6) - x, round(pierce.at[1], 6) - y
+            yield from _pierce(count, names.get(pierce.contour, ""), at, profile, pen)
+        name, lit = names.get(made.planned.cut.contour, ""), after is not None and after.linked
+        for more, planned in enumerate(made.together, order + 1):
+            yield cut_comment(more, names.get(planned.cut.contour, ""), planned.cut, made.marks, dialect)
+        made = made if x == y == 0 else replace(made, path=made.path.moved(-x, -y))
+        yield from _cut(order, name, made, profile, pen, stays_on=lit)
+        order += 1 + len(made.together)
+    yield comment(dialect, "HOME")
+    yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
+    yield pen.rapid(profile.machine.home)
+    yield from dialect.footer
+
+
+def _with_next(paths: Iterable[Toolpath]) -> Iterator[tuple[Toolpath, Toolpath | None]]:
+    """Each path with the one after it."""
+    left, right = tee(paths)
+    next(right, None)
+    return zip(left, chain(right, [None]), strict=False)
+
+
+def program_number(dialect: Dialect) -> str:
+    """The number that the program is called by on the control, as its header spells it."""
+    return "" if dialect.program is None else str(dialect.program.number).zfill(dialect.program.digits)
+
+
+def _pierce(count: int, name: str, at: Point, profile: Profile, pen: GcodeWriter) -> Iterator[str]:
+    """The blocks of one pierce of a pass: there, torch on, the dwell, off."""
+    machine = profile.machine
+    yield comment(pen.dialect, f"PIERCE {count}", name)
+    yield from pen.select(False)
+    yield pen.rapid(at)
+    yield from pen.start(False, machine.pierce_time_s, machine.cut_feed_mm_s)
+    yield from pen.stop(False)
+
+
+def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWriter, stays_on: bool) -> Iterator[str]:
+    """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
+    cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
+    yield cut_comment(order, name, cut, mark, dialect)
+    feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
+    if not made.linked:
+        yield from pen.select(mark)
+        lit = {planned.cut.torch for planned in made.together}
+        yield from pen.leave(lit)
+        yield pen.rapid(made.path.point_at(0.0))
+        yield from pen.add(lit)
+        if made.planned.dwell_s > 0:  # metal cools, the torch being off
+            yield from pen.wait(made.planned.dwell_s)
+        waits = pierce_dwell_of(profile, dialect) == "program"
+        start_s = machine.unpierced_s if made.edge_start else machine.pierce_time_s
+        start_s = machine.at_hole_s if made.pierced and not made.edge_start else start_s
+        yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
+    slowed = made.feed_share < 1.0
+    yield from dialect.height_off if slowed else ()
+    law = None if mark else profile.corner_feed()
+    yield from pen.path(made.path, feed_mm_s, law, made.unlit)
+    yield from dialect.height_on if slowed else ()
+    yield from () if stays_on else pen.stop(mark)
+
+
+# What a program that goes on after a stop says of what is already cut, in comments that a control passes over.
+#
+# (RESUME AFTER CUT 2) (OUT 1 P1.hole1 ZONE 1 CCW PIERCE 30 42) (OUT 1 LEAD IN 30 42 0 30 36.75 0) (OUT 1 LEAD OUT 30
+# 36.75 0 31 36.75 0) (OUT 2 P1.outer ZONE 1 CW PIERCE 8 3.25) (OUT 2 TAB 40 12 0.5)
+#
+# Each vertex of a lead is x, y and the bulge of the segment that begins there. A lead that has no room on one line
+# goes on in the next comment with the same words. A cut that was linked with the one before has LINK IN instead of
+# LEAD IN. Of a tab the middle and the width are told. A cut that broke off, and is made again, is told as BROKEN
+# instead of OUT.
+
+DECIMALS = 6
+
+
+def resume_comment(plan: Plan, dialect: Dialect) -> Iterator[str]:
+    """That the program goes on after a stop, and after which cut; nothing for a plan that begins with cut 1."""
+    if plan.already:
+        again = "" if plan.broken_off is None else f", CUT {plan.resumed_after + 1} AGAIN"
+        yield comment(dialect, f"RESUME AFTER CUT {plan.resumed_after}{again}")
+
+
+def out_comments(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
+    """What is already cut, cut by cut, and what broke off."""
+    for k, planned in enumerate(plan.already_cut, 1):
+        yield from _cut_out(f"OUT {k}", planned, names, dialect)
+    if plan.broken_off is not None:
+        yield from _cut_out(f"BROKEN {plan.resumed_after + 1}", plan.broken_off, names, dialect)
+
+
+def _cut_out(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
+    cut = planned.cut
+    place = " ".join(number(v, DECIMALS) for v in cut.pierce)
+    yield comment(
+        dialect, head, names.get(cut.contour, cut.contour), f"ZONE {cut.zone} {cut.direction.upper()} PIERCE {place}"
+    )
+    for name, lead in (("IN", cut.lead_in), ("OUT", cut.lead_out)):
+        if lead is not None:
+            what = "LINK" if cut.linked and name == "IN" else "LEAD"
+            for words in _lines(lead, room_for(dialect, f"{head} {what} {name}")):
+                yield comment(dialect, f"{head} {what} {name}", " ".join(words))
+    for tab in cut.tabs:
+        yield comment(dialect, f"{head} TAB", " ".join(number(v, DECIMALS) for v in (*tab.at, tab.width_mm)))
+
+
+def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:
+    """The vertices as words, as many whole ones at a time as there is room for."""
+    line: list[str] = []
+    for row in lead.as_rows():
+        x, y, bulge = row if len(row) == 3 else (*row, 0.0)
+        vertex = [number(v, DECIMALS) for v in (x, y, bulge)]
+        if line and len(" ".join([*line, *vertex])) > room:
+            yield line
+            line = []
+        line += vertex
+    yield line
+
+
+# What a program says of how the machine is to be set, and of the chart that says so; an operator reads it.
+#
+# (CHART shop.csv ROW S235, 8 MM SHA256 1a2b3c4d5e6f) (INTERPOLATED KERF 1.7 MM BETWEEN 6 MM AND 10 MM) (NOT OF THE
+# CHART KERF 1.8 MM) (SET 85 A, GAS O2/AIR, PIERCE HEIGHT 3.8 MM, CUT HEIGHT 1.5 MM)
+
+
+def setting_comments(profile: Profile, dialect: Dialect) -> Iterator[str]:
+    """The comments; none where the profile has no chart and says nothing of the machine's setting."""
+    use = profile.chart
+    if use is not None:
+        yield comment(dialect, "CHART", f"{use.name} ROW {use.row}", f"SHA256 {use.sha256[:SHA_DIGITS]}")
+        for one in use.interpolated:
+            between = f"BETWEEN {' AND '.join(one.between).upper()}"
+            yield comment(dialect, f"INTERPOLATED {_spoken(one.column)}", one.text.upper(), between)
+        for column, _, own in use.beaten:
+            yield comment(dialect, f"NOT OF THE CHART {_spoken(column)}", own.upper())
+    line = ""
+    for text in _settings(profile):
+        if line and len(line) + 2 + len(text) > room_for(dialect, "SET"):
+            yield comment(dialect, "SET", line)
+            line = ""
+        line = f"{line}, {text}" if line else text
+    if line:
+        yield comment(dialect, "SET", line)
+
+
+def _settings(profile: Profile) -> Iterator[str]:
+    material = profile.material
+    quantities = (
+        ("{} A", material.amps),
+        ("{} V", material.volts),
+        ("POWER {} PERCENT", material.power),
+        ("PIERCE POWER {} PERCENT", material.pierce_power),
+        ("MARK POWER {} PERCENT", material.mark_power),
+        ("PIERCE HEIGHT {} MM", material.pierce_height_mm),
+        ("CUT HEIGHT {} MM", material.cut_height_mm),
+    )
+    yield from (text.format(number(value, 3)) for text, value in quantities if value is not None)
+    if material.gas is not None:
+        yield f"GAS {material.gas.upper()}"
+
+
+def _spoken(column: str) -> str:
+    return column.replace("_", " ").upper()
+
+
+# How the drawing was understood, at the top of a program: units, sheet, and what each layer was taken for.
+
+MOST = 8
+"""Layers that a program names; `kerfwise read` names all."""
+
+
+def reading_comments(nest: Nest, dialect: Dialect) -> Iterator[str]:
+    """A comment on units and sheet of a drawing, and one for each layer; none for a nest that says what it is."""
+    reading = nest.reading
+    if reading is None or not reading.taken:
+        return
+    assumed = ", ASSUMED" if reading.assumed else ""
+    yield comment(
+        dialect,
+        f"DRAWING READ IN {reading.units.upper()}, SHEET {plain(reading.sheet.replace('×', 'x')).upper()}{assumed}",
+    )
+    count: Counter[tuple[str, str]] = Counter()
+    for row in reading.taken:
+        count[row.layer, DONE[row.purpose]] += row.count
+    rows = sorted(count.items())
+    for (layer, done), lines in rows[:MOST]:
+        yield comment(dialect, "LAYER", layer, f"{plain(done).upper()} {lines}")
+    if len(rows) > MOST:
+        yield comment(dialect, f"AND {len(rows) - MOST} MORE LAYERS")
+    for question, choice in sorted(reading.answers.items()):
+        yield comment(dialect, "ANSWERED", question, plain(choice).upper())

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
 
-from .asking import Asking, all_asked
-from .text_room import Room, Shapes, TextPlace, find_room, find_rooms
+from .label_fit import Room, Shapes, TextPlace, find_room, find_rooms
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
@@ -64,7 +63,7 @@ def place_labels(
             tried[k] = places
         crowded = [k for k in crowded if _meet(tried[k])]
     found = {name: place for places in tried for name, place in places.items()}
-    return found | _in_the_skeleton(nest, labels, wanted_mm, window)
+    return found | _scrap_labels(nest, labels, wanted_mm, window)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -82,7 +81,7 @@ class _Areas:
         return _Areas(metals, dict(zip((hole.id for hole in holes), inside, strict=True)))
 
 
-@kept_with_nest(most=1)
+@cached_with_nest(most=1)
 def number_areas(nest: Nest, wanted_mm: float) -> _Areas:
     """Where numbers of a size may stand in a whole nest: it needs no plan, so it may be told before there is one."""
     return _Areas.of(nest.parts, [hole for part in nest.parts for hole in part.holes], wanted_mm, None)
@@ -99,7 +98,7 @@ def _of_parts(
     holes = [hole for part in parts for hole in part.holes if hole.id in labels]
     in_holes = dict(zip((h.id for h in holes), _in_holes(holes, labels, wanted_mm, areas, filled), strict=True))
     of_each = zip(parts, areas.metals, strict=True)
-    return all_asked([_of_part(part, metal, labels, wanted_mm, in_holes) for part, metal in of_each])
+    return run_batched([_of_part(part, metal, labels, wanted_mm, in_holes) for part, metal in of_each])
 
 
 def _of_part(
@@ -108,7 +107,7 @@ def _of_part(
     labels: Mapping[str, Label],
     wanted_mm: float,
     in_holes: Mapping[str, TextPlace | None],
-) -> Asking[dict[str, TextPlace]]:
+) -> BatchedTask[dict[str, TextPlace]]:
     tried = (yield from _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False)) or {}
     holes = any(hole.id in labels for hole in part.holes)
     if holes and (above_mm := _smallest(tried)) < _ENOUGH * wanted_mm:  # without holes it would be the same again
@@ -143,7 +142,7 @@ def place_names(
     return {part.id: place for part, place in found if place is not None and place.size_mm >= least_mm}
 
 
-def _in_the_skeleton(
+def _scrap_labels(
     nest: Nest, labels: Mapping[str, Label], wanted_mm: float, window: shapely.Polygon | None
 ) -> dict[str, TextPlace]:
     """The labels of scrap lines, each beside its line, between the parts."""
@@ -187,7 +186,7 @@ def _place_part(
     in_holes: Mapping[str, TextPlace | None],
     outer_first: bool,
     above_mm: float = 0.0,
-) -> Asking[dict[str, TextPlace] | None]:
+) -> BatchedTask[dict[str, TextPlace] | None]:
     """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none).
 
     `in_holes` is where those of holes stand within them. None where one of them is no larger than `above_mm`.
@@ -275,7 +274,7 @@ def _seen(areas: Sequence[shapely.Geometry], wanted_mm: float, window: shapely.P
     return seen if window is None else shapely.intersection(seen, window)
 
 
-@kept_with_nest(most=1)
+@cached_with_nest(most=1)
 def nested_metal(nest: Nest, names: tuple[str, ...]) -> dict[str, shapely.Geometry]:
     """The outlines of the parts that lie in each of these holes, by hole id; empty holes are left out."""
     if not names:
@@ -290,3 +289,43 @@ def nested_metal(nest: Nest, names: tuple[str, ...]) -> dict[str, shapely.Geomet
     for h, p in zip(hole[smaller].tolist(), part[smaller].tolist(), strict=True):
         inside.setdefault(holes[h].id, []).append(outlines[p])
     return {hole_id: shapely.union_all(found) for hole_id, found in inside.items()}
+
+
+# Many tasks side by side: what all of them ask for next is answered in one go, as the geometry library likes it.
+
+DoneT = TypeVar("DoneT")
+
+Many = Callable[[Sequence[Any]], Iterable[Any]]
+"""Answers many questions at once, each by itself."""
+BatchedTask = Generator[tuple[Many, Any], Any, DoneT]
+"""A task that yields who answers and what it asks, and is sent the answer."""
+
+
+def run_batched(tasks: Sequence[BatchedTask[DoneT]]) -> list[DoneT]:
+    """What every task comes to.
+
+    Examples
+    --------
+    >>> def squares(numbers):
+    ...     return [k * k for k in numbers]
+    >>> def fourth_power(k):
+    ...     square = yield squares, k
+    ...     return (yield squares, square)
+    >>> run_batched([fourth_power(2), fourth_power(3)])
+    [16, 81]
+    """
+    done: dict[int, DoneT] = {}
+    answers: dict[int, Any] = dict.fromkeys(range(len(tasks)))
+    while answers:
+        asked: dict[Many, dict[int, Any]] = {}
+        for k, answer in answers.items():
+            try:
+                many, question = tasks[k].send(answer)
+            except StopIteration as end:
+                done[k] = end.value
+            else:
+                asked.setdefault(many, {})[k] = question
+        answers = {}
+        for many, questions in asked.items():
+            answers |= dict(zip(questions, many(list(questions.values())), strict=True))
+    return [done[k] for k in range(len(tasks))]

@@ -11,10 +11,9 @@ import numpy as np
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 
-from . import colours
-from .cuts import INKS
-from .scene import Dot, Item, SceneLayer, Shape, Style, TextLine, text_width
-from .view import FOOTER, HEADER, MARGIN, View
+from . import scene
+from .layers import INKS
+from .scene import FOOTER, HEADER, MARGIN, Dot, Item, SceneLayer, Shape, Style, TextLine, View, text_width
 
 _SMALL = 12.5
 
@@ -70,19 +69,19 @@ def header_layer(nest: Nest, plan: Plan | None, view: View, caption: str) -> Sce
     indent = MARGIN + text_width(name, name_size, bold=True) + 14
     items: list[Item] = [
         _band(0, HEADER - 6, view),
-        TextLine(MARGIN, 24, name, name_size, colours.INK, "start", bold=True),
-        TextLine(MARGIN, 49, totals, _fitting(totals, 14, room), colours.INK, "start"),
+        TextLine(MARGIN, 24, name, name_size, scene.INK, "start", bold=True),
+        TextLine(MARGIN, 49, totals, _fitting(totals, 14, room), scene.INK, "start"),
     ]
     if about:
         size = _fitting(about, 15, MARGIN + room - indent)
-        items.append(TextLine(indent, 24.6, about, size, colours.FAINT, "start"))
+        items.append(TextLine(indent, 24.6, about, size, scene.FAINT, "start"))
     return SceneLayer("header", tuple(items))
 
 
 def _band(top: float, bottom: float, view: View) -> Shape:
     """A strip of blank page, for a drawing that runs over its window."""
     corners = [(0.0, top), (view.width, top), (view.width, bottom), (0.0, bottom)]
-    return Shape((np.array(corners),), Style(fill=colours.PAGE))
+    return Shape((np.array(corners),), Style(fill=scene.PAGE))
 
 
 def _fitting(text: str, size: float, room: float, bold: bool = False) -> float:
@@ -169,9 +168,9 @@ def _scale_bar(items: list[Item], view: View, y: float) -> float:
     length = length_mm * view.scale
     ends = np.array([(MARGIN, y - 4), (MARGIN, y + 4), (MARGIN, y), (MARGIN + length, y)])
     tip = np.array([(MARGIN + length, y - 4), (MARGIN + length, y + 4)])
-    items.append(Shape((ends, tip), Style(stroke=colours.INK, width=1.4), closed=False))
+    items.append(Shape((ends, tip), Style(stroke=scene.INK, width=1.4), closed=False))
     label = f"{length_mm / 1000:g} m" if length_mm >= 1000 else f"{length_mm:g} mm"
-    items.append(TextLine(MARGIN + length + 8, y, label, _SMALL, colours.INK, "start"))
+    items.append(TextLine(MARGIN + length + 8, y, label, _SMALL, scene.INK, "start"))
     return MARGIN + length + 8 + text_width(label, _SMALL)
 
 
@@ -181,12 +180,12 @@ def _colour_bar(items: list[Item], view: View, clock: Clock, y: float) -> float:
     for k in range(steps):
         x0, x1 = left + length * k / steps, left + length * (k + 1) / steps + (0.4 if k < steps - 1 else 0)
         box = np.array([(x0, y - 10), (x1, y - 10), (x1, y - 2), (x0, y - 2)])
-        items.append(Shape((box,), Style(fill=colours.time_colour((k + 0.5) / steps))))
+        items.append(Shape((box,), Style(fill=scene.time_colour((k + 0.5) / steps))))
     for share, label in clock.ticks():
         x = left + share * length
-        items.append(Shape((np.array([(x, y - 2), (x, y + 2)]),), Style(stroke=colours.FAINT, width=0.8), closed=False))
-        items.append(TextLine(x, y + 10, label, 11, colours.INK))
-    items.append(TextLine(left - 10, y - 6, "idle travel", _SMALL, colours.INK, "end"))
+        items.append(Shape((np.array([(x, y - 2), (x, y + 2)]),), Style(stroke=scene.FAINT, width=0.8), closed=False))
+        items.append(TextLine(x, y + 10, label, 11, scene.INK))
+    items.append(TextLine(left - 10, y - 6, "idle travel", _SMALL, scene.INK, "end"))
     return left - 10 - text_width("idle travel", _SMALL)
 
 
@@ -215,7 +214,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         if x + width > end:
             return
         items.extend(_sample(kind, x, y))
-        items.append(TextLine(x + 28, y, label, _SMALL, colours.INK, "start"))
+        items.append(TextLine(x + 28, y, label, _SMALL, scene.INK, "start"))
         x += width + 24
 
 
@@ -224,23 +223,23 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
     if kind == "home":
         cross = (np.array([(x + 3, y), (x + 19, y)]), np.array([(x + 11, y - 8), (x + 11, y + 8)]))
         return [
-            Dot(x + 11, y, 4.5, Style(fill=colours.PAGE, stroke=colours.INK, width=1.2)),
-            Shape(cross, Style(stroke=colours.INK, width=1.2), closed=False),
+            Dot(x + 11, y, 4.5, Style(fill=scene.PAGE, stroke=scene.INK, width=1.2)),
+            Shape(cross, Style(stroke=scene.INK, width=1.2), closed=False),
         ]
     if kind == "tab":
         bar = np.array([(x + 11, y - 6), (x + 11, y + 6)])
         outline = Shape((line,), Style(stroke=INKS["outer"], width=1.4), closed=False)
-        return [outline, Shape((bar,), Style(stroke=colours.TAB, width=3), closed=False)]
+        return [outline, Shape((bar,), Style(stroke=scene.TAB, width=3), closed=False)]
     if kind == "pass":
-        return [Shape((line,), Style(stroke=colours.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
+        return [Shape((line,), Style(stroke=scene.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
     if kind in ("edge", "kerf"):
-        return [Dot(x + 11, y, 3, Style(fill=colours.PAGE, stroke=colours.PIERCE, width=1.5))]
+        return [Dot(x + 11, y, 3, Style(fill=scene.PAGE, stroke=scene.PIERCE, width=1.5))]
     if kind == "wait":
-        return [Dot(x + 11, y, 3, Style(fill=colours.PIERCE)), Dot(x + 11, y, 6, Style(stroke=colours.WAIT, width=2))]
+        return [Dot(x + 11, y, 3, Style(fill=scene.PIERCE)), Dot(x + 11, y, 6, Style(stroke=scene.WAIT, width=2))]
     if kind == "small":
-        return [Shape((line,), Style(stroke=colours.FAINT, width=1.4, dash=(4, 3)), closed=False)]
+        return [Shape((line,), Style(stroke=scene.FAINT, width=1.4, dash=(4, 3)), closed=False)]
     if kind == "out":
-        return [Shape((line,), Style(stroke=colours.FAINT, width=1.0, dash=(2.0, 2.0)), closed=False)]
-    ink = {"pierce": colours.PIERCE, "further": colours.FURTHER, **INKS}[kind]
+        return [Shape((line,), Style(stroke=scene.FAINT, width=1.0, dash=(2.0, 2.0)), closed=False)]
+    ink = {"pierce": scene.PIERCE, "further": scene.FURTHER, **INKS}[kind]
     sample: list[Item] = [Shape((line,), Style(stroke=ink, width=1.4), closed=False)]
     return [*sample, Dot(x + 2, y, 3, Style(fill=ink))] if kind in ("pierce", "further") else sample

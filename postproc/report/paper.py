@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 
-from .colours import FAINT, INK
-from .pdf import A4
-from .scene import Item, Scene, SceneLayer, Shape, Style, TextLine, text_width
+from .plot import A4
+from .scene import FAINT, INK, Item, Scene, SceneLayer, Shape, Style, TextLine, text_width
 
 WIDTH, HEIGHT = A4
 MARGIN, FOOT = 34.0, 30.0
@@ -85,7 +85,7 @@ class Paper:
         scale = min(ROOM / scene.width, (HEIGHT - MARGIN - FOOT) / scene.height, 1.0)
         self.room_for(scale * scene.height)
         left = MARGIN + (ROOM - scale * scene.width) / 2
-        self.put(moved(item, left, self.y, scale) for layer in scene for item in layer.items)
+        self.put(move_item(item, left, self.y, scale) for layer in scene for item in layer.items)
         self.skip(scale * scene.height)
 
     def table(
@@ -182,7 +182,7 @@ def broken(text: str, size: float, width: float) -> list[str]:
     return lines or [""]
 
 
-def moved(item: Item, dx: float, dy: float, scale: float = 1.0) -> Item:
+def move_item(item: Item, dx: float, dy: float, scale: float = 1.0) -> Item:
     """The item elsewhere on the page, and `scale` times as large."""
     if isinstance(item, TextLine):
         return replace(item, x=scale * item.x + dx, y=scale * item.y + dy, size=scale * item.size)
@@ -190,3 +190,28 @@ def moved(item: Item, dx: float, dy: float, scale: float = 1.0) -> Item:
     if isinstance(item, Shape):
         return replace(item, lines=tuple(scale * line + np.array([dx, dy]) for line in item.lines), style=style)
     return replace(item, x=scale * item.x + dx, y=scale * item.y + dy, radius=scale * item.radius, style=style)
+
+
+# A QR code as squares of a scene.
+
+
+def qr_items(text: str, x: float, y: float, size: float) -> Iterator[Item]:
+    """The code of a text, `size` wide, with its corner at the page's (x, y): a bar for each run of dark squares.
+
+    The white margin that readers ask for is left around it by whoever sets it.
+    """
+    import segno  # by whoever wants a work sheet only
+
+    rows = segno.make_qr(text, error="m").matrix
+    module = size / len(rows)
+    bars = []
+    for k, row in enumerate(rows):
+        at = 0
+        for dark, run in groupby(row):
+            length = len(list(run))
+            if dark:
+                left, top = x + at * module, y + k * module
+                right, low = left + length * module, top + module
+                bars.append(np.array([(left, top), (right, top), (right, low), (left, low)]))
+            at += length
+    yield Shape(tuple(bars), Style(fill=INK))

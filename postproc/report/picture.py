@@ -3,34 +3,41 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.plan import Plan, PlannedCut
 
-from .cuts import (
+from . import scene
+from .label_fit import TextPlace
+from .labels import Label, nested_metal, number_areas, place_labels, place_names
+from .layers import (
     contour_layer,
     direction_layer,
     home_layer,
     lead_layer,
     name_layer,
+    near_parts,
     number_layer,
+    out_layer,
+    outlines_of_parts,
+    part_layer,
     pierce_layer,
+    sheet_layer,
     tab_layer,
     travel_layer,
+    zone_layer,
+    zone_map,
 )
-from .known import expect_known
-from .labels import Label, nested_metal, number_areas, place_labels, place_names
-from .legend import Clock, footer_layer, header_layer, nest_name
-from .metal import near_parts, out_layer, outlines_of_parts, part_layer, sheet_layer, zone_layer, zone_map
-from .scene import Scene, SceneLayer, TextLine
-from .view import View, Window
-from .waits import wait_layer
+from .legend import Clock, duration, footer_layer, header_layer, nest_name
+from .scene import CAP_HEIGHT, Dot, Item, Scene, SceneLayer, Style, TextLine, View, Window, text_width
 
 _READABLE = 12.0  # pixels that a number should be high in a PNG
 _MAX_PIXELS = 4000.0
@@ -272,3 +279,86 @@ def _enlargement(numbers: SceneLayer, view: View) -> float:
     sizes = [item.size for item in numbers.items if isinstance(item, TextLine)]
     wanted = _READABLE / float(np.quantile(sizes, 0.25)) if sizes else 1.0
     return min(max(wanted, 1.25), _MAX_PIXELS / max(view.width, view.height))
+
+
+# The layer that shows where the torch waits for metal to cool, and for how long.
+
+_LEAST_RADIUS = 3.0
+_ROUND = tuple(k * math.pi / 4 for k in (0, 4, 2, 6, 1, 7, 3, 5))
+"""Where a time may stand about its ring, the best first: right, left, above, below, then the corners."""
+_FARTHER = (1.0, 2.0, 3.5)
+"""How far from the ring, in heights of the text."""
+
+
+def wait_layer(view: View, cuts: Sequence[PlannedCut], places: Sequence[TextPlace]) -> SceneLayer:
+    """A ring about every pierce over which the torch waits, off, and how long.
+
+    The times stand clear of each other and of the labels in `places`, where there is room.
+    """
+    taken = [_on_page(view, place) for place in places]
+    rings: list[Item] = []
+    times: list[Item] = []
+    for k, planned in enumerate(cuts, 1):
+        if planned.dwell_s <= 0:
+            continue
+        at, radius = view.point(planned.cut.pierce), max(2.4 * view.dot_radius, _LEAST_RADIUS)
+        rings.append(Dot(*at, radius, Style(stroke=scene.WAIT, width=max(0.35 * radius, 1.2)), k))
+        time, box = _beside(view, at, radius, f"wait {wait_text(planned.dwell_s)}", taken, k)
+        taken.append(box)
+        times.append(time)
+    return SceneLayer("waits", (*rings, *times))
+
+
+def wait_text(wait_s: float) -> str:
+    """A wait for people, short ones to a tenth of a second.
+
+    Examples
+    --------
+    >>> wait_text(2.25), wait_text(42.0), wait_text(75.2)
+    ('2.2 s', '42 s', '1 min 15 s')
+    """
+    return f"{round(wait_s, 1):g} s" if wait_s < 60 else duration(wait_s)
+
+
+def _beside(
+    view: View, at: Point, radius: float, text: str, taken: Sequence[shapely.Polygon], cut: int
+) -> tuple[TextLine, shapely.Polygon]:
+    """The text where it covers least of what is taken, and its box."""
+    size = view.number_size
+    page = shapely.box(0, 0, view.width, view.height)
+    wide, high = text_width(text, size, bold=True), size * CAP_HEIGHT
+    found: list[tuple[float, Point, shapely.Polygon]] = []
+    for far in _FARTHER:
+        for angle in _ROUND:
+            along, up = math.cos(angle), math.sin(angle)
+            x = at[0] + along * (radius + far * 0.5 * high + wide / 2)
+            y = at[1] - up * (radius + far * 0.5 * high + high / 2)
+            box = shapely.box(x - wide / 2, y - high / 2, x + wide / 2, y + high / 2)
+            covered = sum(box.intersection(other).area for other in taken) + 10 * box.difference(page).area
+            found.append((round(covered, 3), (x, y), box))
+    _, (x, y), box = min(found, key=lambda spot: spot[0])
+    return TextLine(x, y, text, size, scene.WAIT, bold=True, halo=scene.PAGE, cut=cut), box
+
+
+def _on_page(view: View, place: TextPlace) -> shapely.Polygon:
+    return shapely.Polygon(view.xy(shapely.get_coordinates(place.box())))
+
+
+# Whether a picture's plan is one of its nest.
+
+
+def expect_known(nest: Nest, plan: Plan | None, named: Iterable[str] = ()) -> None:
+    """Say that a plan, or a list of contours, is not of this nest.
+
+    Raises
+    ------
+    InputError
+        If the plan cuts, or the list names, a contour that the nest does not have.
+    """
+    cuts = [] if plan is None else [planned.cut.contour for planned in plan.cuts]
+    unknown = [c for c in (*cuts, *named) if c not in nest.index]
+    if unknown:
+        raise InputError(
+            f"no contour {unknown[0]!r} in the nest ({len(unknown)} unknown in all): is it the nest of this plan?",
+            file=nest.file or None,
+        )

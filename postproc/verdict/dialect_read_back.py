@@ -16,13 +16,12 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect
-from kerfwise.postproc.nc.blocks import comment, numbered
-from kerfwise.postproc.nc.body import program_number
-from kerfwise.postproc.nc.pen import Pen, pieces_of_arc
+from kerfwise.postproc.nc.gcode import GcodeWriter, comment, number_blocks, pieces_of_arc
+from kerfwise.postproc.nc.program import program_number
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
-from kerfwise.rules.profile.dialect_kind import ENDINGS
+from kerfwise.rules.profile.plant_sections import ENDINGS
 from kerfwise.rules.profile.profile import Profile
 
 _CUT = Curve.of([(20.0, 10.0, 0.0), (30.0, 10.0, 0.3), (40.0, 20.0, -0.4), (55.0, 25.0, 0.0)], closed=False)
@@ -70,7 +69,7 @@ def read_back(dialect: Dialect, name: str) -> None:
     >>> for name in dialect_names():
     ...     read_back(load_dialect(name), name)
     """
-    pen = Pen(dialect, _HOME)
+    pen = GcodeWriter(dialect, _HOME)
     lines = [*_header(dialect), *_run("torch", _CUT, pen)]
     if dialect.marks:
         lines += _run("mark", _MARK, pen)
@@ -84,7 +83,7 @@ def read_back(dialect: Dialect, name: str) -> None:
         return wrong_at(place, told) if place is not None else InputError(f"dialect {name}: {told}")
 
     blocks: list[str] = []
-    numbers = numbered([line.block for line in lines], dialect)
+    numbers = number_blocks([line.block for line in lines], dialect)
     for line in lines:
         try:
             blocks.append(next(numbers))
@@ -105,7 +104,7 @@ def _header(dialect: Dialect) -> Iterator[_Line]:
     yield from (_Line("header", block.format(program=program_number(dialect))) for block in dialect.header)
 
 
-def _run(tool: str, path: Curve, pen: Pen) -> Iterator[_Line]:
+def _run(tool: str, path: Curve, pen: GcodeWriter) -> Iterator[_Line]:
     """Travel to a path, the tool on, a wait, the path, the tool off."""
     marks, wait = tool == "mark", pen.wait(_DWELL_S)
     yield from (_Line(f"{tool}_station", block) for block in pen.select(marks))

@@ -1,8 +1,7 @@
 """Cases of rule cut-direction."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.rules.case import Case, cut
+from kerfwise.rules.case import Case, circle, cut, nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.rule import Violation
 

@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.rule import Violation
 

@@ -2,12 +2,11 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import Case, cut
+from kerfwise.rules.case import Case, cut, nest, part, rect
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.rule import Violation
 

@@ -1,7 +1,6 @@
 """Cases of rule hull-before."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.rule import Violation
 
 CHANNEL = part("C", [(10, 10), (210, 10), (210, 40), (40, 40), (40, 160), (210, 160), (210, 190), (10, 190)])

@@ -1,8 +1,7 @@
 """Cases of rule inner-before-outer."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.slits import with_slits
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.rule import Violation
 
 PLATE = nest(300, 200, part("P1", rect(10, 10, 100, 100), [circle(40, 60, 10)], [[(60, 60), (90, 60)]]))

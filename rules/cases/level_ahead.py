@@ -1,7 +1,6 @@
 """Cases of rule level-ahead."""
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.rule import Violation
 
 ROW = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(110, 10, 80, 80)))

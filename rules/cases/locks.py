@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.rules.case import Case, cut, in_order
+from kerfwise.rules.case import Case, cut, in_order, nest, part, rect
 from kerfwise.rules.catalogue.locks import LocksOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.yaml_positions import Place

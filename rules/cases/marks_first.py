@@ -1,7 +1,6 @@
 """Cases of rule marks-first."""
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
 from kerfwise.rules.rule import Violation
 

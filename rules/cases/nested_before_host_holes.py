@@ -1,7 +1,6 @@
 """Cases of rule nested-before-host-holes."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.rule import Violation
 
 HOST = part("H", rect(10, 10, 200, 100), [rect(20, 20, 80, 80), circle(150, 60, 20)])

@@ -1,7 +1,6 @@
 """Cases of rule no-narrow-strips."""
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.rule import Violation
 

@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.rules.case import Case, cut
+from kerfwise.rules.case import Case, cut, nest, part, rect
 from kerfwise.rules.rule import Violation
 
 ROW = nest(400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80)))

@@ -1,7 +1,6 @@
 """Cases of rule part-contiguous."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
 from kerfwise.rules.rule import Violation
 

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Direction, Span, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import Case, cut
+from kerfwise.rules.case import Case, cut, nest, part, rect
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.rule import Violation
 

@@ -1,12 +1,11 @@
 """Cases of rule pierce."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence, Span
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.slits import with_slits
-from kerfwise.rules.case import Case, CaseKind
+from kerfwise.rules.case import Case, CaseKind, circle, nest, part, rect
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.rule import Violation
 

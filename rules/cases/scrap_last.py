@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Tab
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.rule import Violation
 
 A = part("A", rect(550, 50, 100, 100), [rect(580, 80, 20, 20)])

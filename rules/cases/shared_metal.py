@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest, Note
-from kerfwise.rules.case import Case, CaseKind, in_order
+from kerfwise.rules.case import Case, CaseKind, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.rule import Violation
 

@@ -1,9 +1,8 @@
 """Cases of rule start-side."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.rule import Violation
 

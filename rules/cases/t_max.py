@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence, HotSpot
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.rule import Violation
 

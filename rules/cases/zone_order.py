@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.rule import Violation
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from kerfwise.encoder.cut import CutSequence, Direction
 from kerfwise.encoder.nest import Kind, Nest
+from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Forbid
 

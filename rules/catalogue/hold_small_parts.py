@@ -7,18 +7,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut, CutSequence, Tab
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part
-from kerfwise.encoder.tabs import LONGEST_MM, Axis, TabChoice, TabOptions
-from kerfwise.rules.judging.tabs import BENT_DEG, bend_deg, may_tip
+from kerfwise.encoder.torch_path import LONGEST_MM, Axis, TabChoice, TabOptions
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Number
-from kerfwise.rules.options.quantities import LENGTH, over_zero
-from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
+from kerfwise.rules.options.quantities import LENGTH, positive
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Forbid
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class HoldSmallPartsOptions:
         ),
     )
     width_mm: float = field(
-        default=1.0, metadata=option(over_zero(LENGTH), "metal that a tab leaves, between the ends of the kerf")
+        default=1.0, metadata=option(positive(LENGTH), "metal that a tab leaves, between the ends of the kerf")
     )
     count: int = field(
         default=2,
@@ -55,7 +55,7 @@ class HoldSmallPartsOptions:
     corner_mm: float = field(
         default=3.0, metadata=option(LENGTH, "how far from a tab its contour is straight, beyond the kerf's ends")
     )
-    slat_pitch_mm: float = field(default=60.0, metadata=option(over_zero(LENGTH), "from one slat to the next"))
+    slat_pitch_mm: float = field(default=60.0, metadata=option(positive(LENGTH), "from one slat to the next"))
     slats: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis that the slats run along"))
     kerf_mm: float = 1.5
     process: str = "plasma"
@@ -174,7 +174,7 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
     if not cut.tabs:
         yield f"has no tab: {why}"
         return
-    beside_mm = _left_beside_lead_mm(cut, options)
+    beside_mm = _tab_width_at_lead_mm(cut, options)
     if beside_mm is not None and beside_mm < cut.tabs[0].width_mm - WIDTH_MM:
         yield f"burns all but {max(beside_mm, 0.0):.2f} mm of its tab with its lead-in"
     if len(cut.tabs) != given:
@@ -202,7 +202,7 @@ def _there(asked: Tab, tab: Tab) -> bool:
     return math.dist(asked.at, tab.at) <= PLACE_MM + WIDTH_MM
 
 
-def _left_beside_lead_mm(cut: Cut, options: HoldSmallPartsOptions) -> float | None:
+def _tab_width_at_lead_mm(cut: Cut, options: HoldSmallPartsOptions) -> float | None:
     """The metal between the end of a cut, where its tab is, and its lead-in, mm; None where tabs lie elsewhere."""
     if not options.at_end or len(cut.tabs) != 1 or cut.lead_in is None or cut.lead_out is None:
         return None
@@ -232,3 +232,32 @@ def _asked(part: Part, options: HoldSmallPartsOptions) -> tuple[tuple[int, tuple
 
 def _tabs(count: int) -> str:
     return "1 tab" if count == 1 else f"{count} tabs"
+
+
+# Which parts may tip, and whether tabs lie where they hold: the judging half of rule hold-small-parts.
+
+BENT_DEG = 45.0
+"""A contour that turns by more beside a tab has a corner there. The planner keeps to 40: chords turn in steps."""
+SLACK_MM = 1e-6
+
+
+def may_tip(part: Part, pitch_mm: float, across: int) -> float | None:
+    """How near the centroid of a part lies to one end of it along an axis (0: x, 1: y), mm; None if a pitch or more."""
+    points = shapely.get_coordinates(part.polygon.exterior)[:, across]
+    middle = shapely.get_coordinates(part.polygon.centroid)[0, across]
+    near_mm = float(min(middle - points.min(), points.max() - middle))
+    return near_mm if near_mm < pitch_mm - SLACK_MM else None
+
+
+def bend_deg(contour: Contour, at: Point, reach_mm: float) -> float:
+    """By how much a contour turns within a reach of a point of it, either way, all turns added up."""
+    points = shapely.get_coordinates(contour.line)[:-1]
+    steps = np.roll(points, -1, axis=0) - points
+    steps_mm = np.hypot(*steps.T)
+    heading = np.arctan2(steps[:, 1], steps[:, 0])
+    turn = np.abs((heading - np.roll(heading, 1) + math.pi) % (2 * math.pi) - math.pi)  # at the start of each step
+    starts_mm = np.concatenate([[0.0], np.cumsum(steps_mm)[:-1]])
+    around_mm = float(steps_mm.sum())
+    at_mm = float(shapely.line_locate_point(contour.line, shapely.Point(at)))
+    away_mm = np.abs((starts_mm - at_mm + around_mm / 2) % around_mm - around_mm / 2)
+    return math.degrees(float(turn[away_mm < reach_mm - SLACK_MM].sum()))

@@ -9,9 +9,8 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.rules.judging.placement import same_place, well_within
+from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
+from kerfwise.rules.judging.metal import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
@@ -77,7 +76,7 @@ class HullBefore(OrderRule[NoOptions]):
         return f"it sits in the concavity of {after}, and would be left on an island once {after} is out"
 
 
-@kept_with_nest(most=2)
+@cached_with_nest(most=2)
 def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
     """Outer contours (before, after): the first sits in the concavity of the second. Kept with the nest."""
     outlines = [part.outer.line for part in nest.parts]

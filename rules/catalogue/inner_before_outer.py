@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.placement import host_holes
+from kerfwise.rules.judging.metal import host_holes
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede

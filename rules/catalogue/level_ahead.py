@@ -10,9 +10,8 @@ import shapely
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.placement import same_place, well_within
+from kerfwise.encoder.nest import Nest, cached_with_nest
+from kerfwise.rules.judging.metal import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
@@ -87,7 +86,7 @@ class LevelAhead(OrderRule[NoOptions]):
         )
 
 
-@kept_with_nest(most=2)
+@cached_with_nest(most=2)
 def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
     """Outer contours (before, after) whose shadow the centroid of the first lies in; kept with the nest."""
     outlines = [part.outer.line for part in nest.parts]

@@ -14,8 +14,7 @@ from kerfwise.rules.lock import Lock, check_locks
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import wrong_at
-from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Ids, Rule, RuleSetting, Violation
+from kerfwise.rules.rule import Ids, Plant, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import AtLeast, Before, Forbid, Precede, Statement
 
 if TYPE_CHECKING:

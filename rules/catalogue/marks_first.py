@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.rule import Ids, Rule, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.holding import clusters, cut_off, holding
+from kerfwise.rules.judging.holding import clusters, holding, island_cuts
+from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.rule import Forced, Rule, Violation
 from kerfwise.rules.statements import AtLeast, Before, Literal
 
@@ -113,7 +113,7 @@ class NoIslands(Rule[NoIslandsOptions]):
         at = {number[cut.contour]: k for k, cut in enumerate(cuts, 1) if cut.contour in number}
         found = []
         for cluster in clusters(joined):
-            for k, island in cut_off(cluster, joined, framed, at):
+            for k, island in island_cuts(cluster, joined, framed, at):
                 names = tuple(nest.parts[part].outer.id for part in island)
                 text = (
                     f"{cuts[k - 1].contour} (cut {k}) leaves {_listed(names)} on an island that nothing still in holds"

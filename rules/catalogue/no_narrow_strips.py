@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.uncut import Cutting, strips_and_islands
+from kerfwise.rules.judging.strips_and_islands import Cutting, strips_and_islands
+from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Forced, NoGoodIds, Rule, Violation
 from kerfwise.rules.statements import Statement

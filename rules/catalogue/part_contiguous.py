@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice
-from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Ids, Rule, RuleSetting, Strength, Violation
+from kerfwise.rules.rule import Ids, Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
 from .marks_first import MarksFirst, MarksFirstOptions

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Floats, Ints, concat_ranges
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.faced import Faced
-from kerfwise.rules.judging.rigidity import rigid_at_best, rigid_at_the_end
+from kerfwise.rules.judging.facing import rigid_at_best, rigid_at_the_end
+from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Forced, Rule, Strength, Violation
-from kerfwise.rules.statements import About, AtLeast
+from kerfwise.rules.statements import About, AtLeast, Before
 
 if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import Candidate
-    from kerfwise.encoder.facts.facts import FactOptions, Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts, Stretch
 
 ALLOWANCE = 0.05
 """How far under `rigid_min` the judged share may be: facts see the boundary in cells, the judging sees it finer."""
@@ -190,3 +189,71 @@ def _bounds(options: PartRigidityOptions, ends: Faced) -> Ints:
 def _along_metal(contour: str, candidate: Candidate) -> str:
     at = f"({candidate.entry[0]:.1f}, {candidate.entry[1]:.1f})"
     return f"{contour}, {WAYS[candidate.direction]} from {at}, ends along metal that holds it"
+
+
+# What the first or the last stretch of the paths of outer contours faces, as statements have it.
+
+ValueT = TypeVar("ValueT")
+PER_MM = 100
+"""Lengths in statements are whole hundredths of a millimetre."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Faced:
+    """What a stretch of the path of candidates of outer contours faces, (k,); hundredths of a millimetre.
+
+    `first` and `count` say which rows of `neighbour` and `lengths` are the neighbours of each; `length` is what these
+    come to, `solid` how much faces solid metal, `total` the whole stretch.
+    """
+
+    candidate: Ints
+    contour: Ints
+    first: Ints
+    count: Ints
+    length: Ints
+    solid: Floats
+    total: Floats
+    neighbour: Ints
+    lengths: Ints
+
+    @staticmethod
+    def of(facts: Facts, stretch: Stretch) -> Faced:
+        """Of all of them, part after part."""
+        faced = stretch.neighbours
+        lengths = np.rint(faced.length_mm * PER_MM).astype(np.int64)
+        outers = np.array([facts.nest.index[part.outer.id] for part in facts.nest.parts], dtype=np.int64)
+        own = facts.first[outers + 1] - facts.first[outers]
+        candidate = concat_ranges(facts.first[outers], own)
+        first, until = (np.searchsorted(faced.row, candidate, side) for side in ("left", "right"))
+        up_to = np.append(0, np.cumsum(lengths))
+        solid, total = (stretch.solid_mm * PER_MM)[candidate], (stretch.total_mm * PER_MM)[candidate]
+        length, contour = up_to[until] - up_to[first], np.repeat(outers, own)
+        return Faced(candidate, contour, first, until - first, length, solid, total, faced.neighbour, lengths)
+
+    def only(self, chosen: Ints) -> Faced:
+        """Some of them."""
+        return Faced(
+            self.candidate[chosen],
+            self.contour[chosen],
+            self.first[chosen],
+            self.count[chosen],
+            self.length[chosen],
+            self.solid[chosen],
+            self.total[chosen],
+            self.neighbour,
+            self.lengths,
+        )
+
+    def orders(self, first: bool) -> list[tuple[Before, ...]]:
+        """For each that its contour is cut before its neighbours, or these before it."""
+        own, others = np.repeat(self.contour, self.count), self.neighbour[concat_ranges(self.first, self.count)]
+        i, j = (own, others) if first else (others, own)
+        return self._by_candidate(list(map(Before, i.tolist(), j.tolist())))
+
+    def weights(self) -> list[tuple[int, ...]]:
+        """How much of each faces each neighbour."""
+        return self._by_candidate(self.lengths[concat_ranges(self.first, self.count)].tolist())
+
+    def _by_candidate(self, values: list[ValueT]) -> list[tuple[ValueT, ...]]:
+        until = np.cumsum(self.count)
+        return [tuple(values[a:b]) for a, b in zip((until - self.count).tolist(), until.tolist(), strict=True)]

@@ -12,13 +12,10 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.kerf_starts import in_older_kerfs
-from kerfwise.rules.judging.pierce_kerfs import over_holes, over_older_kerfs
-from kerfwise.rules.judging.pierce_places import PiercePlaces
-from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS
+from kerfwise.rules.judging.pierces import PiercePlaces, leads_over_holes, leads_over_older_kerfs, starts_in_older_kerfs
 from kerfwise.rules.options.option import option
-from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
+from kerfwise.rules.options.quantities import LENGTH_BY_THICKNESS
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Pick
 
 if TYPE_CHECKING:
@@ -171,14 +168,14 @@ class Pierce(Rule[PierceOptions]):
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PierceOptions) -> list[Violation]:
         places = PiercePlaces(nest, cuts)
-        in_kerfs = in_older_kerfs(nest, cuts, options.kerf_mm) if options.common_cuts else frozenset[int]()
+        in_kerfs = starts_in_older_kerfs(nest, cuts, options.kerf_mm) if options.common_cuts else frozenset[int]()
         findings = [
             *places.misplaced(),
             *places.too_near(options.clearance_mm, in_kerfs),
             *places.over_dropped_waste(),
             *places.crossing_leads(),
-            *over_older_kerfs(nest, cuts, options.kerf_mm, options.splash_mm, in_kerfs),
-            *over_holes(nest, cuts, options.kerf_mm, options.splash_mm),
+            *leads_over_older_kerfs(nest, cuts, options.kerf_mm, options.splash_mm, in_kerfs),
+            *leads_over_holes(nest, cuts, options.kerf_mm, options.splash_mm),
         ]
         return [Violation(self.id, ids, text, at) for at, ids, text in sorted(findings)]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.skeleton import cut_loose
+from kerfwise.rules.judging.holding import loose_scrap_cuts
 from kerfwise.rules.rule import Ids, Rule, Violation
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Precede
 
@@ -97,7 +97,7 @@ class ScrapLast(Rule[ScrapLastOptions]):
             elif first is not None:
                 text = f"{cut.contour} (cut {k}) must be cut before {first[1]} (cut {first[0]}): {WHY}"
                 found.append(Violation(self.id, (cut.contour, first[1]), text, (first[0], k)))
-        for line, position in cut_loose(nest, cuts, options.kerf_mm):
+        for line, position in loose_scrap_cuts(nest, cuts, options.kerf_mm):
             text = f"{line} (cut {position}) is cut in a piece of the skeleton that is loose"
             found.append(Violation(self.id, (line,), text, (position,)))
         return found

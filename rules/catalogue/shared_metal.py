@@ -11,9 +11,9 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.tolerance import tolerance_mm
-from kerfwise.rules.judging.burnt_metal import burnt_parts
+from kerfwise.rules.judging.holding import burnt_parts
 from kerfwise.rules.rule import Rule, Violation
 from kerfwise.rules.statements import AtLeast
 
@@ -91,7 +91,9 @@ class SharedMetal(Rule[SharedMetalOptions]):
             sentence = _said(a, b, gap_mm, place, options.kerf_mm)
             yield AtLeast((), (), 1, self.about((a, b), sentence))
         for dropped, kept in one_line(facts.nest, options.kerf_mm):
-            yield AtLeast((), (), 1, self.about((kept,), _said_of_one(facts.nest, dropped, kept, options.kerf_mm)))
+            yield AtLeast(
+                (), (), 1, self.about((kept,), _one_line_sentence(facts.nest, dropped, kept, options.kerf_mm))
+            )
 
     def violations(self, nest: Nest, cuts: CutSequence, options: SharedMetalOptions) -> list[Violation]:
         at, found = cuts.positions(), []
@@ -102,7 +104,7 @@ class SharedMetal(Rule[SharedMetalOptions]):
             found.append(Violation(self.id, burnt.contours, text, places))
         for dropped, kept in one_line(nest, options.kerf_mm):
             if kept in at:
-                text = _said_of_one(nest, dropped, kept, options.kerf_mm)
+                text = _one_line_sentence(nest, dropped, kept, options.kerf_mm)
                 found.append(Violation(self.id, (kept,), text, (at[kept],)))
         return found
 
@@ -151,7 +153,7 @@ def one_line(nest: Nest, kerf_mm: float) -> list[tuple[str, str]]:
     return [(note.contours[0], note.contours[1]) for note in nest.notes if note.common]
 
 
-def _said_of_one(nest: Nest, dropped: str, kept: str, kerf_mm: float) -> str:
+def _one_line_sentence(nest: Nest, dropped: str, kept: str, kerf_mm: float) -> str:
     x, y = nest.contour(kept).curve.vertices[0, :2].tolist()
     return (
         f"{kept} and {dropped} are one line at ({x:z.1f}, {y:z.1f}), given to two parts: on either side of it the kerf "

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Number
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
@@ -120,7 +120,7 @@ def expected_side(nest: Nest, options: StartSideOptions) -> tuple[Side, str]:
 
     Examples
     --------
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> expected_side(nest(400, 100, part("A", rect(10, 10, 80, 80))), StartSideOptions())
     ('left', 'there is a large offcut on the right')
     """

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kind import Flag
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Flag
 from kerfwise.rules.options.quantities import DURATION, TEMPERATURE, OrWord
-from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Rule, RuleSetting, Violation
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, TemperatureLimit, Violation
 from kerfwise.rules.statements import Statement
-from kerfwise.rules.temperature_limit import TemperatureLimit
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts

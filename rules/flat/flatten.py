@@ -1,24 +1,40 @@
-"""A rule's model file flattened against facts: what it states of one nest."""
+"""A rule's model file flattened against facts, kept between runs by content: the same rule on the same nest once."""
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import json
+import os
 import re
+import sys
+import zlib
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
+from kerfwise.rules.minizinc.installation import version_of
 
-from .compiler import JUDGED, JUDGED_ORDERS, WORDS, Compiled, printing, solve_all
-from .flatzinc import read_flatzinc
-from .kept_compiled import compiled
-from .meaning import SUMS, Meaning, NotUnderstood, Words
+from .compiler import (
+    HERE,
+    JUDGED,
+    JUDGED_ORDERS,
+    WORDS,
+    Compiled,
+    compile_model,
+    minizinc_program,
+    printing,
+    read_flatzinc,
+    solve_all,
+)
+from .expr import Node, TooMuch
+from .flatzinc_to_expr import SUMS, Meaning, UnsupportedModel, Words
 from .model_file import ModelFile, files_read, whole_text
-from .nodes import Node
-from .numbers import TooMuch
 
 MOST_KEPT = 64
 """Flat forms that are kept while kerfwise runs: a plan asks for each rule's several times."""
@@ -75,7 +91,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         elements = tuple(meaning.elements(file.array))
         further = tuple(meaning.further())
         beside = tuple(tuple(meaning.elements(name)) for name in others)
-    except (NotUnderstood, TooMuch) as error:
+    except (UnsupportedModel, TooMuch) as error:
         raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
     except RecursionError:
         raise InputError(f"rule {file.name}: its conditions stand too deep in one another", file=file.path) from None
@@ -158,3 +174,92 @@ def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = F
 def include(path: Path) -> str:
     """The line that includes a file."""
     return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
+
+
+# What MiniZinc has compiled, kept between runs by content: the same rule on the same nest is compiled once.
+#
+# It is kept in the folder `kerfwise/rules` of the user's cache. What cannot be read or written there is done without.
+
+MOST_FILES = 2000
+MOST_BYTES = 200_000_000
+"""What is kept at the most; the oldest goes first."""
+
+
+def compiled(file: ModelFile, text: str) -> Compiled:
+    """MiniZinc text that includes the rule file, compiled, or what was kept of it.
+
+    Raises
+    ------
+    InputError
+        As `compile_model`; mistakes are not kept.
+    """
+    maker, folder = _maker(minizinc_program()), cache_folder()
+    if folder is None:
+        return compile_model(text, file.path)
+    key = _key(file, text)
+    path = folder / f"{key}.flat"
+    if (known := _read(path, maker)) is not None:
+        return known
+    made = compile_model(text, file.path)
+    if _key(file, text) != key:  # somebody has just changed a file
+        return made
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        write_sealed(path, maker, zlib.compress(json.dumps([made.flat, made.printed]).encode(), 3))
+        _leave_room(folder)
+    return made
+
+
+def cache_folder() -> Path | None:
+    """Where compiled rules are kept: below `$XDG_CACHE_HOME`, else `~/.cache`; on Windows below `%LOCALAPPDATA%`.
+
+    None where there is no such place.
+    """
+    home = os.environ.get("LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME")
+    try:
+        return (Path(home) if home else Path.home() / ".cache") / "kerfwise" / "rules"
+    except RuntimeError:
+        return None
+
+
+def _key(file: ModelFile, text: str) -> str:
+    """The digest of a model and of the files that it reads, wherever these lie."""
+    for place in (file.path.resolve(), HERE):
+        text = text.replace(place.as_posix(), "")
+    said = "\0".join([text, *files_read(file).values()])
+    return hashlib.sha256(said.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+@cache
+def _maker(program: str) -> bytes:
+    """The digest of what compiles: MiniZinc's version, and kerfwise's own model files."""
+    own = [path.read_text(encoding="utf-8") for path in sorted([*HERE.rglob("*.mzn"), HERE.parent / _FACTS])]
+    return hashlib.sha256("\0".join([version_of(program), *own]).encode()).digest()
+
+
+_FACTS = Path("minizinc", "facts.mzn")
+
+
+def _read(path: Path, maker: bytes) -> Compiled | None:
+    with contextlib.suppress(DamagedFile, ValueError, zlib.error, OSError):
+        content = read_sealed(path, maker)
+        if content is not None:
+            flat, printed = json.loads(zlib.decompress(content))
+            os.utime(path)
+            return Compiled(flat, tuple((name, value) for name, value in printed))
+    return None
+
+
+def _leave_room(folder: Path) -> None:
+    """Remove what was not used for longest, where there is too much."""
+    found = []
+    for path in folder.glob("*.flat"):
+        with contextlib.suppress(OSError):
+            found.append((path.stat().st_mtime, path.stat().st_size, path))
+    size, count = sum(size for _, size, _ in found), len(found)
+    for _, own, path in sorted(found):
+        if count <= MOST_FILES and size <= MOST_BYTES:
+            return
+        with contextlib.suppress(OSError):
+            path.unlink()
+        size, count = size - own, count - 1

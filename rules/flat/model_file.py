@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.text import escape_text
 from kerfwise.rules.registry import RULES
 
 TYPES = ("int", "bool", "string")
@@ -82,7 +82,7 @@ def read_model_file(path: Path) -> ModelFile:
     stem = path.stem.replace("-", "_")
     if not re.fullmatch(r"[A-Za-z]\w*", stem):
         raise InputError(
-            f"a rule's file is named as the rule, such as rivets_first.mzn; {shown(path.stem)!r} is no name that "
+            f"a rule's file is named as the rule, such as rivets_first.mzn; {escape_text(path.stem)!r} is no name that "
             "MiniZinc can use: letters, digits and _, a letter first",
             file=path,
         )
@@ -134,7 +134,9 @@ def _header(text: str, stem: str) -> tuple[str, str]:
     if colon and name.replace("-", "_").replace(" ", "_").lower() == stem.lower():
         sentence = rest.strip()
     sentence = sentence[:1].upper() + sentence[1:]
-    return shown(sentence or f"The rule in {stem}.mzn holds."), shown(lines[1] if len(lines) > 1 else "the plant")
+    return escape_text(sentence or f"The rule in {stem}.mzn holds."), escape_text(
+        lines[1] if len(lines) > 1 else "the plant"
+    )
 
 
 _FITS = {"int": r"-?\d+", "bool": "true|false", "string": r'"[^"\\\n]*"'}

@@ -15,26 +15,21 @@ from weakref import WeakKeyDictionary
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.minizinc.dzn import Fields, assignments
-from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
-from kerfwise.rules.options.kind import OptionKind
+from kerfwise.rules.minizinc.twin import Fields, Further, TwinCase, assignments, twin_of
+from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
-from kerfwise.rules.options.plain_values import Flag, Number, Text
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
-from kerfwise.rules.rule_file import RuleFile
+from kerfwise.rules.rule import Forced, Ids, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import About, Before, Statement
 
-from .further_words import further_words
-from .measured_facts import Limits, measured_data, missing, order_data, orders_data
+from .expr import Lit, Node, contours_of, parts
 from .model_file import ModelFile, Parameter, read_model_file, states, whole_text
-from .nodes import Lit, Node, contours_of, parts
+from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data
 
 if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import LeadOptions
     from kerfwise.encoder.facts.facts import FactOptions, Facts
-    from kerfwise.rules.plant import Plant
-    from kerfwise.rules.rule import RuleSetting
+    from kerfwise.rules.rule import Plant, RuleSetting
 
     from .flatten import Flattened, JudgedOrder
 
@@ -116,7 +111,7 @@ class ModelRule(Rule[Any]):
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
         from .flatten import flatten  # most runs have no rule in a file: they do without the reading of such
-        from .to_statements import NotHeld, Way, Writer
+        from .to_statements import NotExpressible, Way, Writer
 
         self.expect_small(facts.nest)
         further = self.further(options)
@@ -142,7 +137,7 @@ class ModelRule(Rule[Any]):
                 one_by_one = dataclasses.replace(writer, in_parts=array.weight_mm is None and in_parts)
                 for statement in one_by_one.written(elements, (), ()):
                     yield dataclasses.replace(statement, weight=array.weight_mm)  # type: ignore[arg-type]
-        except NotHeld as error:
+        except NotExpressible as error:
             element = f"element {error.element} of {self.file.array}: " if error.element else ""
             raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
 

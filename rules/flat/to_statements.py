@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from kerfwise.encoder.listed import listed
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import join_names
 from kerfwise.rules.statements import (
     About,
     AtLeast,
@@ -22,14 +22,32 @@ from kerfwise.rules.statements import (
     Statement,
 )
 
-from .nodes import Between, Gate, Lit, Next, Node, Pause, all_of, any_of, gate, literals, opposite, order, parts
-from .numbers import Sum, at_least, at_most, plus, position
+from .expr import (
+    Between,
+    Gate,
+    Lit,
+    Next,
+    Node,
+    Pause,
+    Sum,
+    all_of,
+    any_of,
+    at_least,
+    at_most,
+    gate,
+    literals,
+    opposite,
+    order,
+    parts,
+    plus,
+    position,
+)
 
 LagsOfPairs = dict[tuple[int, int], tuple[int, int]]
 """Pair of contours → how many cuts lie between them, and the number of the element that says so."""
 
 
-class NotHeld(ValueError):
+class NotExpressible(ValueError):
     """A condition that no statement holds: the number of the element, from 1 (0 for a constraint), and why."""
 
     def __init__(self, element: int, why: str) -> None:
@@ -82,8 +100,8 @@ class Writer:
                 said = f"{words}: {said or self.why}"
             try:
                 yield from self._of_node(elements[k], said)
-            except NotHeld as error:
-                raise NotHeld(k + 1, str(error)) from None
+            except NotExpressible as error:
+                raise NotExpressible(k + 1, str(error)) from None
         for node in further:
             yield from self._of_node(node, None)
 
@@ -125,7 +143,7 @@ class Writer:
                 yield self._apart(node.atom, said)
                 return
             if isinstance(node.atom, Pause):
-                raise NotHeld(
+                raise NotExpressible(
                     0,
                     "a soft rule cannot ask for pause_ms, since each breach costs the same, however long: make the "
                     "rule hard, or ask softly for cuts_between; missing seconds have a price in own_rules, by apart",
@@ -200,7 +218,7 @@ class Writer:
     def _sentence(self, said: str | None, ids: Sequence[str], words: str) -> str:
         if said:
             return said
-        shown = listed(ids, MOST_NAMED)
+        shown = join_names(ids, MOST_NAMED)
         return f"{shown} {words}: {self.why}" if words else f"{shown}: {self.why}" if shown else self.why
 
 
@@ -253,7 +271,7 @@ def contiguous_runs(elements: Sequence[Node]) -> tuple[list[frozenset[int]], lis
     of_set: dict[frozenset[int], dict[int, int]] = defaultdict(dict)
     rest: list[int] = []
     for k, node in enumerate(elements):
-        found = _one_of_run(node)
+        found = _run_element(node)
         if found is None or found[0] in of_set[found[1]]:
             rest.append(k)
         else:
@@ -267,7 +285,7 @@ def contiguous_runs(elements: Sequence[Node]) -> tuple[list[frozenset[int]], lis
     return runs, sorted(rest)
 
 
-def _one_of_run(node: Node) -> tuple[int, frozenset[int]] | None:
+def _run_element(node: Node) -> tuple[int, frozenset[int]] | None:
     """The contour and the set that an element is about, where it is one of a run."""
     if not isinstance(node, Gate) or not node.is_or:
         return None
@@ -308,7 +326,9 @@ def without_words(node: Node, n: int) -> Node:
         case Between(i, j, cuts):
             plain = any_of([at_least(_gap(i, j, n), cuts + 1), at_least(_gap(j, i, n), cuts + 1)])
         case Pause():
-            raise NotHeld(0, "pause_ms stands by itself only: pause_ms(i, j) >= a number, as a condition of its own")
+            raise NotExpressible(
+                0, "pause_ms stands by itself only: pause_ms(i, j) >= a number, as a condition of its own"
+            )
     return plain if node.holds else opposite(plain)
 
 
@@ -345,7 +365,7 @@ def clauses(node: Node) -> list[Node]:
     for term, _ in node.terms:
         found = clauses(term)
         if len(made) * len(found) > MOST_CLAUSES:
-            raise NotHeld(0, f"it comes to more than {MOST_CLAUSES:,} conditions")
+            raise NotExpressible(0, f"it comes to more than {MOST_CLAUSES:,} conditions")
         made = [any_of([one, other]) for one in made for other in found]
     return [clause for clause in dict.fromkeys(made) if clause is not True]
 

@@ -1,23 +1,24 @@
-"""What the boundary of parts faces, as the judging of rules sees it (Petunin 2009, section 2.1).
-
-Plain shapely on purpose, and nothing from the facts that models are built on: a wrong fact must not hide here too.
-"""
+"""What the boundary of parts and the ends of cuts face, and how much of it is rigid metal, by plain geometry."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.ranges import laid_out
+from kerfwise.arrays import Bools, Floats, Ints, concat_ranges
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
 
-from .placement import host_holes
+from .metal import host_holes
+
+# What the boundary of parts faces, as the judging of rules sees it (Petunin 2009, section 2.1).
+#
+# Plain shapely on purpose, and nothing from the facts that models are built on: a wrong fact must not hide here too.
 
 SOLID, EDGE = -1, -2
 """Faced by a boundary that looks at wide uncut metal, or at the end of the sheet."""
@@ -85,7 +86,7 @@ def _spots(stretches: Sequence[Stretch]) -> Spots:
     chord, step, step_mm = chord.compress(moves), step.compress(moves, axis=0), step_mm.compress(moves)
     first = np.searchsorted(of.take(chord), np.arange(len(lines) + 1))
     until = np.cumsum(count)
-    place = laid_out(np.zeros_like(until), np.asarray(count))
+    place = concat_ranges(np.zeros_like(until), np.asarray(count))
     begins, lengths, counts = (np.repeat(given, count) for given in (begin_mm, length_mm, count))
     where = begins + lengths * (place + 0.5) / counts
     ends, k = np.empty_like(step_mm), np.empty(len(where), dtype=np.int64)
@@ -191,7 +192,7 @@ class Facing:
         other = (self.owner.take(chord) != looks) | ~self.convex.take(looks)
         box, chord = box.compress(other), chord.compress(other)
         times = count.take(box)
-        return laid_out(first.take(box), times), np.repeat(chord, times)
+        return concat_ranges(first.take(box), times), np.repeat(chord, times)
 
     def _away(self, start: Floats, normal: Floats, chord: Ints) -> Floats:
         """How far along the normals the chords are that they meet, mm; along a chord itself, its nearer end."""
@@ -218,7 +219,177 @@ def _surely_alike(one: Floats, other: Floats) -> Bools:
     return np.asarray((one * other > 0) & (np.minimum(abs(one), abs(other)) >= DOUBT_MM2))
 
 
-@kept_with_nest(most=2)
+@cached_with_nest(most=2)
 def facing(nest: Nest, web_mm: float, edge_band_mm: float) -> Facing:
     """The outlines of a nest, laid out once: every excuse asks for them again."""
     return Facing(nest, web_mm, edge_band_mm)
+
+
+# How much rigid metal the end of a cut faces, by plain geometry: the judging half of rule part-rigidity.
+
+STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
+"""The end of a cut is looked at a millimetre apart, in no less and no more spots than these."""
+ROUND = 400
+"""Spots on a whole contour."""
+
+
+def rigid_at_the_end(
+    nest: Nest, cuts: CutSequence, tail_share: float, web_mm: float, edge_band_mm: float
+) -> Iterator[tuple[int, float]]:
+    """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
+    cut_at = np.full(len(nest.parts), len(cuts) + 1)
+    judged: list[tuple[int, int]] = []
+    asked: list[tuple[Contour, Cut]] = []
+    for k, cut in enumerate(cuts, 1):
+        contour = nest.contour(cut.contour)
+        if contour.kind != "outer":
+            continue
+        part = nest.owners[nest.index[cut.contour]]
+        cut_at[part] = k
+        judged.append((k, part))
+        asked.append((contour, cut))
+    tails: list[Stretch] = []
+    for (_, part), (contour, _), way in zip(judged, asked, follow_all(asked), strict=True):
+        end_mm, tail_mm = way.stretch(tail_share, last=True)
+        count = min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
+        tails.append((part, contour.line, end_mm, tail_mm, count))
+    faced = facing(nest, web_mm, edge_band_mm).faced(spots_along_each(tails))
+    begin = 0
+    for (k, _), (*_, count) in zip(judged, tails, strict=True):
+        met = faced[begin : begin + count]
+        begin += count
+        still_in = cut_at[np.maximum(met, 0)] > k
+        yield k, float(np.where(met >= 0, still_in, met != EDGE).mean())
+
+
+@cached_with_nest(most=2)
+def _rounds(nest: Nest, web_mm: float, edge_band_mm: float) -> dict[int, Ints]:
+    """Part number → what it faces in `ROUND` spots all the way round, for the parts that were asked about."""
+    return {}
+
+
+def rigid_at_best(
+    nest: Nest, contour: str, out: frozenset[str], tail_share: float, web_mm: float, edge_band_mm: float
+) -> float:
+    """The greatest share of rigid metal at the end of any way round from any entry, once the contours `out` are cut."""
+    part, rounds = nest.owners[nest.index[contour]], _rounds(nest, web_mm, edge_band_mm)
+    if part not in rounds:
+        line = nest.parts[part].outer.line
+        rounds[part] = facing(nest, web_mm, edge_band_mm).faced(spots_along(part, line, 0.0, line.length, ROUND))
+    faced = rounds[part]
+    free = [EDGE, *(k for k in np.unique(faced[faced >= 0]).tolist() if nest.parts[k].outer.id in out)]
+    rigid = np.concatenate([[0], np.cumsum(np.tile(~np.isin(faced, free), 2))])
+    tail = max(1, round(tail_share * ROUND))
+    return float((rigid[tail:] - rigid[:-tail]).max() / tail)
+
+
+# Which stretch of its contour a cut follows: all of it, or what others have left.
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """Where a cut begins and ends along its contour as drawn, mm, and how far it follows it: below 0 against it."""
+
+    begin_mm: float
+    end_mm: float
+    length_mm: float
+
+    def stretch(self, share: float, *, last: bool) -> tuple[float, float]:
+        """Where the first or the last share of the cut begins, as seen from its end of the cut, and how long it is."""
+        return (self.end_mm, -share * self.length_mm) if last else (self.begin_mm, share * self.length_mm)
+
+
+def followed(contour: Contour, cut: Cut) -> Followed:
+    """The stretch of a closed contour that a cut follows.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.case import part, rect
+    >>> from kerfwise.encoder.cut import Span
+    >>> square = part("A", rect(0, 0, 10, 10)).outer
+    >>> followed(square, Cut("A.outer", (10, 0), "cw", (11, 0)))
+    Followed(begin_mm=10.0, end_mm=10.0, length_mm=-40.0)
+    >>> followed(square, Cut("A.outer", (10, 0), "cw", (11, 0), span=Span((11, 0), (10, 11))))
+    Followed(begin_mm=10.0, end_mm=20.0, length_mm=-30.0)
+    """
+    return follow_all([(contour, cut)])[0]
+
+
+def follow_all(rows: Sequence[tuple[Contour, Cut]]) -> list[Followed]:
+    """As `followed` of each, in less time."""
+    if not rows:
+        return []
+    lines = np.array([contour.line for contour, _ in rows], dtype=object)
+    begin_mm = shapely.line_locate_point(lines, shapely.points([cut.entry for _, cut in rows]))
+    points, of = shapely.get_coordinates(lines, return_index=True)
+    ccw = shapely.is_ccw(shapely.linearrings(points, indices=of))
+    told = zip(rows, lines, begin_mm.tolist(), shapely.length(lines).tolist(), ccw.tolist(), strict=True)
+    return [
+        _followed(cut, line, begin, around, (cut.direction == "ccw") == turns)
+        for (_, cut), line, begin, around, turns in told
+    ]
+
+
+def _followed(cut: Cut, line: shapely.LineString, begin_mm: float, around_mm: float, as_drawn: bool) -> Followed:
+    if cut.span is None:
+        return Followed(begin_mm, begin_mm, around_mm if as_drawn else -around_mm)
+    end_mm = float(shapely.line_locate_point(line, shapely.Point(cut.span.end)))
+    way_mm = (end_mm - begin_mm if as_drawn else begin_mm - end_mm) % around_mm
+    return Followed(begin_mm, end_mm, way_mm if as_drawn else -way_mm)
+
+
+# What the first and the last stretch of each cut face, and each outline as a whole, by plain geometry.
+
+STRETCH_STEP_MM, LEAST_STRETCH_SPOTS, MOST_STRETCH_SPOTS = 0.5, 200, 2000
+"""A stretch is looked at this far apart, in no less and no more spots than these."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Faced:
+    """A stretch of an outer contour: its length, how much of it faces the sheet's edge and solid metal, and the rest:
+
+    contour number → length that faces it.
+    """
+
+    total_mm: float
+    edge_mm: float
+    solid_mm: float
+    contours_mm: Mapping[int, float]
+
+
+def faced_by_cuts(
+    nest: Nest, cuts: CutSequence, share: float, web_mm: float, edge_band_mm: float, *, last: bool
+) -> dict[int, Faced]:
+    """Contour number → what the first (or `last`) share of its cut faces, for each outer contour that is cut."""
+    of_cuts = ((nest.contour(cut.contour), cut) for cut in cuts)
+    outers = [(contour, cut) for contour, cut in of_cuts if contour.kind == "outer"]
+    ways = zip(outers, follow_all(outers), strict=True)
+    asked = [(nest.index[contour.id], *way.stretch(share, last=last)) for (contour, _), way in ways]
+    return _faced(nest, asked, web_mm, edge_band_mm)
+
+
+def faced_all_round(nest: Nest, web_mm: float, edge_band_mm: float) -> dict[int, Faced]:
+    """Contour number → what the whole outline faces, for each outer contour."""
+    outers = [part.outer for part in nest.parts]
+    return _faced(nest, [(nest.index[c.id], 0.0, c.line.length) for c in outers], web_mm, edge_band_mm)
+
+
+def _faced(nest: Nest, asked: list[tuple[int, float, float]], web_mm: float, edge_band_mm: float) -> dict[int, Faced]:
+    """What stretches of contours (number, where they begin, how long they are) face."""
+    part = {p.id: k for k, p in enumerate(nest.parts)}
+    outer = [nest.index[p.outer.id] for p in nest.parts]
+    stretches: list[Stretch] = []
+    for number, begin_mm, length_mm in asked:
+        contour = nest.contours[number]
+        count = min(max(math.ceil(abs(length_mm) / STRETCH_STEP_MM), LEAST_STRETCH_SPOTS), MOST_STRETCH_SPOTS)
+        stretches.append((part[contour.part], contour.line, begin_mm, length_mm, count))
+    met = facing(nest, web_mm, edge_band_mm).faced(spots_along_each(stretches))
+    counts = [count for *_, count in stretches]
+    found: dict[int, Faced] = {}
+    for (number, _, length_mm), own in zip(asked, np.split(met, np.cumsum(counts)[:-1]), strict=True):
+        each_mm = abs(length_mm) / len(own)
+        values, times = np.unique(own, return_counts=True)
+        mm = {int(value): float(count * each_mm) for value, count in zip(values, times, strict=True)}
+        edge_mm, solid_mm = mm.pop(EDGE, 0.0), mm.pop(SOLID, 0.0)
+        found[number] = Faced(abs(length_mm), edge_mm, solid_mm, {outer[k]: v for k, v in mm.items()})
+    return found

@@ -1,12 +1,10 @@
-"""The metal of one place with the parts that lie in it: what strips and islands are looked for in, whatever the order.
-
-It is looked up once: which parts may take metal from around which, and which see each other over metal.
-"""
+"""Where the parts of a nest lie, and the metal around them: what strips and islands are looked for in."""
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,8 +13,9 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
 
-from .sights import Sights, sights_of
+# It is looked up once: which parts may take metal from around which, and which see each other over metal.
 
 QUADRANT = 4
 """Segments of a quarter round the corners of buffers: coarse, about a tenth of a millimetre at 12 mm."""
@@ -186,3 +185,143 @@ def fields_of(grown: Any, side_mm: float) -> Fields:
     np.maximum.at(high, of, bounds[:, 2:])
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
     return Fields(of, boxes, shapely.STRtree(boxes))
+
+
+# Straight lines from part to part over metal: they show that metal goes on, without its pieces being looked for.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sights:
+    """Straight lines from part to part that are metal all along until some other part is out.
+
+    `ends` (lines, 2) are the parts that a line leads from and to; `of[q]` are pairs (number of a line, part that it
+    leads to). What part `bars[k, 1]` takes with it crosses line `bars[k, 0]`, as it does that of each line to the part
+    itself; the lines `barred_by[q]` are those of part q. `inner` (parts, 2) is where the lines of each part begin.
+    """
+
+    ends: Ints
+    of: list[list[tuple[int, int]]]
+    bars: Ints
+    barred_by: list[Ints]
+    inner: Floats
+
+    @property
+    def count(self) -> int:
+        """How many lines there are."""
+        return len(self.ends)
+
+    def goes_on(self, parts: Sequence[int], barred: Bools, far_mm: float) -> bool:
+        """Whether lines that are not `barred` show that the metal of some parts is wider than `far_mm`."""
+        reached, seen = list(parts), set(parts)
+        low_x = low_y = math.inf
+        high_x = high_y = -math.inf
+        for q in reached:
+            x, y = self.inner[q].tolist()
+            low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+            if high_x - low_x > far_mm or high_y - low_y > far_mm:
+                return True
+            for sight, other in self.of[q]:
+                if other not in seen and not barred[sight]:
+                    seen.add(other)
+                    reached.append(other)
+        return False
+
+    def goes_on_until(self, at: Ints, far_mm: float) -> Ints:
+        """For each part the cut from which on lines no longer show that its metal is wider than `far_mm`, 0 for never.
+
+        `at` is the cut that takes each part out. What lines join is put together from the last cut to the first.
+        """
+        barred_at = np.full(self.count, at.max(initial=0) + 1)
+        np.minimum.at(barred_at, self.bars[:, 0], at[self.bars[:, 1]])
+        last_first = np.argsort(-barred_at, kind="stable")
+        until = [0] * len(at)
+        group = list(range(len(at)))
+        members = [[q] for q in group]
+        boxes = [(x, y, x, y) for x, y in self.inner.tolist()]
+        large = [False] * len(at)
+        rows = zip(self.ends[last_first].tolist(), barred_at[last_first].tolist(), strict=True)
+        for (a, b), cut in rows:
+            one, other = group[a], group[b]
+            if one == other:
+                continue
+            if len(members[one]) < len(members[other]):
+                one, other = other, one
+            (x0, y0, x1, y1), (u0, v0, u1, v1) = boxes[one], boxes[other]
+            boxes[one] = x0, y0, x1, y1 = min(x0, u0), min(y0, v0), max(x1, u1), max(y1, v1)
+            new: list[int] = []
+            if large[one] or large[other] or x1 - x0 > far_mm or y1 - y0 > far_mm:
+                new = [q for k in (one, other) if not large[k] for q in members[k]]
+                large[one] = True
+            for q in new:
+                until[q] = cut
+            for q in members[other]:
+                group[q] = one
+            members[one] += members[other]
+        return np.array(until, dtype=np.int64)
+
+
+def sights_of(areas: Any, inner: Any, grown: Any, ground: Any, far_mm: float) -> Sights:
+    """Lines between parts that are no farther than `far_mm` from each other."""
+    one, other = shapely.STRtree(areas).query(areas, predicate="dwithin", distance=far_mm)
+    one, other = one[one < other], other[one < other]
+    xy = shapely.get_coordinates(inner)
+    lines = shapely.linestrings(np.stack([xy[one], xy[other]], axis=1))
+    shapely.prepare(ground)
+    held = shapely.contains_properly(ground, lines)
+    one, other, lines = one[held], other[held], lines[held]
+    of: list[list[tuple[int, int]]] = [[] for _ in areas]
+    for k, (a, b) in enumerate(zip(one.tolist(), other.tolist(), strict=True)):
+        of[a].append((k, b))
+        of[b].append((k, a))
+    line, by = shapely.STRtree(grown).query(lines, predicate="intersects")
+    order = np.argsort(by, kind="stable")
+    barred_by = np.split(line[order], np.searchsorted(by[order], np.arange(1, len(areas))))
+    return Sights(np.column_stack([one, other]), of, np.column_stack([line, by]), barred_by, xy)
+
+
+# Where the parts of a nest lie, as the judging of rules sees it.
+#
+# Plain shapely on purpose, and nothing from the facts that models are built on: a wrong fact must not hide here too.
+
+
+@cached_with_nest(most=2)
+def host_holes(nest: Nest) -> Mapping[str, Contour]:
+    """Part id → the hole of another part that it lies in, for every part that lies in one (the smallest, if nested).
+
+    A part may touch the hole it lies in: a point well inside the part decides. Kept with the nest.
+    """
+    holes = [hole for part in nest.parts for hole in part.holes]
+    if not holes:
+        return {}
+    areas = shapely.area([hole.polygon for hole in holes])
+    inner = [part.outer.polygon for part in nest.parts]
+    which, hole = shapely.STRtree([h.polygon for h in holes]).query(shapely.point_on_surface(inner), "intersects")
+    found: dict[str, int] = {}
+    for k, h in sorted(zip(which.tolist(), hole.tolist(), strict=True)):
+        part = nest.parts[k]
+        if areas[h] > inner[k].area and (part.id not in found or areas[h] < areas[found[part.id]]):
+            found[part.id] = h
+    return {part_id: holes[h] for part_id, h in found.items()}
+
+
+def places(nest: Nest, host: Mapping[str, Contour]) -> dict[str, str]:
+    """Part id → id of the hole it lies in, "" for a part straight on the sheet."""
+    return {part.id: host[part.id].id if part.id in host else "" for part in nest.parts}
+
+
+def same_place(nest: Nest, first: Ints, second: Ints) -> tuple[Ints, Ints]:
+    """The pairs of different parts that lie in the same place, as sorted numbers in the nest."""
+    at = places(nest, host_holes(nest))
+    number = {name: k for k, name in enumerate(dict.fromkeys(at.values()))}
+    place = np.array([number[at[part.id]] for part in nest.parts], dtype=np.int64)
+    same = (first != second) & (place[first] == place[second])
+    order = np.lexsort((second[same], first[same]))
+    return first[same][order], second[same][order]
+
+
+def well_within(nest: Nest, points: Any, parts: Ints, off_mm: float) -> Bools:
+    """Whether points (k,) lie within the outer contours of parts (k,), given by number, and farther than that off."""
+    areas = np.array([part.outer.polygon for part in nest.parts], dtype=object)
+    lines = np.array([part.outer.line for part in nest.parts], dtype=object)
+    within = shapely.contains(areas[parts], points) & ~shapely.dwithin(lines[parts], points, off_mm)
+    return np.asarray(within)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
@@ -20,7 +21,6 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 
 from . import __path__ as _path
-from .dzn import Fields
 
 MODELS = Path(_path[0])
 """The model files."""
@@ -110,3 +110,41 @@ def twin_of(rule: str) -> Twin[Any]:
 
 def _name(rule: str) -> str:
     return rule.replace("-", "_")
+
+
+# Values as MiniZinc data text.
+
+Fields = list[tuple[str, str]]
+"""Names and values, as text."""
+
+
+def assignments(fields: Fields) -> str:
+    """Data text, a line each."""
+    return "".join(f"{name} = {value};\n" for name, value in fields)
+
+
+def flag(value: bool) -> str:
+    """A bool."""
+    return "true" if value else "false"
+
+
+def flags(values: Iterable[bool]) -> str:
+    """An array of bools."""
+    return f"[{', '.join(map(flag, values))}]"
+
+
+def numbers(values: Iterable[int]) -> str:
+    """An array of whole numbers."""
+    return f"[{', '.join(str(int(v)) for v in values)}]"
+
+
+def number_set(values: Iterable[int]) -> str:
+    """A set of whole numbers."""
+    return "{" + ", ".join(map(str, sorted(values))) + "}"
+
+
+def table_from_0(values: NDArray[np.int64]) -> str:
+    """A square table whose rows and columns count from 0."""
+    last = len(values) - 1
+    rows = ",\n  ".join(", ".join(map(str, row)) for row in values.tolist())
+    return f"array2d(0..{last}, 0..{last}, [\n  {rows}])"

@@ -1,12 +1,15 @@
-"""A kind of value an option can have: how it is read from YAML, written back, and described to an editor."""
+"""Kinds of value an option can have: numbers, words, texts; read from YAML, written back, described to an editor."""
 
 from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
+
+from kerfwise.encoder.text import nearest
 
 from .yaml_positions import is_empty, shape
 
@@ -71,3 +74,173 @@ def digits(node: yaml.Node, kind: OptionKind) -> str:
     if len(text) > LONGEST:
         raise Unfit(f"expected {kind.expected()}, got a text of {len(text)} characters", node)
     return text
+
+
+# Plain values: numbers, true or false, one of a few words, texts.
+
+
+@dataclass(frozen=True, slots=True)
+class Number(OptionKind):
+    """A bare number between two bounds; `whole` for counts."""
+
+    at_least: float | None = None
+    at_most: float | None = None
+    whole: bool = False
+
+    def read(self, node: yaml.Node) -> float | int:
+        text = digits(node, self).strip()
+        if not re.fullmatch(r"[+-]?\d+" if self.whole else NUMBER, text):
+            raise self.refuse(node)
+        value = int(text) if self.whole else float(text)
+        low = self.at_least is not None and value < self.at_least
+        high = self.at_most is not None and value > self.at_most
+        if low or high:
+            raise self.refuse(node)
+        if abs(value) > MOST:
+            raise Unfit(f"expected {self.expected()}, and no more than {MOST:g}, got {text!r}", node)
+        return value
+
+    def write(self, value: float | int) -> str:
+        return repr(value) if self.whole or value != int(value) else str(int(value))
+
+    def schema(self) -> dict[str, Any]:
+        made: dict[str, Any] = {"type": "integer" if self.whole else "number"}
+        if self.at_least is not None:
+            made["minimum"] = self.at_least
+        if self.at_most is not None:
+            made["maximum"] = self.at_most
+        return made
+
+    def expected(self) -> str:
+        what = "a whole number" if self.whole else "a number"
+        if self.at_least is not None and self.at_most is not None:
+            return f"{what} from {self.at_least:g} to {self.at_most:g}"
+        if self.at_least is not None:
+            return f"{what} of at least {self.at_least:g}"
+        return what
+
+
+@dataclass(frozen=True, slots=True)
+class Flag(OptionKind):
+    """true or false."""
+
+    def read(self, node: yaml.Node) -> bool:
+        text = scalar_text(node, self).lower()
+        if text not in ("true", "yes", "on", "false", "no", "off"):
+            raise self.refuse(node)
+        return text in ("true", "yes", "on")
+
+    def write(self, value: bool) -> str:
+        return "true" if value else "false"
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "boolean"}
+
+    def expected(self) -> str:
+        return "true or false"
+
+
+@dataclass(frozen=True, slots=True)
+class Choice(OptionKind):
+    """One of a few words. `none` is the word that stands for None, if any.
+
+    A bare `off` is false to readers of YAML 1.1, such as most of Python's: it may be written so where it is a word.
+    """
+
+    words: tuple[str, ...]
+    none: str | None = None
+
+    def read(self, node: yaml.Node) -> str | None:
+        text = scalar_text(node, self)
+        if text == "false" and "off" in self.words:
+            text = "off"
+        if text not in self.words:
+            guess = nearest(text, self.words)
+            hint = f": did you mean {guess!r}?" if guess else ""
+            raise Unfit(f"{self.refuse(node)}{hint}", node)
+        return None if text == self.none else text
+
+    def write(self, value: str | None) -> str:
+        return self.none if value is None and self.none is not None else str(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"enum": [*self.words, *([False] if "off" in self.words else [])]}
+
+    def expected(self) -> str:
+        return "one of " + ", ".join(self.words)
+
+
+@dataclass(frozen=True, slots=True)
+class Text(OptionKind):
+    """Any text that is not empty; `pattern` says that it must be a regular expression."""
+
+    pattern: bool = False
+
+    def read(self, node: yaml.Node) -> str:
+        text = scalar_text(node, self)
+        if not text.strip():
+            raise self.refuse(node)
+        if self.pattern:
+            try:
+                re.compile(text)
+            except re.error as error:
+                raise Unfit(f"expected {self.expected()}, got {text!r}: {error}", node) from None
+        return text
+
+    def write(self, value: str) -> str:
+        # Dumped inside a list, so that it is quoted wherever a comma or brace would need it.
+        style = None if value.isprintable() else '"'
+        dumped = yaml.safe_dump([value], allow_unicode=True, width=1e9, default_flow_style=True, default_style=style)
+        return str(dumped).strip()[1:-1]
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "string", "minLength": 1} | ({"format": "regex"} if self.pattern else {})
+
+    def expected(self) -> str:
+        return "a regular expression such as 'mark|scribe'" if self.pattern else "a text"
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs(OptionKind):
+    """A mapping of texts, each to a text, or to one of a few `words`: kept as pairs, in the order that is written."""
+
+    words: tuple[str, ...] = ()
+
+    def read(self, node: yaml.Node) -> tuple[tuple[str, str], ...]:
+        if not isinstance(node, yaml.MappingNode):
+            raise self.refuse(node)
+        value = Choice(self.words) if self.words else Text()
+        found: dict[str, str] = {}
+        for key, given in node.value:
+            found[Text().read(key)] = str(value.read(given))
+        return tuple(found.items())
+
+    def write(self, value: tuple[tuple[str, str], ...]) -> str:
+        return "{" + ", ".join(f"{Text().write(key)}: {Text().write(given)}" for key, given in value) + "}"
+
+    def schema(self) -> dict[str, Any]:
+        given: dict[str, Any] = {"enum": list(self.words)} if self.words else {"type": ["string", "number"]}
+        return {"type": "object", "additionalProperties": given}
+
+    def expected(self) -> str:
+        return f"a mapping such as {{red: {self.words[0]}}}" if self.words else "a mapping such as {frame: sheet}"
+
+
+@dataclass(frozen=True, slots=True)
+class TextOrWord(OptionKind):
+    """A text, or the word that stands for None."""
+
+    none: str
+
+    def read(self, node: yaml.Node) -> str | None:
+        text = Text().read(node)
+        return None if text == self.none else text
+
+    def write(self, value: str | None) -> str:
+        return self.none if value is None else Text().write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return Text().schema()
+
+    def expected(self) -> str:
+        return f"a text, or {self.none!r}"

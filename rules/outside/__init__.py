@@ -1,7 +1,5 @@
 """Rules from outside: written in Python, in a file that a profile names or in a package that is installed."""
 
-from .installed import installed_rules
-from .python_file import PythonFile, rules_in_file
-from .trust import is_trusted, refusal
+from .plugin_sources import PythonFile, installed_rules, is_trusted, refusal, rules_in_file
 
 __all__ = ["PythonFile", "installed_rules", "is_trusted", "refusal", "rules_in_file"]

@@ -1,9 +1,7 @@
 """Own rules: what a plant adds to the catalogue in its profile, in YAML."""
 
-from .own_rule import PREFIX, Own, OwnFile, OwnRule
-from .plant_rule import PlantRule, Thresholds, as_rule, own_pairs
-from .read import own_rules_definitions, own_rules_schema, read_own_rules
-from .set_values import is_own, with_own_values
+from .own_rule import PREFIX, Own, OwnFile, OwnRule, PlantRule, Thresholds, as_rule, own_pairs
+from .read import is_own, own_rules_definitions, own_rules_schema, read_own_rules, with_own_values
 
 __all__ = [
     "PREFIX",

@@ -1,18 +1,28 @@
-"""Selectors: which contours an own rule is about."""
+"""Which contours an own rule is about: the facts it may name, selectors over them, and how far it reaches."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import shapely
 import yaml
 
-from kerfwise.rules.options.kind import Unfit
-from kerfwise.rules.options.suggest import unknown
+from kerfwise.arrays import Floats
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import KINDS, Nest
+from kerfwise.encoder.text import unknown
+from kerfwise.rules.judging.metal import host_holes, places
+from kerfwise.rules.options.kind import Choice, OptionKind, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 
-from .criterion import Criterion
-from .named_facts import ATTRIBUTE, NAMED_FACTS, KnownFacts, named_fact
+from .criteria import AREAS, COUNTED, LENGTHS, ROUNDING_MM, Criterion, FlagKind, FreeKind, TextKind, ValueKind, WordKind
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.facts.facts import Facts
+
 
 NOT = "not"
 
@@ -23,10 +33,10 @@ class Selector:
 
     Examples
     --------
-    >>> from kerfwise.rules.own.criterion import Pattern
-    >>> from kerfwise.rules.own.named_facts import known_of_nest
-    >>> from kerfwise.rules.own.measures import measured
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.own.criteria import Pattern
+    >>> from kerfwise.rules.own.selector import nest_values as known_of_nest
+    >>> from kerfwise.rules.own.selector import measure_nest as measured
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> plate = nest(100, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
     >>> known = known_of_nest(measured(plate, None, long_ratio=4, web_mm=25))
     >>> Selector((("kind", Pattern("hole")),)).chosen(known)
@@ -92,3 +102,336 @@ def selector_schema() -> dict[str, Any]:
         "patternProperties": {r"^attribute\..+": anything.kind.schema()},
         "additionalProperties": False,
     }
+
+
+# How far an own rule reaches: over the whole sheet, or within each part, zone, or group of one attribute.
+
+WORDS = ("sheet", "part", "zone")
+
+
+@dataclass(frozen=True, slots=True)
+class Scope(OptionKind):
+    """sheet, part, zone, or attribute.<name>: the parts that the nest gives the same value there."""
+
+    def read(self, node: yaml.Node) -> str:
+        text = str(node.value) if isinstance(node, yaml.ScalarNode) else ""
+        if text.startswith(ATTRIBUTE) and text != ATTRIBUTE:
+            return text
+        if text not in WORDS:
+            raise self.refuse(node)
+        return text
+
+    def write(self, value: str) -> str:
+        return value
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [Choice(WORDS).schema(), {"type": "string", "pattern": r"^attribute\..+"}]}
+
+    def expected(self) -> str:
+        return f"{', '.join(WORDS)} or {ATTRIBUTE}<name>"
+
+
+def groups(known: KnownFacts, scope: str) -> list[tuple[int, ...]]:
+    """Contour numbers group by group; a contour without a value for the scope is in none.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.own.selector import measure_nest as measured
+    >>> from kerfwise.rules.own.selector import nest_values as known_of_nest
+    >>> from kerfwise.rules.case import nest, part, rect
+    >>> two = part("A", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]), part("B", rect(110, 10, 80, 80))
+    >>> plate = nest(300, 100, *two)
+    >>> groups(known_of_nest(measured(plate, None, long_ratio=4, web_mm=25)), "part")
+    [(0, 1), (2,)]
+    """
+    if scope == "sheet":
+        return [tuple(range(len(known.nest.contours)))]
+    found: dict[str, list[int]] = {}
+    for k, value in enumerate(known.values(scope)):
+        if value is not None:
+            found.setdefault(str(value), []).append(k)
+    return [tuple(members) for members in found.values()]
+
+
+# The facts that own rules select by, measured from a nest with plain shapely.
+#
+# The check judges by these alone; the facts that models are built on are not looked at here.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MeasuredNest:
+    """What values are measured from: a nest, the zones that its cuts state, and two thresholds."""
+
+    nest: Nest
+    zones: Mapping[str, int]
+    long_ratio: float
+    web_mm: float
+
+
+def measure_nest(nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: float) -> MeasuredNest:
+    """What there is to measure; without cuts no zone is known."""
+    return MeasuredNest(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm)
+
+
+def areas_mm2(nest: Nest) -> list[float]:
+    """Area inside every contour, 0 for a mark or a slit."""
+    return [float(c.polygon.area) if c.encloses else 0.0 for c in nest.contours]
+
+
+def lengths_mm(nest: Nest) -> list[float]:
+    """Length of every contour."""
+    return [c.curve.length_mm for c in nest.contours]
+
+
+def sizes_mm(nest: Nest, axis: int) -> list[float]:
+    """Extent of every contour along x (axis 0) or y (axis 1)."""
+    bounds = _bounds_mm(nest)
+    return _listed(bounds[:, axis + 2] - bounds[:, axis])
+
+
+def rectangle_sides_mm(nest: Nest, longer: bool) -> list[float]:
+    """The longer or the shorter side of the smallest rectangle, at any angle, around every contour."""
+    sides = _rectangles_mm(nest)
+    return _listed(sides.max(axis=1) if longer else sides.min(axis=1))
+
+
+def is_long(m: MeasuredNest) -> list[bool]:
+    """Outer contours whose smallest rectangle has one side at least `long_ratio` times the other (Petunin 2009)."""
+    sides = _rectangles_mm(m.nest)
+    slim = sides.max(axis=1) >= m.long_ratio * sides.min(axis=1) * (1 - 1e-9)
+    return [bool(s) and c.kind == "outer" for s, c in zip(slim, m.nest.contours, strict=True)]
+
+
+def edge_gaps_mm(nest: Nest, side: str) -> list[float]:
+    """Distance of every contour from a side of the sheet, from the nearest of the four where side is `edge`."""
+    xmin, ymin, xmax, ymax = nest.sheet.bounds
+    bounds = _bounds_mm(nest)
+    gaps = {
+        "left": bounds[:, 0] - xmin,
+        "right": xmax - bounds[:, 2],
+        "bottom": bounds[:, 1] - ymin,
+        "top": ymax - bounds[:, 3],
+    }
+    return _listed(np.min(list(gaps.values()), axis=0) if side == "edge" else gaps[side])
+
+
+def hosts(m: MeasuredNest) -> list[str]:
+    """Id of the part in whose hole a contour's part lies, "" for none."""
+    of_part = host_holes(m.nest)
+    return [of_part[c.part].part if c.part in of_part else "" for c in m.nest.contours]
+
+
+def depths(m: MeasuredNest) -> list[int]:
+    """How many contours lie around every contour."""
+    host = host_holes(m.nest)
+
+    def of_part(part: str) -> int:
+        depth = 0
+        while part in host:
+            part, depth = host[part].part, depth + 2
+        return depth
+
+    return [of_part(c.part) + (c.kind not in ("outer", "scrap")) for c in m.nest.contours]
+
+
+def neighbour_counts(m: MeasuredNest) -> list[int]:
+    """How many other parts in the same place come as near as `web_mm` to each outer contour; 0 for holes and marks."""
+    at = places(m.nest, host_holes(m.nest))
+    return count_near(m.nest, [at[part.id] for part in m.nest.parts], m.web_mm)
+
+
+def count_near(nest: Nest, place: Sequence[object], web_mm: float) -> list[int]:
+    """For every contour the number of other parts of the same place within `web_mm`; `place` is given part by part."""
+    lines = [part.outer.line for part in nest.parts]
+    a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=web_mm + ROUNDING_MM)
+    count = [0] * len(nest.contours)
+    for first, second in zip(a.tolist(), b.tolist(), strict=True):
+        if first != second and place[first] == place[second]:
+            count[nest.index[nest.parts[first].outer.id]] += 1
+    return count
+
+
+def zones(m: MeasuredNest) -> list[int | None]:
+    """The zone that the cut of every contour states, None where it states none."""
+    return [m.zones.get(c.id) for c in m.nest.contours]
+
+
+def attributes(nest: Nest, name: str) -> list[Any]:
+    """What the nest's file says of every contour's part under that name, None where it says nothing."""
+    return [nest.part_of[c.part].attributes.get(name) if c.part else None for c in nest.contours]
+
+
+def _bounds_mm(nest: Nest) -> Floats:
+    return np.asarray(shapely.bounds([c.line for c in nest.contours]), dtype=np.float64).reshape(-1, 4)
+
+
+def _rectangles_mm(nest: Nest) -> Floats:
+    """Two sides (n, 2) of the smallest rectangle around every contour."""
+    lines = np.array([c.line for c in nest.contours], dtype=object)
+    hulls = shapely.convex_hull(lines)
+    flat = shapely.get_dimensions(hulls) < 2
+    sides = np.zeros((len(lines), 2))
+    corners = shapely.get_coordinates(shapely.oriented_envelope(lines[~flat])).reshape(-1, 5, 2)
+    for k in (0, 1):
+        sides[~flat, k] = np.hypot(*(corners[:, k + 1] - corners[:, k]).T)
+    sides[flat, 0] = shapely.length(hulls[flat])
+    return sides
+
+
+def _listed(values: Floats) -> list[float]:
+    return [float(v) for v in values]
+
+
+# The facts that selectors of own rules may name: one table for reading, messages, schema and docs.
+#
+# Every fact has two columns. `of_facts` takes it from the facts that plans are made with; `of_nest` measures it from
+# the nest, for the check. For a contour's own measures (its name, its size) both are the same geometry.
+
+Values = Sequence[Any]
+ATTRIBUTE = "attribute."
+"""`attribute.priority` is what the nest's file says of a part under `priority`."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFact:
+    """A fact by name: its kind, one line of help, and its values for every contour of a nest, from either source."""
+
+    name: str
+    kind: ValueKind
+    help: str
+    of_facts: Callable[[Facts], Values]
+    of_nest: Callable[[MeasuredNest], Values]
+
+
+def _own(name: str, kind: ValueKind, help: str, of: Callable[[Nest], Values]) -> NamedFact:
+    """A measure of a contour by itself."""
+    return NamedFact(name, kind, help, lambda facts: of(facts.nest), lambda m: of(m.nest))
+
+
+def _edge_gap(side: str, column: int) -> NamedFact:
+    return NamedFact(
+        f"{side}_gap_mm",
+        LENGTHS,
+        f"distance from the {side} side of the sheet",
+        lambda facts: [float(v) for v in facts.edge_gap_mm[:, column]],
+        lambda m: edge_gaps_mm(m.nest, side),
+    )
+
+
+def _hosts(facts: Facts) -> list[str]:
+    contours, index = facts.nest.contours, facts.nest.index
+    hole = {p.id: int(facts.parent[index[p.outer.id]]) for p in facts.nest.parts}
+    return [contours[hole[c.part]].part if hole.get(c.part, -1) >= 0 else "" for c in contours]
+
+
+def _depths(facts: Facts) -> list[int]:
+    depth = [0] * facts.n
+    for inner in facts.contains[:, 1].tolist():
+        depth[inner] += 1
+    return depth
+
+
+def _neighbour_counts(facts: Facts) -> list[int]:
+    index = facts.nest.index
+    place = [int(facts.parent[index[p.outer.id]]) for p in facts.nest.parts]
+    return count_near(facts.nest, place, facts.options.web_mm)
+
+
+_TABLE = (
+    _own("kind", WordKind(KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
+    _own("part", TextKind(), "id of its part, empty for a scrap line", lambda n: [c.part for c in n.contours]),
+    _own(
+        "id",
+        TextKind(),
+        "its own id, `<part>.outer`, `<part>.hole1` …, `scrap1` …",
+        lambda n: [c.id for c in n.contours],
+    ),
+    _own("area_mm2", AREAS, "area inside it, 0 for an open line", areas_mm2),
+    _own("length_mm", LENGTHS, "its length", lengths_mm),
+    _own("width_mm", LENGTHS, "its extent along x", lambda n: sizes_mm(n, 0)),
+    _own("height_mm", LENGTHS, "its extent along y", lambda n: sizes_mm(n, 1)),
+    _own(
+        "short_side_mm",
+        LENGTHS,
+        "shorter side of the smallest rectangle around it, at any angle",
+        lambda n: rectangle_sides_mm(n, longer=False),
+    ),
+    _own("long_side_mm", LENGTHS, "longer side of that rectangle", lambda n: rectangle_sides_mm(n, longer=True)),
+    NamedFact(
+        "long",
+        FlagKind(),
+        "an outer contour whose longer side is at least `long_ratio` (rule start-side) times the shorter",
+        lambda facts: [bool(v) for v in facts.long],
+        is_long,
+    ),
+    _edge_gap("left", 0),
+    _edge_gap("right", 1),
+    _edge_gap("bottom", 2),
+    _edge_gap("top", 3),
+    NamedFact(
+        "edge_gap_mm",
+        LENGTHS,
+        "distance from the nearest side of the sheet",
+        lambda facts: [float(v) for v in facts.edge_gap_mm.min(axis=1)],
+        lambda m: edge_gaps_mm(m.nest, "edge"),
+    ),
+    NamedFact("depth", COUNTED, "how many contours lie around it, 0 for a part on the sheet", _depths, depths),
+    NamedFact("host", TextKind(), "id of the part in whose hole its part lies, empty for none", _hosts, hosts),
+    NamedFact(
+        "hosted",
+        FlagKind(),
+        "whether its part lies in a hole of another part",
+        lambda facts: [host != "" for host in _hosts(facts)],
+        lambda m: [host != "" for host in hosts(m)],
+    ),
+    NamedFact(
+        "neighbours_count",
+        COUNTED,
+        "of an outer contour: other parts in the same place no further off than 25 mm",
+        _neighbour_counts,
+        neighbour_counts,
+    ),
+    NamedFact(
+        "zone",
+        COUNTED,
+        "zone in which it is cut, from 1",
+        lambda facts: facts.zone.tolist(),
+        lambda m: zones(m),
+    ),
+)
+
+NAMED_FACTS: Mapping[str, NamedFact] = {fact.name: fact for fact in _TABLE}
+
+
+def named_fact(name: str) -> NamedFact | None:
+    """The fact of that name, `attribute.<anything>` included; None for an unknown one."""
+    if name.startswith(ATTRIBUTE) and name != ATTRIBUTE:
+        key = name.removeprefix(ATTRIBUTE)
+        return _own(name, FreeKind(), f"what the nest says under {key!r}", lambda n: attributes(n, key))
+    return NAMED_FACTS.get(name)
+
+
+class KnownFacts:
+    """The values of named facts for every contour of one nest, computed when first asked for."""
+
+    def __init__(self, nest: Nest, values: Callable[[NamedFact], Values]) -> None:
+        self.nest, self._values = nest, values
+        self._found: dict[str, Values] = {}
+
+    def values(self, name: str) -> Values:
+        """The fact of that name, contour by contour."""
+        if name not in self._found:
+            fact = named_fact(name)
+            assert fact is not None, name
+            self._found[name] = self._values(fact)
+        return self._found[name]
+
+
+def facts_values(facts: Facts) -> KnownFacts:
+    """Values as plans are made with."""
+    return KnownFacts(facts.nest, lambda fact: fact.of_facts(facts))
+
+
+def nest_values(m: MeasuredNest) -> KnownFacts:
+    """Values as the check measures them."""
+    return KnownFacts(m.nest, lambda fact: fact.of_nest(m))

@@ -10,12 +10,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.members import Members
-from kerfwise.rules.options.option import Option, options_of
+from kerfwise.rules.options.option import Members, Option, options_of
 from kerfwise.rules.own import own_rules_schema
 from kerfwise.rules.registry import RULES
 
-from .older_keys import MOVED
+from .load import MOVED
 from .schema import profile_schema
 from .sections import SECTIONS
 

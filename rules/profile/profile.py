@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from kerfwise.encoder.bridges.lawful import expect_wider
+import shapely
+
+from kerfwise.encoder.bridges import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, CommonOptions, LeadOptions
-from kerfwise.encoder.corner_feed import CornerFeed
-from kerfwise.encoder.cornered import with_corners
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.facts.links import LinkOptions
 from kerfwise.encoder.geometry.segment import Box, Point
@@ -16,14 +19,13 @@ from kerfwise.encoder.readers.layers import PURPOSES, Layers
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.slits import with_slits
-from kerfwise.encoder.small_holes import HoleLimits, as_cut
-from kerfwise.encoder.tabs import TabOptions
-from kerfwise.encoder.touching import with_loss
-from kerfwise.rules.options.by_thickness import ByThickness, length_at
+from kerfwise.encoder.small_holes import HoleLimits, with_small_holes
+from kerfwise.encoder.torch_path import CornerFeed, TabOptions, with_corner_times
+from kerfwise.encoder.touching_edges import with_touching_edges_cut
+from kerfwise.rules.options.quantities import ByThickness, length_at
 from kerfwise.rules.own import own_pairs
 
-from .frame import Frame, frame_of, reach_of
-from .machine_section import Origin
+from .plant_sections import Machine, Origin
 from .profile_sections import ProfileSections
 
 _STEP_MM = 1e-3
@@ -108,7 +110,11 @@ class Profile(ProfileSections):
     def without_losses(self, nest: Nest) -> Nest:
         """The nest less what parts that touch lose to the cut between them, where the profile accepts that."""
         edges = self.common_options() if self.cuts.common.accept_loss else None
-        return nest if edges is None else with_loss(nest, self.material.kerf_mm, edges.shortest_mm, edges.gap_mm)
+        return (
+            nest
+            if edges is None
+            else with_touching_edges_cut(nest, self.material.kerf_mm, edges.shortest_mm, edges.gap_mm)
+        )
 
     @property
     def kerf_starts(self) -> bool:
@@ -191,11 +197,11 @@ class Profile(ProfileSections):
             If a bridge of the nest is narrower than the kerf, or a part has no room to lose what it is to lose.
         """
         expect_wider(nest, self.material.kerf_mm)
-        made = self.without_losses(as_cut(nest, self.hole_limits()))
+        made = self.without_losses(with_small_holes(nest, self.hole_limits()))
         made = with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
         made = with_scrap(made, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
         law = self.corner_feed()
-        return made if law is None else with_corners(made, law, self.material.kerf_mm)
+        return made if law is None else with_corner_times(made, law, self.material.kerf_mm)
 
     def corner_feed(self) -> CornerFeed | None:
         """The feeds at corners on this sheet; None where corners are cut like the rest."""
@@ -256,3 +262,133 @@ class Profile(ProfileSections):
             join_tolerance_mm=drawing.join_tolerance_mm,
             refit_arcs_mm=drawing.refit_arcs_mm,
         )
+
+
+# Where a sheet lies on its machine: from the drawing's coordinates, which plans keep to, to the machine's and back.
+#
+# The machine's coordinates are those of the drawing less the `corner`: (0, 0) where the machine's zero is the
+# drawing's, the lower left corner of the sheet's bounding box where that corner is put at the machine's zero.
+
+_DIGITS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A machine's coordinates: `corner` is the point of the drawing that is its zero.
+
+    Examples
+    --------
+    >>> frame = Frame((3000.0, 20.0))
+    >>> frame.on_machine((3100.0, 50.0)), frame.on_drawing((0.0, 0.0))
+    ((100.0, 30.0), (3000.0, 20.0))
+    """
+
+    corner: Point = (0.0, 0.0)
+
+    def on_machine(self, point: Point) -> Point:
+        """A point of the drawing, as the machine counts."""
+        return point[0] - self.corner[0], point[1] - self.corner[1]
+
+    def on_drawing(self, point: Point) -> Point:
+        """A point of the machine, as the drawing counts."""
+        return point[0] + self.corner[0], point[1] + self.corner[1]
+
+
+def frame_of(nest: Nest, machine: Machine) -> Frame:
+    """The machine's coordinates on this nest."""
+    if machine.origin == "drawing":
+        return Frame()
+    x0, y0, _, _ = nest.sheet.bounds
+    return Frame((round(x0, _DIGITS), round(y0, _DIGITS)))
+
+
+def reach_of(nest: Nest, machine: Machine) -> Box | None:
+    """What the torch can go to, in the drawing's coordinates: infinite the way that the profile does not say.
+
+    None where it says nothing.
+    """
+    if machine.travel_x_mm is None and machine.travel_y_mm is None:
+        return None
+    (x0, x1), (y0, y1) = (span or (-math.inf, math.inf) for span in (machine.travel_x_mm, machine.travel_y_mm))
+    frame = frame_of(nest, machine)
+    return *frame.on_drawing((x0, y0)), *frame.on_drawing((x1, y1))
+
+
+# Whether common edges can be cut once as a profile asks.
+
+
+def expect_common_cuts(profile: Profile) -> None:
+    """Refuse what does not go together with common cuts.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    strict = profile.rules_of_direction("outer")
+    if profile.common_options() is not None and strict and profile.cuts.common.good_side == "part":
+        raise InputError(
+            f"cuts.common: {' and '.join(strict)} leaves outer contours one direction, so that of two parts with a "
+            "common edge one gets the bad side of the kerf: free the direction, or accept that "
+            "(cuts.common.good_side: any)",
+            file=profile.file or None,
+        )
+
+
+# What is said aloud about where a sheet lies on its machine, before anything is planned.
+
+_SLACK_MM = 1e-6
+
+
+def placing_notes(nest: Nest, profile: Profile) -> Iterator[str]:
+    """A sentence for each thing that a planner would want to know: a far home, a sheet that sticks out, no edge starts.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.geometry.curve import Curve
+    >>> from kerfwise.encoder.nest import Sheet
+    >>> far = Nest(Sheet(Curve.of([(3000, 0), (3080, 0), (3080, 80), (3000, 80)])), ())
+    >>> [text.split(":")[0] for text in placing_notes(far, Profile("shop"))]
+    ["the sheet is 3000 mm from the machine's home, further than it is long (80 mm)"]
+    """
+    yield from _far_home(nest, profile)
+    yield from _sticks_out(nest, profile)
+    yield from _no_edge_starts(nest, profile)
+
+
+def _far_home(nest: Nest, profile: Profile) -> Iterator[str]:
+    x0, y0, x1, y1 = nest.sheet.bounds
+    longest_mm = max(x1 - x0, y1 - y0)
+    away_mm = float(shapely.distance(shapely.box(x0, y0, x1, y1), shapely.Point(profile.home_on(nest))))
+    if away_mm > longest_mm:
+        way_out = "correct machine.home"
+        if profile.machine.origin == "drawing":
+            way_out = "machine.origin: sheet-corner (or --origin sheet-corner) puts its corner at the machine's zero"
+        yield (
+            f"the sheet is {away_mm:.0f} mm from the machine's home, further than it is long ({longest_mm:.0f} mm): "
+            f"the torch travels there and back; {way_out}"
+        )
+
+
+def _sticks_out(nest: Nest, profile: Profile) -> Iterator[str]:
+    reach = profile.reach_on(nest)
+    if reach is None:
+        return
+    frame, (x0, y0, x1, y1) = profile.frame_on(nest), nest.sheet.bounds
+    if x0 < reach[0] - _SLACK_MM or y0 < reach[1] - _SLACK_MM or x1 > reach[2] + _SLACK_MM or y1 > reach[3] + _SLACK_MM:
+        (ax, ay), (bx, by) = frame.on_machine((x0, y0)), frame.on_machine((x1, y1))
+        yield (
+            f"the sheet lies from ({ax:g}, {ay:g}) to ({bx:g}, {by:g}) of the machine, beyond its travel "
+            "(machine.travel_x, machine.travel_y): what is cut has to lie within"
+        )
+
+
+def _no_edge_starts(nest: Nest, profile: Profile) -> Iterator[str]:
+    if not profile.leads.edge_start:
+        return
+    reach = profile.reach_on(nest)
+    if not nest.sheet.stated:
+        stated = "a sheet layer, or --sheet (in Python: sheet_mm=)"
+        yield f"no edge starts are offered: nobody has stated where the sheet's edge is: {stated}"
+    elif reach is None or not all(map(math.isfinite, reach)):
+        yield "no edge starts are offered: give machine.travel_x and machine.travel_y, how far the torch can go"

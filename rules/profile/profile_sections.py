@@ -1,35 +1,46 @@
-"""The sections of a profile, which of its rules are on, and with what options."""
+"""The sections of a profile taken together: which rules are on, with what options, and what contradicts what."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+import yaml
+
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.quantities import Thicknesses, ThicknessTable, length_at
+from kerfwise.rules.options.yaml_positions import Problems, deepest
 from kerfwise.rules.outside import PythonFile
 from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule
-from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Rule, Strength
-from kerfwise.rules.rule_file import RuleFile
-from kerfwise.rules.temperature_limit import TemperatureLimit
+from kerfwise.rules.rule import Plant, Rule, RuleFile, Strength, TemperatureLimit
 
-from .chart_use import ChartUse
-from .corners_section import Corners
-from .cuts_section import Cuts
-from .filling import T, filled_in, known_plant
-from .for_one_nest import ForOneNest
-from .heat_section import Heat
-from .models_section import ModelSource
-from .nesting_section import Nesting
-from .prices_section import Prices
-from .sections import DrawingSection, LeadsSection, Machine, Material, Objective, RuleSetting, default_settings
-from .small_holes_section import SmallHoles
+from .linked_files import ChartUse, ModelSource
+from .plant_sections import MACHINE_WAITS, Heat, Prices
+from .sections import (
+    Common,
+    Corners,
+    Cuts,
+    DrawingSection,
+    LeadsSection,
+    Machine,
+    Material,
+    Nesting,
+    Objective,
+    RuleSetting,
+    SmallHoles,
+    default_settings,
+)
 from .time_section import Time
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 @dataclass(frozen=True)
@@ -92,7 +103,7 @@ class ProfileSections:
             else rule
             for name, rule in self.known_rules().items()
         }
-        return {**known, **{rule.id: of_own(rule) for rule in self.own_rules}}
+        return {**known, **{rule.id: own_model_rule(rule) for rule in self.own_rules}}
 
     def model_rules(self) -> list[ModelRule]:
         """The rules that are on and stand in model files, which need MiniZinc."""
@@ -117,10 +128,10 @@ class ProfileSections:
     @property
     def plant(self) -> Plant:
         """What rules may know of the profile beside their own options."""
-        return known_plant(self.machine, self.material, self.heat, self.locks, self.cuts)
+        return plant_of_sections(self.machine, self.material, self.heat, self.locks, self.cuts)
 
     def _filled_in(self, options: T) -> T:
-        return filled_in(options, self.plant, self.rules, self.known_rules())
+        return resolve_defaults(options, self.plant, self.rules, self.known_rules())
 
     @cached_property
     def _every_rule(self) -> Sequence[tuple[Rule[Any], Any, Strength]]:
@@ -148,12 +159,266 @@ class ProfileSections:
 
 def options_of_own(own: OwnFile) -> Any:
     """The options of the rule that an entry's file makes, with the parameters that the entry sets."""
-    made, given = of_own(own).Options, dict(own.parameters)
+    made, given = own_model_rule(own).Options, dict(own.parameters)
     return made(**{o.name: given[o.key] for o in options_of(made) if o.key in given})
 
 
-def of_own(own: Own) -> Rule[Any]:
+def own_model_rule(own: Own) -> Rule[Any]:
     """The rule that an entry of `own_rules` makes: one in a file is a model rule like those of `models`."""
     if isinstance(own, OwnFile):
         return read_model_rule(own.path, rule_id=own.id, sentence=own.why).with_strength(own.strength)
     return as_rule(own)
+
+
+# A rule's options as they are for the sheet: with what the rest of the profile, and other rules, fill in.
+
+T = TypeVar("T", bound="DataclassInstance")
+ORDERS_BY = "orders_by"
+"""The field of rules in model files that takes the options of the rules whose pairs are facts."""
+
+
+def plant_of_sections(machine: Machine, material: Material, heat: Heat, locks: tuple[Lock, ...], cuts: Cuts) -> Plant:
+    """What rules may know of these sections."""
+    return Plant(
+        thickness_mm=material.thickness_mm,
+        kerf_mm=material.kerf_mm,
+        ambient_c=heat.ambient_c,
+        heat_limit_c=heat.limit_c,
+        absorbed_power_w=heat.absorbed_power_w,
+        locks=locks,
+        process=machine.process,
+        common_cuts=cuts.common.shortest_mm is not None,
+        longest_link_mm=cuts.links.longest_mm,
+    )
+
+
+def resolve_defaults(
+    options: T, plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]] = RULES
+) -> T:
+    """The options with the fields that no key of their own sets, and lengths as they are for the sheet's thickness.
+
+    `known` are the rules that `rules` has settings of.
+
+    Raises
+    ------
+    KeyError
+        If neither `Plant` nor an option that a rule shares has the name of such a field: the rule's author is wrong.
+    """
+    fields = dataclasses.fields(options)
+    given = {f.name: getattr(options, f.name) for f in fields}
+    lengths = {n: v.at(plant.thickness_mm) for n, v in given.items() if isinstance(v, Thicknesses | ThicknessTable)}
+    unset = [f.name for f in fields if "kind" not in f.metadata]
+    if not unset:
+        return dataclasses.replace(options, **lengths)
+    told = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)} | shared(rules, known)
+    if ORDERS_BY in unset:
+        told[ORDERS_BY] = _orders_by(plant, rules, known)
+    return dataclasses.replace(options, **lengths, **{name: told[name] for name in unset})
+
+
+def _orders_by(plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]]) -> tuple[Any, ...]:
+    """Id and options of each rule of the catalogue whose pairs are a fact, without what a file in its place adds."""
+    found = []
+    for name, rule in RULES.items():
+        if rule.pairs_are:
+            given = {f.name: getattr(rules[name].options, f.name) for f in dataclasses.fields(rule.Options)}
+            found.append((name, resolve_defaults(rule.Options(**given), plant, rules, known)))
+    return tuple(found)
+
+
+def shared(rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]] = RULES) -> dict[str, object]:
+    """Name → value of the options that rules share with others."""
+    return {name: getattr(rules[id].options, name) for id, rule in known.items() for name in rule.shares}
+
+
+@dataclass(frozen=True, slots=True)
+class ForOneNest:
+    """What a plan was made with beside nest and profile: the job file by name and sha256, and what was said beside it.
+
+    `settings` and `locks` are those of the command line (or of Python), in one line each, with the names of the nest.
+    `numbered` says which contour each number stood for that the job file calls one by, such as `#7`.
+    """
+
+    file: str = ""
+    sha256: str = ""
+    settings: tuple[str, ...] = ()
+    locks: tuple[str, ...] = ()
+    numbered: Mapping[str, str] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """What a plan says of it."""
+        told = {"file": self.file, "sha256": self.sha256} if self.file else {}
+        asked = {"set": list(self.settings), "locks": list(self.locks), "numbered": dict(self.numbered)}
+        return told | {key: value for key, value in asked.items() if value}
+
+    @staticmethod
+    def of_json(data: Mapping[str, Any]) -> ForOneNest:
+        """The same, read back."""
+        return ForOneNest(
+            data.get("file", ""),
+            data.get("sha256", ""),
+            tuple(data.get("set", ())),
+            tuple(data.get("locks", ())),
+            dict(data.get("numbered", {})),
+        )
+
+
+def changed_since(then: ForOneNest | None, now: ForOneNest | None) -> Iterator[str]:
+    """A sentence for each thing that a plan was made with, and is not given now, or the other way round.
+
+    Examples
+    --------
+    >>> list(changed_since(ForOneNest("plate.job.yaml", "1a2b"), None))
+    ['the plan was made with the job file plate.job.yaml, which is not given here']
+    >>> list(changed_since(None, ForOneNest(settings=("leads.lead_in=4 mm",))))
+    ['the plan was made without --set leads.lead_in=4 mm, which is given here']
+    """
+    then, now = then or ForOneNest(), now or ForOneNest()
+    if then.sha256 and now.sha256 and then.sha256 != now.sha256:
+        yield "the job file is not the one the plan was made with (its sha256 differs)"
+    elif then.sha256 and not now.sha256:
+        yield f"the plan was made with the job file {then.file}, which is not given here"
+    elif now.sha256 and not then.sha256:
+        yield f"the plan was made without the job file {now.file}, which is given here"
+    for option, before, given in (("--set", then.settings, now.settings), ("--lock", then.locks, now.locks)):
+        yield from (f"the plan was made with {option} {said}, which is not given here" for said in _only(before, given))
+        yield from (f"the plan was made without {option} {said}, which is given here" for said in _only(given, before))
+
+
+def _only(these: tuple[str, ...], those: tuple[str, ...]) -> Iterator[str]:
+    return (one for one in these if one not in those)
+
+
+# What only the values of a profile taken together can get wrong.
+
+
+def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
+    """Note values that contradict each other, at the one that the file gives."""
+    leads: LeadsSection = given["leads"]
+    machine: Machine = given["machine"]
+    material: Material = given["material"]
+    rules: dict[str, RuleSetting] = given["rules"]
+    time: Time = given["time"]
+    heat: Heat = given["heat"]
+    holes: SmallHoles = given["small_holes"]
+
+    lead_in_mm = length_at(leads.lead_in_mm, material.thickness_mm)
+    if leads.lead_in_min_mm > lead_in_mm:
+        problems.add(
+            deepest(root, "leads", "lead_in_min"),
+            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm",
+        )
+    pierce = next((name for name, setting in rules.items() if hasattr(setting.options, "clearance_mm")), "")
+    if leads.lead == "none" and pierce and rules[pierce].strength != "off":
+        problems.add(
+            deepest(root, "leads", "lead"),
+            f"leads.lead: without a lead the torch pierces on its path, {material.kerf_mm / 2:g} mm from the contour, "
+            f"and rules.{pierce} asks for more: give a lead (line, arc), or switch that off: rules: {{{pierce}: off}}",
+        )
+    if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
+        problems.add(
+            deepest(root, "leads", "edge_start"),
+            "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
+            "7 s",
+        )
+    for path, text in common_cut_problems(given["cuts"].common, machine, material):
+        problems.add(deepest(root, *path), text)
+    if leads.edge_start and machine.pierce_dwell == "machine":
+        problems.add(
+            deepest(root, "leads", "edge_start"),
+            f"leads.edge_start: {MACHINE_WAITS}",
+        )
+    if machine.torches.several and machine.torches.spacing_mm <= 0:
+        problems.add(
+            deepest(root, "machine", "torches"),
+            f"machine.torches.spacing: {machine.torches.count} torches stand apart: say how far, such as 500 mm",
+        )
+    if machine.torches.up_to_mm is not None and machine.torches.up_to_mm < machine.torches.spacing_mm:
+        problems.add(
+            deepest(root, "machine", "torches", "up_to"),
+            f"machine.torches.up_to: {machine.torches.up_to_mm:g} mm is less than the least spacing, "
+            f"{machine.torches.spacing_mm:g} mm",
+        )
+    for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
+        if span is not None and not span[0] <= at_mm <= span[1]:
+            problems.add(
+                deepest(root, "machine", "home"),
+                f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
+            )
+    least_mm, full_mm = (length_at(length, material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
+    if holes.small_hole_feed < 1 and full_mm < least_mm:
+        problems.add(
+            deepest(root, "small_holes", "full_feed_hole"),
+            f"small_holes.full_feed_hole: {full_mm:g} mm is less than min_hole, {least_mm:g} mm",
+        )
+    if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
+        problems.add(
+            deepest(root, "time", "model"),
+            "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
+        )
+    if heat.limit_c <= heat.ambient_c:
+        problems.add(
+            deepest(root, "heat", "limit_c"),
+            f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
+        )
+    if heat.logical_conduction * 8 > 1:
+        problems.add(
+            deepest(root, "heat", "logical_conduction"),
+            f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
+            "the scheme is stable up to 0.125",
+        )
+    for key, text in _wrong_prices(given["prices"], material):
+        problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
+    plant = plant_of_sections(machine, material, heat, given["locks"], given["cuts"])
+    for name, key, text in rule_option_problems(plant, rules, RULES | given["further_rules"]):
+        problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
+
+
+def rule_option_problems(
+    plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]]
+) -> Iterator[tuple[str, str, str]]:
+    """Rule, key of an option, and what is wrong, where options do not go with the plant, its locks among it."""
+    for name, setting in rules.items():
+        if setting.strength != "off":
+            for key, text in known[name].check_with(
+                resolve_defaults(setting.options, plant, rules, known), plant, rules
+            ):
+                yield name, key, text
+
+
+def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str]]:
+    """Keys of prices that the other values leave without a meaning, and why."""
+    worn = prices.consumables
+    if prices.gas_m3 and material.gas_flow_m3_h is None:
+        yield "gas_m3", "nobody says how much gas flows: give material.gas_flow, or a chart with that column"
+    if prices.gas_m3 and prices.gas_hour:
+        yield "gas_m3", "the gas has a price by the hour too (gas_hour): keep one"
+    if prices.sheet_kg and prices.sheet_each:
+        yield "sheet_each", "the sheet has a price by the kilogram too (sheet_kg): keep one"
+    if prices.kwh and not (prices.torch_kw or prices.standby_kw):
+        yield "kwh", "nobody says how much power is drawn: give torch_kw, standby_kw or both"
+    if worn.set_price and not (worn.pierces or worn.torch_hours):
+        yield "consumables", "nobody says how long a set lasts: give consumables.pierces, torch_hours or both"
+
+
+# What of common cuts does not go with the machine and the material.
+
+
+def common_cut_problems(common: Common, machine: Machine, material: Material) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Where the mistake stands in a profile, by its keys, and what it is."""
+    if common.shortest_mm is None:
+        return
+    if common.gap_tolerance_mm > tolerance_mm(material.kerf_mm):
+        yield (
+            ("cuts", "common", "gap_tolerance"),
+            f"cuts.common.gap_tolerance: {common.gap_tolerance_mm:g} mm is more than a torch may be off at this kerf, "
+            f"{tolerance_mm(material.kerf_mm):g} mm",
+        )
+    if machine.kerf_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
+        yield (
+            ("cuts", "common"),
+            "cuts.common: a flame has to heat the edge of a kerf before it cuts on from there: give "
+            "machine.edge_preheat, such as 7 s, or say machine.kerf_start: false",
+        )
+    if machine.kerf_start and machine.pierce_dwell == "machine":
+        yield (("machine", "kerf_start"), f"machine.kerf_start: {MACHINE_WAITS}")

@@ -11,16 +11,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.members import Members
-from kerfwise.rules.options.option import options_of
-from kerfwise.rules.options.plain_values import Choice, Text
+from kerfwise.rules.options.kind import Choice, Text
+from kerfwise.rules.options.option import Members, options_of
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.own import own_rules_definitions, own_rules_schema
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 
-from .models_section import models_schema
-from .older_keys import MOVED
+from .linked_files import models_schema
+from .load import MOVED
 from .sections import SECTIONS
 
 Json = dict[str, Any]

@@ -4,31 +4,218 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import get_args
+from typing import Literal, get_args
 
 from kerfwise.encoder.candidates.candidate import LeadKind
+from kerfwise.encoder.cut import Side
+from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.questions import Answers
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
 from kerfwise.encoder.readers.layers import PURPOSES, Purpose
-from kerfwise.encoder.readers.options import FrameName, OpenLines, ScrapLines
-from kerfwise.encoder.readers.units import UNITS
-from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness
-from kerfwise.rules.options.members import Members
-from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Flag, Number, Pairs, Text
-from kerfwise.rules.options.quantities import LENGTH, OrWord, over_zero
-from kerfwise.rules.profile.cuts_section import Cuts
+from kerfwise.encoder.readers.options import UNITS, FrameName, OpenLines, ScrapLines
+from kerfwise.encoder.small_holes import HoleLimits, Under
+from kerfwise.encoder.torch_path import CornerFeed
+from kerfwise.rules.options.kind import Choice, Flag, Number, Pairs, Text
+from kerfwise.rules.options.option import Members, option
+from kerfwise.rules.options.quantities import (
+    LENGTH,
+    LENGTH_BY_THICKNESS,
+    ByThickness,
+    OrWord,
+    Thicknesses,
+    length_at,
+    positive,
+)
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
 
-from .corners_section import Corners
-from .heat_section import Heat
-from .machine_section import Machine
-from .material_section import Material
-from .nesting_section import Nesting
-from .prices_section import Prices
-from .small_holes_section import SmallHoles
+from .plant_sections import Heat, Machine, Material, Prices
 from .time_section import Time
+
+__all__ = [
+    "SECTIONS",
+    "DrawingSection",
+    "LeadsSection",
+    "Machine",
+    "Material",
+    "Objective",
+    "RuleSetting",
+    "default_settings",
+]
+
+
+# What a profile says of the ways to cut a contour.
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """Ways through waste from one contour to the next with the torch on."""
+
+    longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link; 0 mm: none"))
+
+
+GoodSide = Literal["part", "any"]
+
+
+@dataclass(frozen=True, slots=True)
+class Common:
+    """Straight edges of two parts, one kerf apart, that are cut once."""
+
+    shortest_mm: float | None = field(
+        default=None,
+        metadata=option(OrWord(positive(LENGTH), "off"), "cut common edges once, where one is as long as this"),
+    )
+    gap_tolerance_mm: float = field(
+        default=0.05, metadata=option(LENGTH, "how much more or less than a kerf may lie between common edges")
+    )
+    good_side: GoodSide = field(
+        default="part",
+        metadata=option(
+            Choice(("part", "any")), "where directions are fixed: refuse common cuts, or let one part have the bad side"
+        ),
+    )
+    accept_loss: bool = field(
+        default=False,
+        metadata=option(Flag(), "cut edges that touch once, too: each part loses half a kerf along them"),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Scrap:
+    """Lines in the skeleton that are made, not drawn."""
+
+    grid_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(positive(LENGTH), "off"), "cut the skeleton into pieces no larger than this, either way"
+        ),
+    )
+    remnant: Side | None = field(
+        default=None,
+        metadata=option(
+            Choice(("off", *get_args(Side)), none="off"), "save the largest unused rectangle along this side"
+        ),
+    )
+
+
+PiercePass = Literal["zone", "sheet"]
+
+
+@dataclass(frozen=True, slots=True)
+class Cuts:
+    """Ways to cut what the torch cannot follow as it is drawn."""
+
+    narrow: Narrow = field(
+        default="ask",
+        metadata=option(
+            Choice(get_args(Narrow)),
+            "a slot narrower than the kerf: cut straight across its mouth (leave), open it by one pass along its "
+            "middle, a kerf wide (slit), or refuse the nest; ask leaves those up to two kerfs deep, and asks else",
+        ),
+    )
+    scrap: Scrap = field(default=Scrap(), metadata=option(Members(Scrap), "lines that cut up the skeleton, made"))
+    links: Links = field(
+        default=Links(), metadata=option(Members(Links), "ways through waste from one contour to the next, torch on")
+    )
+    pierce_pass: PiercePass | None = field(
+        default=None,
+        metadata=option(
+            Choice(("off", *get_args(PiercePass)), none="off"),
+            "pierce all holes of each zone, or of the sheet, before the cuts that begin there",
+        ),
+    )
+    common: Common = field(
+        default=Common(), metadata=option(Members(Common), "straight edges of two parts, a kerf apart, cut once")
+    )
+
+
+# What a profile says of corners: feeds there, and how much of them a round kerf may leave.
+
+
+@dataclass(frozen=True, slots=True)
+class Corners:
+    """How much slower the torch goes round corners, and how much of an inner corner it may leave."""
+
+    corner_feed: float = field(
+        default=1.0, metadata=option(Number(0.05, 1), "share of the cut feed near a corner; 1 for all of it")
+    )
+    corner_angle: float = field(
+        default=45.0, metadata=option(Number(10, 180), "from how many degrees on a turn of the path is a corner")
+    )
+    corner_reach: ByThickness = field(
+        default=Thicknesses(0.5),
+        metadata=option(LENGTH_BY_THICKNESS, "how far before and behind a corner it goes slower"),
+    )
+    leave_mm: float | None = field(
+        default=None,
+        metadata=option(OrWord(LENGTH, "any"), "how much of an inner corner the round kerf may leave; more is refused"),
+    )
+
+    def law(self, thickness_mm: float) -> CornerFeed | None:
+        """The feeds on a sheet of that thickness; None where corners are cut like the rest."""
+        reach_mm = length_at(self.corner_reach, thickness_mm)
+        if self.corner_feed >= 1 or reach_mm <= 0:
+            return None
+        return CornerFeed(self.corner_feed, self.corner_angle, reach_mm)
+
+
+# What a profile says of holes that are small for its process.
+
+
+@dataclass(frozen=True, slots=True)
+class SmallHoles:
+    """From which diameter on a hole is cut, what is done with smaller ones, and how fast small ones are cut."""
+
+    min_hole: ByThickness = field(
+        default=Thicknesses(1.0),
+        metadata=option(LENGTH_BY_THICKNESS, "least diameter, or width, of a hole that is cut"),
+    )
+    under: Under = field(
+        default="refuse",
+        metadata=option(
+            Choice(("refuse", "spot", "skip")),
+            "a hole under min_hole, or where no pierce has room: refuse the nest, mark its middle, or leave it out",
+        ),
+    )
+    full_feed_hole: ByThickness = field(
+        default=Thicknesses(5.0),
+        metadata=option(LENGTH_BY_THICKNESS, "diameter from which on a hole is cut at the full cut feed"),
+    )
+    small_hole_feed: float = field(
+        default=1.0,
+        metadata=option(Number(0.05, 1), "share of the cut feed at min_hole; it rises in a line to full_feed_hole"),
+    )
+    spot_size_mm: float = field(
+        default=2.0, metadata=option(positive(LENGTH), "size of the cross that marks the middle of a hole")
+    )
+
+    def limits(self, thickness_mm: float, clearance_mm: float) -> HoleLimits:
+        """The limits in mm, on a sheet of that thickness, where a pierce keeps `clearance_mm` from every contour."""
+        return HoleLimits(
+            least_mm=length_at(self.min_hole, thickness_mm),
+            under=self.under,
+            room_mm=2 * clearance_mm,
+            full_feed_mm=length_at(self.full_feed_hole, thickness_mm) if self.small_hole_feed < 1 else 0.0,
+            feed_share=self.small_hole_feed,
+            spot_mm=self.spot_size_mm,
+        )
+
+
+# What a profile says of making nests: how far parts lie from each other and from the edge of the sheet.
+
+
+@dataclass(frozen=True, slots=True)
+class Nesting:
+    """How `kerfwise nest` lays parts on sheets."""
+
+    web_mm: ByThickness = field(
+        default=Thicknesses(1.0),
+        metadata=option(LENGTH_BY_THICKNESS, "metal left between two parts; a kerf comes to it"),
+    )
+    edge_mm: ByThickness = field(
+        default=10.0, metadata=option(LENGTH_BY_THICKNESS, "least distance of parts from the edge of the sheet")
+    )
+
 
 _LEADS = Choice(("line", "arc", "none"))
 
@@ -114,11 +301,11 @@ class DrawingSection:
     margin_mm: float = field(
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")
     )
-    join_tolerance_mm: float = field(default=0.1, metadata=option(over_zero(LENGTH), "loose ends this near are joined"))
+    join_tolerance_mm: float = field(default=0.1, metadata=option(positive(LENGTH), "loose ends this near are joined"))
     refit_arcs_mm: float | None = field(
         default=None,
         metadata=option(
-            OrWord(over_zero(LENGTH), none="off"), "flattened outlines become arcs again that stay this near to them"
+            OrWord(positive(LENGTH), none="off"), "flattened outlines become arcs again that stay this near to them"
         ),
     )
 
@@ -139,17 +326,6 @@ def default_settings() -> dict[str, RuleSetting]:
         for name, rule in RULES.items()
     }
 
-
-__all__ = [
-    "SECTIONS",
-    "DrawingSection",
-    "LeadsSection",
-    "Machine",
-    "Material",
-    "Objective",
-    "RuleSetting",
-    "default_settings",
-]
 
 SECTIONS: Mapping[str, type] = {
     "machine": Machine,

@@ -11,21 +11,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.rules.by_kind import by_kind
+from kerfwise.encoder.graphs import (
+    Link,
+    Unbreakable,
+    components,
+    contract_pairs,
+    contracted,
+    lightest_cut,
+    path,
+    some_cycles,
+)
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
-from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement, by_kind
 
-from .at_once import AtOnce
-from .common_cuts import open_ways
-from .cycles import Link, components, contracted, joined, path
-from .feedback import Unbreakable, lightest_cut, some_cycles
-from .link_offers import link_offers
-from .loose_metal import asked_of_torches, in_held_metal
-from .places import at_odds, in_the_way, positions
-from .remainder import of_what_is_left, rest_of
-from .time_costs import slower_ways
-from .weighed import weighed
+from .feasible_order import links_to_drop, position_clashes, positions
+from .lazy_statements import asked_of_torches, in_held_metal
+from .reduced_statements import GantryStatements, remaining_statements, rest_of
+from .statement_costs import link_offers, open_ways, slower_ways, soften
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -93,7 +96,7 @@ def state_rules(facts: Facts, profile: Profile, by_other_zones: Stated | None = 
     --------
     >>> from kerfwise.encoder.facts import compute_facts
     >>> from kerfwise.rules.profile.load import load_profile
-    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.rules.case import nest, part, rect
     >>> profile = load_profile()
     >>> plate = nest(400, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
     >>> stated = state_rules(compute_facts(plate, profile.fact_options(), ()), profile)
@@ -122,10 +125,10 @@ def every_statement(
         else:
             stated = stated_by(book[name], facts, setting.options)
         if setting.weight is None:
-            statements += weighed(stated, EXEMPTION_MM) if book[name].excusable else stated
+            statements += soften(stated, EXEMPTION_MM) if book[name].excusable else stated
             exempt += book[name].exempt(facts if facts.copies is None else facts.copies.whole, setting.options)
         else:
-            statements += weighed(stated, setting.weight)
+            statements += soften(stated, setting.weight)
     statements += in_held_metal(facts, rest_of(facts), statements)
     statements += _objective(facts, profile)
     return statements, tuple(exempt)
@@ -179,10 +182,10 @@ def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement
     """
     if facts.copies is not None:
         whole = rule.statements(facts.copies.whole, options)
-        return AtOnce(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
+        return GantryStatements(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
     if facts.past is None or not rule.of_whole_nest:
         return rule.statements(facts, options)
-    return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))
+    return remaining_statements(rule.statements(facts.past.whole, options), rest_of(facts))
 
 
 def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
@@ -196,13 +199,13 @@ def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
     shut: dict[int, About] = {}
     for name, setting in profile.settings().items():
         if setting.weight is None:
-            at_once = AtOnce(facts.copies)
+            at_once = GantryStatements(facts.copies)
             stated = at_once.of_first(
                 book[name].statements(facts.copies.whole, setting.options), book[name].of_each_torch
             )
             shut |= {s.candidate: s.about for s in by_kind(stated).forbid if s.weight is None}
             found |= dict(at_once.impossible)
-    of_metal = AtOnce(facts.copies)
+    of_metal = GantryStatements(facts.copies)
     list(of_metal.of_first(asked_of_torches(facts)))
     found |= dict(of_metal.impossible)
     for group in facts.copies.groups:
@@ -232,12 +235,12 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
     The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
     """
     kinds = by_kind(statements)
-    if abouts := at_odds(kinds.at_least, n):
+    if abouts := position_clashes(kinds.at_least, n):
         raise RulesConflict(CONTRADICT, tuple(about.sentence for about in abouts))
     orders = [s for s in kinds.precede if s.weight is None]
     runs = [s for s in kinds.contiguous if s.weight is None]
     ends = np.array([[s.before for s in orders], [s.after for s in orders]], dtype=np.int64).T
-    links = joined(n, ends, [s.contours for s in runs])
+    links = contract_pairs(n, ends, [s.contours for s in runs])
     asking: dict[Link, list[Precede]] = {}
     for component in components(links):
         for (before, after), k in zip(links[component].tolist(), component, strict=True):
@@ -254,7 +257,7 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
         why = _round_by([asking[distinct[m]] for m in against], gives_way)
         dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
     left = _without(statements, dropped)
-    late = _out_of_place(left, n, gives_way)
+    late = _links_to_drop_for_positions(left, n, gives_way)
     if late and dropped:  # chosen one after the other they may be more than need be
         jointly = _jointly(statements, n, gives_way)
         if jointly is not None:
@@ -282,7 +285,7 @@ def _jointly(statements: Sequence[Statement], n: int, gives_way: Mapping[str, in
     nodes = contracted(n, links, runs)
     cycles: dict[frozenset[int], None] = {}
     for _ in range(MOST_ROUNDS):
-        found_out = in_the_way(n, links, weights, runs, at, cycles)
+        found_out = links_to_drop(n, links, weights, runs, at, cycles)
         if found_out is None:
             return None
         out, shown = found_out
@@ -319,7 +322,9 @@ def _round_by(against: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]
     return "cycle: " + ", ".join(_spoken(_firmest(orders, gives_way)) for orders in against)
 
 
-def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement]:
+def _links_to_drop_for_positions(
+    statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]
+) -> list[DroppedStatement]:
     """The orders that must go so that contours can be cut at positions that are firm, such as those of locks."""
     kinds = by_kind(statements)
     at = positions(kinds.at_least, n)
@@ -328,7 +333,7 @@ def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[st
     asking = _asking(statements)
     runs = [s.contours for s in kinds.contiguous if s.weight is None]
     links = list(asking)
-    out, shown = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at) or ([], True)
+    out, shown = links_to_drop(n, links, _weights(list(asking.values()), gives_way), runs, at) or ([], True)
     place = _place_because(kinds.at_least, n) + ("" if shown else NOT_SHOWN)
     return [DroppedStatement(order, place) for k in out for order in asking[links[k]]]
 

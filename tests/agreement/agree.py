@@ -9,12 +9,12 @@ from math import inf
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.engines.solution import Solution
-from kerfwise.models.plan.make import make_plan
-from kerfwise.postproc.check.judge import judge
+from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.postproc.check.rule_verdicts import judge
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
 from kerfwise.rules.statements import EXEMPTION_MM
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.agreement.by_check import Judge, Let, shifted
 from kerfwise.tests.agreement.cases import Kind as KindOfNest
@@ -25,7 +25,7 @@ from kerfwise.tests.agreement.trial import Trial
 from kerfwise.tests.metal.findings import Kind
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import simulate
-from kerfwise.tests.models.engines.minizinc.cases import Case
+from kerfwise.tests.models.engines.cases import Case
 
 ROUNDED_MM = 0.01
 """Engines count whole micrometres, the check does not: so much may come of it on a small nest."""
@@ -164,7 +164,7 @@ def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
     """Hard rules that the answer's plan breaks by the check, all that is excused granted; and scrap it would burn."""
     if answer.mm is None:
         return []
-    seen = afterthoughts(case.facts, case.profile)([case.facts.candidates[c].contour for c in answer.route])
+    seen = lazy_statements(case.facts, case.profile)([case.facts.candidates[c].contour for c in answer.route])
     stated = replace(stated, statements=(*stated.statements, *seen))
     solution = Solution(answer.route, answer.mm, answer.mm, "optimal", "", "", 0.0)
     plan = make_plan(case.facts, case.profile, stated, solution, "", 0)

@@ -17,19 +17,18 @@ from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import KINDS, Contour, Nest
 from kerfwise.encoder.slits import with_slits
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.clock.contour_heat import contour_heat_kj
+from kerfwise.jobs.request import options_for
+from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.profile.cuts_section import Common, Cuts, Links
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.profile.sections import Common, Cuts, Links, RuleSetting
 from kerfwise.tests.agreement.scrap_lines import with_lines
 from kerfwise.tests.drawn_options import with_drawn_options
 from kerfwise.tests.metal.common_nests import block
-from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, near_parts, random_nest, random_profile
+from kerfwise.tests.models.engines.cases import Case, lead_options, near_parts, random_nest, random_profile
 
 ROUTES = {5: 256, 6: 128, 7: 64, 8: 16, 9: 4}
 """Contours → the most ways to pick entries and directions that are tried along each order."""

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.models.engines.minizinc import solve_minizinc
-from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import Solution
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.models.engines.solve import solve
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated
-from kerfwise.tests.models.engines.minizinc.cases import Case
+from kerfwise.tests.models.engines.cases import Case
 
 IMPOSSIBLE = "no plan meets every hard rule"
 UNPROVEN = "nothing proven"
@@ -28,13 +28,13 @@ class Answer:
 
 def default_pipeline(case: Case, stated: Stated) -> Answer:
     """Search, ideals and CP-SAT as `kerfwise solve` runs them, with afterthoughts."""
-    refine = afterthoughts(case.facts, case.profile)
+    refine = lazy_statements(case.facts, case.profile)
     return _answer(lambda: solve(case.facts, stated.statements, case.options, refine=refine))
 
 
 def gecode(case: Case, stated: Stated) -> Answer:
     """MiniZinc's Gecode over the rule files, with afterthoughts."""
-    refine = afterthoughts(case.facts, case.profile)
+    refine = lazy_statements(case.facts, case.profile)
     return _answer(lambda: solve_minizinc(case.facts, case.profile, stated, case.options, refine=refine))
 
 

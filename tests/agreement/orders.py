@@ -15,15 +15,13 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.engines.minizinc.asked import asked
-from kerfwise.models.engines.minizinc.data import data_text
-from kerfwise.models.engines.minizinc.installation import driver, solver_named
-from kerfwise.models.engines.minizinc.model_text import model_text
+from kerfwise.models.engines.minizinc_model import condition_arrays, data_text, model_text
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
-from kerfwise.postproc.clock.contour_heat import contour_heat_kj
+from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.rules.catalogue.no_islands import ALLOWANCE
+from kerfwise.rules.minizinc.installation import driver, solver_named
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
@@ -96,7 +94,7 @@ def admitted_by_statements(facts: Facts, profile: Profile, rule: str) -> Orders:
 def admitted_by_gecode(facts: Facts, profile: Profile) -> dict[str, Orders]:
     """Order rule → the orders that its MiniZinc file admits; Gecode enumerates all orders and judges each."""
     stated = Stated((IdleTravel(About("test", (), "")),), ())
-    arrays = asked(profile, stated)
+    arrays = condition_arrays(profile, stated)
     names = {rule: f"{rule.replace('-', '_')}_holds" for rule in ORDER_RULES}
     assert set(names.values()) <= {a.name for a in arrays}
     free = [replace(a, weight_mm=0.0) for a in arrays]

@@ -17,23 +17,23 @@ from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.compute import loose_in, remaining_facts
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.facts.remaining import loose_in, remaining
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.names import Engine, member_of
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs.request import options_for
+from kerfwise.models.engines import Engine, member_of
+from kerfwise.models.engines.solve import solve
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Violation
 from kerfwise.rules.statements import EXEMPTION_MM
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, loose_orders, state_rules
 from kerfwise.tests.agreement.by_check import shifted
 from kerfwise.tests.agreement.cases import judged_case, thinned
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
-from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options
+from kerfwise.tests.models.engines.cases import Case, lead_options
 
 LEFT = 4
 """Contours that are left at the most: 24 orders."""
@@ -105,7 +105,9 @@ def stopped_case(seed: int) -> Case | None:
     except InputError:
         return None
     left = WAYS[whole.facts.n - upto]
-    facts = remaining(compute_facts(nest, profile.fact_options(nest), thinned(rng, nest, candidates, left)), already)
+    facts = remaining_facts(
+        compute_facts(nest, profile.fact_options(nest), thinned(rng, nest, candidates, left)), already
+    )
     return None if loose_orders(facts) else Case(facts, profile, options_for(nest, profile, work=20))
 
 
@@ -113,7 +115,7 @@ def _planned(whole: Case, old: Profile) -> tuple[int, ...] | None:
     """The old program's candidates in cutting order; None where there is no plan."""
     try:
         stated = state_rules(whole.facts, old)
-        refine = afterthoughts(whole.facts, old)
+        refine = lazy_statements(whole.facts, old)
         return solve(whole.facts, stated.statements, replace(whole.options, work=2.0), refine=refine).route
     except RulesConflict:
         return None
@@ -153,7 +155,7 @@ def _answers(case: Case, stated: Stated) -> Iterator[tuple[str, Answer]]:
     for name in ALONE:
         options = replace(case.options, member=member_of(name), work=1.0)
         try:
-            found = solve(case.facts, stated.statements, options, refine=afterthoughts(case.facts, case.profile))
+            found = solve(case.facts, stated.statements, options, refine=lazy_statements(case.facts, case.profile))
         except InputError:  # it says that it cannot
             continue
         except RulesConflict as conflict:

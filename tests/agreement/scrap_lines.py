@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from kerfwise.encoder.candidates.scrap import scrap_problems as beside_kerfs
+from kerfwise.encoder.candidates.build import scrap_problems as beside_kerfs
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, as_scrap
-from kerfwise.encoder.scrap.whole import skeleton
-from kerfwise.encoder.validate.scrap import scrap_problems
+from kerfwise.encoder.scrap import skeleton
+from kerfwise.encoder.validate import scrap_problems
 
 TRIES = 30
 SHORTEST_MM = 5.0

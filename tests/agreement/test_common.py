@@ -14,8 +14,8 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.brute import cheapest
-from kerfwise.tests.models.engines.minizinc.agree import disagreements
-from kerfwise.tests.models.engines.minizinc.cases import Case, common_case
+from kerfwise.tests.models.engines.agree import disagreements
+from kerfwise.tests.models.engines.cases import Case, common_case
 from kerfwise.tests.tools.amount import few
 
 SOLVED = (0, 1, 2, 4)

@@ -7,17 +7,16 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.search import search
+from kerfwise.models.engines.solve import solve
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.links import links_on
-from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.statements import Statement
+from kerfwise.models.problem.problem import links_on
+from kerfwise.rules.statements import Statement, by_kind
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import default_pipeline
-from kerfwise.tests.models.engines.minizinc.agree import disagreements
-from kerfwise.tests.models.engines.minizinc.cases import Case, linked_case
+from kerfwise.tests.models.engines.agree import disagreements
+from kerfwise.tests.models.engines.cases import Case, linked_case
 from kerfwise.tests.tools.amount import few
 
 LINKED = (0, 1, 3, 5, 12, 16)
@@ -70,7 +69,7 @@ def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
     assert proof is not None
     assert proof.incumbent is not None
     for sites in (3000, 0):
-        monkeypatch.setattr("kerfwise.models.engines.search.legs.MATRIX_SITES", sites)
+        monkeypatch.setattr("kerfwise.models.engines.search.travel.MATRIX_SITES", sites)
         found = search(problem, replace(case.options, work=0.2))
         assert found is not None
         assert found.cost == proof.incumbent.cost

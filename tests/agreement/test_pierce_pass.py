@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.request import options_for
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.pierce import meeting_holes
 from kerfwise.rules.minizinc.rules.pierce import met_holes
-from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.sections import Cuts
 from kerfwise.rules.stating.state_rules import state_rules
-from kerfwise.tests.models.engines.minizinc.agree import disagreements
-from kerfwise.tests.models.engines.minizinc.cases import Case
+from kerfwise.tests.models.engines.agree import disagreements
+from kerfwise.tests.models.engines.cases import Case
 
 STREETS_MM = (4.1, 5.0, 12.0)
 """Between two parts, and from these to a third: the wider, the fewer leads come near holes."""

@@ -14,14 +14,14 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.models.physics.timing.constant import Leg, schedule
-from kerfwise.models.plan.make import feeds_of
-from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
+from kerfwise.models.physics.motion import Leg, schedule
+from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.postproc.check.plan_runs import runs_from_cuts
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.agreement.stretches import Stretches, along_mm
-from kerfwise.tests.models.engines.minizinc.cases import Case
+from kerfwise.tests.models.engines.cases import Case
 
 LEAST_S = 1e-3
 """Less than this a way to cut is not said to be slower."""

@@ -46,5 +46,5 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_subpackages_are_not_hidden() -> None:
-    given = import_module("kerfwise.jobs.given")
-    assert kerfwise.jobs.given is given  # type: ignore[attr-defined]
+    given = import_module("kerfwise.jobs.inputs")
+    assert kerfwise.jobs.inputs is given  # type: ignore[attr-defined]

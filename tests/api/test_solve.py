@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.jobs.table import CUT_COLUMNS
+from kerfwise.jobs.display import CUT_COLUMNS
 from kerfwise.tests.api.plates import CLASH, PAIR, WORK
 from kerfwise.tests.commands.run_cli import kerfwise as command_line
 

@@ -10,14 +10,14 @@ import pytest
 from kerfwise.benchmarks.heat import EXAMPLES, bench, correlation, plant
 from kerfwise.benchmarks.heat_speed import HEIGHT_MM, PLANT, SECONDS, WIDTH_MM, run, up_and_down
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.priced_heat import cooler_orders
-from kerfwise.models.engines.baselines.random_order import random_order
-from kerfwise.models.physics.timing.constant import Leg, idle_mm
+from kerfwise.jobs.heat_control import cooler_orders
+from kerfwise.models.engines.baselines import random_order
+from kerfwise.models.physics.motion import Leg, idle_mm
 
 
 @pytest.mark.full
 def test_a_row_of_the_correlation(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 60)
+    monkeypatch.setattr("kerfwise.jobs.cooler_orders.ORDERS", 60)
     case = bench("e1x_6", read_nest(EXAMPLES / "e1x_6.json"), plant(90.0))
     cooler = cooler_orders(case.facts, case.profile, case.stated)
     cooler.start()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from kerfwise.benchmarks.tabs import CHOICES, HEAD, Row, row
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.rules.case import nest, part, rect
 
 SHEET = nest(
     500, 300, part("Wide", rect(40, 40, 200, 160)), part("A", rect(280, 40, 60, 60)), part("B", rect(280, 140, 60, 60))

@@ -6,10 +6,10 @@ import os
 import signal
 
 from kerfwise.jobs.batch import run
-from kerfwise.jobs.batch.planning import Made
+from kerfwise.jobs.batch.run import TaskOutput
 
 
-def dies_at_one(task: run.Task) -> Made:
+def dies_at_one(task: run.Task) -> TaskOutput:
     """Plan what is asked for, unless it is the nest `one`."""
     if task.piece.name == "one":
         os.kill(os.getpid(), signal.SIGKILL)

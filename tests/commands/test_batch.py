@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.contents import contents
-from kerfwise.jobs.batch.store import held
+from kerfwise.encoder.files import read_limited
+from kerfwise.jobs.batch.store import lock_folder
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.jobs.batch.nests import write_nests
 from kerfwise.tests.tools.amount import full
@@ -25,8 +25,8 @@ KILLED = f"""
 {COUNTED}
 import multiprocessing.spawn  # knows the interpreter from here on
 from kerfwise.cli import main
-from kerfwise.jobs.batch import papers, run, store
-from kerfwise.postproc import files
+from kerfwise.jobs.batch import reports as papers, run, store
+from kerfwise.postproc import output_files as files
 sys.executable = ""  # no process beside it goes on: a kill ends all, as a power cut does
 store.write_files = papers.write_files = run.write_files = counted(files.write_files)
 main()
@@ -79,7 +79,7 @@ def test_what_cannot_be_is_one_message(given: list[str], said: str) -> None:
 
 def test_two_at_once_into_one_folder() -> None:
     write_nests(Path("in"), ("one",))
-    with held(Path("out")):
+    with lock_folder(Path("out")):
         ended = kerfwise("batch", "in", "-o", "out")
     assert (ended.code, ended.out) == (2, "")
     assert ended.err.startswith("kerfwise: out: another batch is writing there")
@@ -103,7 +103,7 @@ def test_a_folder_on_two_machines() -> None:
 def made() -> dict[str, bytes]:
     """Every file of the batch, but for what is left of a write that was killed."""
     found = (path for path in Path("out").rglob("*") if path.is_file() and not path.name.startswith(".kerfwise-"))
-    return {str(path): contents(path) for path in found}
+    return {str(path): read_limited(path) for path in found}
 
 
 MOMENTS = ((KILLED_IN_WRITING, 12), (KILLED, 6), (KILLED, 2), (KILLED, 7), (KILLED_IN_WRITING, 3))

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 import kerfwise as package
-from kerfwise.commands import given
+from kerfwise.commands import shared_options
 from kerfwise.encoder.errors import InputError
-from kerfwise.postproc.verdict import checking
+from kerfwise.postproc.verdict import check_plan
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
@@ -39,7 +39,7 @@ def ended_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> Ended:
     def fail(*args: object, **options: object) -> Any:
         raise error
 
-    monkeypatch.setattr(given, "plant_of", fail)
+    monkeypatch.setattr(shared_options, "plant_of", fail)
     return kerfwise("facts", NEST)
 
 
@@ -106,7 +106,7 @@ def test_an_exception_in_a_rule_names_the_rule(hook: str, here: Path, monkeypatc
     rule = type("Broken", (LevelAhead,), {hook: fail, "__module__": __name__})()
     with pytest.raises(ZeroDivisionError) as caught:
         list(getattr(rule, hook)(*[None] * (2 if hook == "statements" else 3)))
-    monkeypatch.setattr(given, "plant_of", lambda *asked: (_ for _ in ()).throw(caught.value))
+    monkeypatch.setattr(shared_options, "plant_of", lambda *asked: (_ for _ in ()).throw(caught.value))
     where = rf"in rule level-ahead \(test_boundary.py, line {fail.__code__.co_firstlineno + 1}\): ZeroDivisionError"
     assert re.search(where, kerfwise("facts", NEST).err)
 
@@ -151,12 +151,12 @@ def wide(folder: Path) -> Path:
 def test_a_program_that_cannot_be_read_back_is_no_place(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nest = here / "plain.json"
     nest.write_text(json.dumps(PLAIN))
-    check = checking.check_nc
+    check = check_plan.check_nc
 
     def refused(nest: Any, text: str, *rest: Any, **more: Any) -> Any:
         return check(nest, text.replace("M5", "STOP"), *rest, **more)
 
-    monkeypatch.setattr(checking, "check_nc", refused)
+    monkeypatch.setattr(check_plan, "check_nc", refused)
     ended = kerfwise("solve", nest, "-o", "out.nc", "--work", "0.1")
     assert ended.code == 2
     assert f"{load_profile().file}: the program that dialect" in ended.err

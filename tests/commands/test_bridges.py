@@ -15,7 +15,7 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.postproc.check import check_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
-from kerfwise.tests.encoder.bridges.test_bridges import A, B, C, bridge
+from kerfwise.tests.encoder.test_bridges import A, B, C, bridge
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools import canon
 

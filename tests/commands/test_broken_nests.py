@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.encoder.readers.assemble import assemble
 from kerfwise.encoder.readers.drawing import DrawnCurve
+from kerfwise.encoder.readers.nest_from_drawing import assemble
 from kerfwise.encoder.validate import validated
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.amount import examples

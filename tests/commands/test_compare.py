@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from kerfwise.encoder.by_hand import rect
+from kerfwise.rules.case import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 

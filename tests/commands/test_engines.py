@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 from kerfwise.cli import program
-from kerfwise.commands.engine_choice import EngineChoice
 from kerfwise.commands.engines import command
-from kerfwise.models.engines.names import BUILT_IN, ENGINES, OLD_NAMES
+from kerfwise.commands.shared_options import EngineChoice
+from kerfwise.models.engines import BUILT_IN, ENGINES, OLD_NAMES
 
 
 @pytest.mark.minizinc

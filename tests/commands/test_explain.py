@@ -9,15 +9,13 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.commands.conflict import tell_conflict
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.commands.solve import print_conflict
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import facts_of
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.no_plan import NoPlan
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.request import NoPlan, facts_of, options_for
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -62,8 +60,8 @@ def test_a_conflict_is_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixt
     profile = plant(Lock(contour="P2.outer", before="P1.outer"), Lock(contour="P1.outer", position=1))
     picture = tmp_path / "plate.conflict.svg"
     with pytest.raises(NoPlan) as found:
-        plan_nest(Given(PLATE, profile), options_for(PLATE, profile, work=1.0))
-    assert tell_conflict(found.value, picture) == 1
+        plan_nest(Inputs(PLATE, profile), options_for(PLATE, profile, work=1.0))
+    assert print_conflict(found.value, picture) == 1
     said = capsys.readouterr().err.splitlines()
     assert said == [
         "kerfwise: these hard rules cannot all hold; without any one of them the others can:",
@@ -80,7 +78,7 @@ def test_a_conflict_is_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_without_a_contradiction_the_error_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     profile = plant()
     picture = tmp_path / "none.svg"
-    assert tell_conflict(NoPlan(RulesConflict("none was found"), facts_of(PLATE, profile), profile), picture) == 1
+    assert print_conflict(NoPlan(RulesConflict("none was found"), facts_of(PLATE, profile), profile), picture) == 1
     assert capsys.readouterr().err == "kerfwise: none was found\n"
     assert not picture.exists()
 

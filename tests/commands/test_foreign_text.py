@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import strict_json
 from kerfwise.encoder.nest import Note
-from kerfwise.encoder.shown import OBEYED, shown
-from kerfwise.encoder.strict_json import strict_json
+from kerfwise.encoder.text import OBEYED, escape_text
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_boundary import PLAIN
 
@@ -51,7 +51,7 @@ def test_a_part_id(name: str, here: Path) -> None:
         text = (here / path).read_text(encoding="utf-8")
         assert not obeyed(text)
         assert FORGED not in text.splitlines()
-    assert shown(name) in json.dumps(json.loads((here / "a.plan.json").read_text())).replace("\\\\", "\\")
+    assert escape_text(name) in json.dumps(json.loads((here / "a.plan.json").read_text())).replace("\\\\", "\\")
     assert kerfwise("check", "fine.json", "a.nc").code == 0
     assert kerfwise("check", "fine.json", "a.plan.json").code == 0
 

@@ -44,10 +44,10 @@ def test_the_best_plan_so_far_is_written_and_the_exit_code_is_130(
 
 _PRESSED_AFTER_NESTING = """
 import signal
-from kerfwise.encoder.by_hand import part, rect
+from kerfwise.rules.case import part, rect
 from kerfwise.encoder.nest import Sheet
 from kerfwise.nesting.rounds import Effort, best_layout
-from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.nesting.demand import PartType, Spacing, Stock, Demand as Wanted
 
 heard = []
 signal.signal(signal.SIGINT, lambda *pressed: heard.append(pressed))

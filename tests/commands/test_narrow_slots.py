@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
 PROFILE = Path(__file__).parents[2] / "examples" / "profiles" / "narrow-slots.yaml"

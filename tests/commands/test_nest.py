@@ -12,13 +12,12 @@ import pytest
 import kerfwise as package
 from kerfwise.arrays import Floats
 from kerfwise.commands.nest_progress import NestProgress
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.readers import read_nest
-from kerfwise.nesting.allot import Layout
-from kerfwise.nesting.pose import Placed
-from kerfwise.nesting.room import Room
+from kerfwise.nesting.fill import Room
+from kerfwise.nesting.layout import Layout, nest_dxf, nest_json
+from kerfwise.nesting.nofit import Placed
 from kerfwise.nesting.shapes import Key
-from kerfwise.nesting.written import nest_dxf, nest_json
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 
 BRACKET = part("bracket", [(10, 10), (90, 10), (90, 40), (40, 40), (40, 90), (10, 90)], [circle(25, 25, 6)])

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.jobs.trade_off import TradeOff
+from kerfwise.jobs.pareto import TradeOff
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
@@ -16,7 +16,7 @@ NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 
 @pytest.mark.slow
 def test_every_point_is_a_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 30)
+    monkeypatch.setattr("kerfwise.jobs.cooler_orders.ORDERS", 30)
     profile = tmp_path / "hot.yaml"
     profile.write_text("based_on: plasma-carbon-steel\nheat: {limit_c: 90}\n", encoding="utf-8")
     plot, plans = tmp_path / "front.png", tmp_path / "plans"

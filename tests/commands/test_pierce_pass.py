@@ -13,9 +13,9 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
-from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program
+from kerfwise.jobs.simulation import path_of_plan, path_of_program
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant

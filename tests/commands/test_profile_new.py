@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.rules.profile.differences import differences
-from kerfwise.rules.profile.files import profile_text, shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, profile_text, shipped_profiles
+from kerfwise.rules.profile.profile_yaml import differences
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
 

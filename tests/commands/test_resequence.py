@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.contents import contents
+from kerfwise.encoder.files import read_limited
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED
 
@@ -86,7 +86,7 @@ def test_a_folder(jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 @pytest.mark.slow
 def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.jobs import archive_runs as job
+    from kerfwise.jobs.resequence import archive as job
 
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -146,7 +146,7 @@ def test_nobody_cuts_by_what_an_older_program_left(tmp_path: Path, monkeypatch: 
 
 
 def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.jobs import archive_runs as job
+    from kerfwise.jobs.resequence import archive as job
 
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -172,7 +172,7 @@ def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeyp
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
     Path("old/rows.nc").write_text("(-)\n" * 10_000)
-    monkeypatch.setattr(contents, "__defaults__", (30_000,))
+    monkeypatch.setattr(read_limited, "__defaults__", (30_000,))
     ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert ended.code == 2
     assert "refused: old/rows.nc: holds over" in ended.out

@@ -12,8 +12,7 @@ from click.testing import CliRunner
 from kerfwise.commands.rules import command
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules import run_cases as runner
-from kerfwise.rules.pages.new_rule import FILES, new_rule
-from kerfwise.rules.pages.pages import rule_page
+from kerfwise.rules.pages import FILES, new_rule, rule_page
 from kerfwise.rules.registry import RULES
 
 

@@ -15,7 +15,7 @@ import pytest
 import zxingcpp
 
 import kerfwise as package
-from kerfwise.encoder.by_hand import rect
+from kerfwise.rules.case import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 from kerfwise.tests.paper import pages_of
@@ -144,7 +144,7 @@ def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
     assert len(rows) == len(set(rows)) == 75
 
     from kerfwise.encoder.readers import read_nest
-    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.report.paper import ROOM
     from kerfwise.postproc.report.picture import bare_picture
     from kerfwise.postproc.report.scene import TextLine
@@ -157,11 +157,11 @@ def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
 
 
 def test_several_nests_make_one_paper(plan: Path) -> None:
-    from kerfwise.jobs.nest_job.asked import Asked, given_for
-    from kerfwise.jobs.sheets import sheets_pdf, work_sheet
-    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.jobs.nest_job.request import NestRequest, inputs_for
+    from kerfwise.jobs.work_sheet import sheets_pdf, work_sheet
+    from kerfwise.models.plan.read_plan import read_plan
 
-    one = work_sheet(given_for("sheet.json", Asked()), read_plan(plan))
+    one = work_sheet(inputs_for("sheet.json", NestRequest()), read_plan(plan))
     Path("both.pdf").write_bytes(sheets_pdf([one, one], "today"))
     texts = [page.text for page in pages_of("both.pdf")]
     assert len(texts) == 2

@@ -11,10 +11,10 @@ import yaml
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
+from kerfwise.rules.case import circle, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.amount import examples

@@ -50,7 +50,7 @@ def test_shortest_is_shortest_and_the_others_are_lawful(profile: Path, tmp_path:
 def test_a_price_on_overheats_buys_fewer_of_them(
     profile: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 60)
+    monkeypatch.setattr("kerfwise.jobs.cooler_orders.ORDERS", 60)
     priced = profile.with_name("priced.yaml")
     priced.write_text(FREE + "objective: {heat: 50}\n", encoding="utf-8")
     short_mm, hot = solved(tmp_path, profile)

@@ -9,7 +9,7 @@ import pytest
 
 import kerfwise as package
 from kerfwise.encoder.readers import read_nest
-from kerfwise.postproc.clock.timed import with_times
+from kerfwise.postproc.clock import with_times
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise

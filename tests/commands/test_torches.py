@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import kerfwise
-from kerfwise.postproc.files import write_files
-from kerfwise.postproc.report.case_picture import case_picture, rule_panels
+from kerfwise.postproc.output_files import write_files
+from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.run_cases import cases_of
 

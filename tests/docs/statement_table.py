@@ -12,10 +12,10 @@ from dataclasses import fields
 import numpy as np
 
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.models.engines.minizinc import solve_minizinc
-from kerfwise.models.engines.names import ENGINES, Engine, member_of
-from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines import ENGINES, Engine, member_of
+from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.solve import solve
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.every_kind import FEEDS, HOME, NEAR_MM, PARTS, PROFILE, Example, examples, way_of

@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.jobs.nest_job.job import job_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.lock_text import lines_of, read_lock
-from kerfwise.rules.profile.one_nest import with_settings
+from kerfwise.rules.profile.overrides import lines_of, read_lock, with_settings
 
 PAGE = (Path(kerfwise.__file__).parent / "docs" / "job-files.md").read_text(encoding="utf-8")
 ROWS = PAGE.partition("| words | what holds |\n|---|---|\n")[2].partition("\n\n")[0].splitlines()

@@ -10,7 +10,7 @@ import pytest
 
 import kerfwise
 from kerfwise import rule_kit
-from kerfwise.rules.pages.new_rule import new_outside_rule
+from kerfwise.rules.pages import new_outside_rule
 from kerfwise.tests.docs.rule_kit_page import page
 from kerfwise.tests.rules.outside.written import RULE
 

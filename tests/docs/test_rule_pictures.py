@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from kerfwise.postproc.report.case_picture import case_picture, rule_panels
+from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
 from kerfwise.rules.case import wrong_and_right
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.run_cases import cases_of

@@ -9,7 +9,7 @@ from typing import get_args
 import pytest
 
 import kerfwise
-from kerfwise.models.engines.names import ENGINES
+from kerfwise.models.engines import ENGINES
 from kerfwise.rules.statements import Statement
 from kerfwise.tests.docs.statement_table import PROVES, REFUSES, answer, table
 from kerfwise.tests.models.every_kind import examples

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from kerfwise.encoder.by_hand import Rows, circle
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind
+from kerfwise.rules.case import Rows, circle
 
 KERF_MM = 1.5
 

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, part, rect
-from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.rules.case import circle, part, rect
 
 DRAWN = part("A", rect(0, 0, 40, 40), [circle(20, 20, 5)], [[(2, 2), (9, 2)]])
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.components import strong_components, weak_components
+from kerfwise.encoder.graphs import strong_components, weak_components
 
 LINKS = st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7)), max_size=14)
 

@@ -6,23 +6,23 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.contents import contents, is_file, is_folder, is_there
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import is_file, is_folder, is_there, read_limited
 
 
 def test_a_file_is_read_up_to_a_size(tmp_path: Path) -> None:
     path = tmp_path / "a.nc"
     path.write_bytes(b"x" * 1_000_000)
-    assert len(contents(path, 1_000_000)) == 1_000_000
+    assert len(read_limited(path, 1_000_000)) == 1_000_000
     path.write_bytes(b"x" * 1_000_001)
     with pytest.raises(InputError, match=r"a\.nc: holds over 1 MB: too large"):
-        contents(path, 1_000_000)
+        read_limited(path, 1_000_000)
 
 
 @pytest.mark.skipif(not is_there("/dev/zero"), reason="Linux")
 def test_what_never_ends_is_not_read_to_its_end() -> None:
     with pytest.raises(InputError, match="holds over 2 MB"):
-        contents("/dev/zero", 2_000_000)
+        read_limited("/dev/zero", 2_000_000)
 
 
 @pytest.mark.parametrize("name", ["", "nowhere", "n" * 300, "a\0b", "a\udcff\ud800", "nowhere/x"])

@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.corner_feed import CRUMB_MM, CornerFeed, chords, paced
-from kerfwise.encoder.cornered import with_corners
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.torch_path import CRUMB_MM, CornerFeed, chords, paced, with_corner_times
+from kerfwise.rules.case import circle, nest, part, rect
 
 LAW = CornerFeed(0.5, 45.0, 3.0)
 
@@ -68,6 +67,6 @@ def test_without_a_law_a_path_is_one_feed() -> None:
 
 def test_contours_know_what_their_corners_take_but_for_the_one_they_may_be_entered_at() -> None:
     plate = nest(300, 200, part("A", rect(20, 20, 100, 100), [circle(70, 70, 20)]))
-    made = with_corners(plate, LAW, 0.0)
+    made = with_corner_times(plate, LAW, 0.0)
     assert (made.contour("A.outer").corner_mm, made.contour("A.hole1").corner_mm) == (18.0, 0.0)
     assert made.drawn is plate

@@ -12,12 +12,12 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.compensation import compensate_together, compensated
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
-from kerfwise.encoder.kept_beside import kept_beside
+from kerfwise.encoder.narrow_features import paths_keep_distance
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.encoder.torch_path import compensate_together, compensated
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.tools.amount import examples
 
@@ -67,7 +67,7 @@ def test_what_is_surely_near_is_near_everywhere(chance: Random, arcs: bool, by_m
         path = spoilt(offset_curve(curve, by_mm), chance)
     except ValueError:  # it has no area, or nothing is left of it
         return
-    if kept_beside([curve], [path], HALF, most_mm)[0]:
+    if paths_keep_distance([curve], [path], HALF, most_mm)[0]:
         assert farthest_mm(curve, path) <= most_mm + 1e-3
 
 
@@ -82,7 +82,7 @@ def test_small_arcs_are_near_only_where_their_points_are(radius_mm: float, turne
 
     curve, path = half_moon(radius_mm, 0.0), half_moon(radius_mm + 0.2, turned_rad)
     for most_mm in (0.3, 0.7, 1.1, 2.0):
-        if kept_beside([curve], [path], HALF, most_mm)[0]:
+        if paths_keep_distance([curve], [path], HALF, most_mm)[0]:
             assert farthest_mm(curve, path) <= most_mm + 1e-3
 
 
@@ -92,17 +92,17 @@ def test_contours_of_plates_are_seen_to_be_near() -> None:
     compensate_together(nest.contours, 2 * HALF)
     cut = [c for c in nest.contours if c.encloses]
     paths = [compensated(c, 2 * HALF) for c in cut]
-    seen = kept_beside([c.curve for c in cut], paths, HALF, MOST)
+    seen = paths_keep_distance([c.curve for c in cut], paths, HALF, MOST)
     assert seen.mean() > 0.95
-    assert not kept_beside([c.curve for c in cut], [p.moved(2.0, 0.0) for p in paths], HALF, MOST).any()
+    assert not paths_keep_distance([c.curve for c in cut], [p.moved(2.0, 0.0) for p in paths], HALF, MOST).any()
     for contour, path in list(zip(cut, paths, strict=True))[:8]:
         assert farthest_mm(contour.curve, path) <= MOST
 
 
 def test_a_slot_that_the_path_does_not_enter_is_not_seen_to_be_near() -> None:
     slot = Curve.of([(0, 0), (60, 0), (60, 30), (31, 30), (31, 10), (30, 10), (30, 30), (0, 30)])
-    assert not kept_beside([slot], [offset_curve(slot, HALF)], HALF, MOST)[0]
+    assert not paths_keep_distance([slot], [offset_curve(slot, HALF)], HALF, MOST)[0]
 
 
 def test_nothing_asked_nothing_told() -> None:
-    assert kept_beside([], [], HALF, MOST).tolist() == []
+    assert paths_keep_distance([], [], HALF, MOST).tolist() == []

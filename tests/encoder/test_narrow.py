@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder import narrow
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.candidates import LeadOptions, build_candidates, tried
+from kerfwise.encoder import narrow_features
+from kerfwise.encoder.candidates import LeadOptions, build_candidates, lead_search
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow import MOST_TOLD, Narrow, lost_features, lost_walls
+from kerfwise.encoder.narrow_features import MOST_TOLD, Narrow, lost_features, lost_walls
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
 
 
@@ -150,14 +150,14 @@ def test_paths_of_very_many_chords_are_evened_out_before_they_are_grown(monkeypa
     monkeypatch.setattr(shapely, "buffer", counted)
     assert lost_features([drawn], KERF_MM, {"P.outer": path}) == {}
     assert max(grown) < 1000
-    assert narrow.MANY_CHORDS < 20_000
-    assert len(narrow.lost_walls([drawn], KERF_MM, {"P.outer": far})) <= 1
+    assert narrow_features.MANY_CHORDS < 20_000
+    assert len(narrow_features.lost_walls([drawn], KERF_MM, {"P.outer": far})) <= 1
 
 
 @pytest.mark.parametrize("shape", LOST)
 def test_an_evened_path_loses_the_same(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
     exact = lost_features([LOST[shape][0]], KERF_MM)
-    monkeypatch.setattr(narrow, "MANY_CHORDS", 0)
+    monkeypatch.setattr(narrow_features, "MANY_CHORDS", 0)
     evened = lost_features([LOST[shape][0]], KERF_MM)
     for name, features in exact.items():
         assert [f.place for f in evened[name]] == [pytest.approx(f.place, abs=0.05) for f in features]
@@ -166,8 +166,8 @@ def test_an_evened_path_loses_the_same(shape: str, monkeypatch: pytest.MonkeyPat
 
 def test_what_helps_against_a_slot_is_thought_of_once_not_for_every_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    plain = tried.slits_of
-    monkeypatch.setattr(tried, "slits_of", lambda contour, mm: asked.append(contour.id) or plain(contour, mm))
+    plain = lead_search.slits_of
+    monkeypatch.setattr(lead_search, "slits_of", lambda contour, mm: asked.append(contour.id) or plain(contour, mm))
     with pytest.raises(InputError, match="slot, notch or neck"):
         build_candidates(nest(400, 300, Part("P", comb(5, 1.0))), LeadOptions())
     assert asked == ["P.outer"]

@@ -6,19 +6,19 @@ import threading
 
 import pytest
 
-from kerfwise.encoder.side_by_side import side_by_side
+from kerfwise.arrays import in_parallel
 
 
 @pytest.mark.parametrize("pays", [True, False])
 def test_each_answer_is_in_its_place(pays: bool) -> None:
-    assert side_by_side(lambda: 1, lambda: "two", pays) == (1, "two")
+    assert in_parallel(lambda: 1, lambda: "two", pays) == (1, "two")
 
 
 def test_the_second_step_has_a_thread_of_its_own_where_that_pays() -> None:
     met = threading.Barrier(2, timeout=20)
-    assert side_by_side(met.wait, met.wait) in {(0, 1), (1, 0)}
+    assert in_parallel(met.wait, met.wait) in {(0, 1), (1, 0)}
     here = threading.get_ident()
-    assert side_by_side(threading.get_ident, threading.get_ident, False) == (here, here)
+    assert in_parallel(threading.get_ident, threading.get_ident, False) == (here, here)
 
 
 @pytest.mark.parametrize("pays", [True, False])
@@ -27,6 +27,6 @@ def test_an_error_of_either_is_raised(pays: bool) -> None:
         raise ValueError("wrong")
 
     with pytest.raises(ValueError, match="wrong"):
-        side_by_side(lambda: 1, wrong, pays)
+        in_parallel(lambda: 1, wrong, pays)
     with pytest.raises(ValueError, match="wrong"):
-        side_by_side(wrong, lambda: 1, pays)
+        in_parallel(wrong, lambda: 1, pays)

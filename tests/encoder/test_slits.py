@@ -10,11 +10,11 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow import lost_features, lost_walls
+from kerfwise.encoder.narrow_features import lost_features, lost_walls
 from kerfwise.encoder.nest import Contour
-from kerfwise.encoder.slits import in_the_way, narrow_because, slits_of, with_slits
+from kerfwise.encoder.slits import blocked_slits, narrow_because, slits_of, with_slits
+from kerfwise.rules.case import nest, part
 from kerfwise.tests.encoder.narrow_shapes import (
     FITS,
     KERF_MM,
@@ -157,7 +157,7 @@ def test_a_web_that_two_passes_would_burn_is_in_the_way() -> None:
     rows = [(10, 10), (60, 10), (60, 60), (32.9, 60), (32.9, 40), (31.9, 40), (31.9, 60), (31.5, 60), (31.5, 40),
             (30.5, 40), (30.5, 60), (10, 60)]  # fmt: skip
     made = with_slits(nest(100, 100, part("A", rows)), KERF_MM)
-    assert {one.why for one in in_the_way(made, made.contour("A.outer"), KERF_MM)} == {
+    assert {one.why for one in blocked_slits(made, made.contour("A.outer"), KERF_MM)} == {
         "the pass would burn through the web to A.slit2",
         "the pass would burn through the web to A.slit1",
     }

@@ -16,19 +16,19 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.encoder import still_going
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder import progress_notice
 from kerfwise.encoder.errors import Advice
-from kerfwise.encoder.still_going import so_much, told_if_long
-from kerfwise.jobs.ask import facts_of
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.encoder.progress_notice import amount, notice_if_long
+from kerfwise.jobs.request import facts_of
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
 
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """What is said; every stage takes long."""
-    monkeypatch.setattr(still_going, "AFTER_S", 0.0)
+    monkeypatch.setattr(progress_notice, "AFTER_S", 0.0)
     said: list[str] = []
 
     class AtOnce(threading.Timer):
@@ -40,7 +40,7 @@ def told(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
         def cancel(self) -> None:
             self.function()
 
-    monkeypatch.setattr(still_going.threading, "Timer", AtOnce)
+    monkeypatch.setattr(progress_notice.threading, "Timer", AtOnce)
     with warnings.catch_warnings():
         warnings.simplefilter("always", Advice)
         monkeypatch.setattr(warnings, "showwarning", lambda message, *more, **named: said.append(str(message)))
@@ -70,8 +70,8 @@ def test_drawings_say_how_much_is_in_them(told: list[str]) -> None:
 
 
 def test_what_is_quick_says_nothing(recwarn: pytest.WarningsRecorder) -> None:
-    with told_if_long("reading NEST"):
-        so_much(1, "entity", "entities")
+    with notice_if_long("reading NEST"):
+        amount(1, "entity", "entities")
     facts_of(nest(300, 200, part("A", rect(20, 20, 50, 50))), load_profile())
     assert not recwarn.list
 
@@ -81,7 +81,7 @@ import signal
 import time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background begins with Ctrl-C ignored
 from kerfwise.encoder.readers import read
-from kerfwise.encoder import still_going
+from kerfwise.encoder import progress_notice as still_going
 still_going.AFTER_S = 0.2
 plain = read._nest
 def slow(*given):

@@ -7,11 +7,10 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
-from kerfwise.rules.judging.rigidity import rigid_at_the_end
+from kerfwise.rules.judging.facing import rigid_at_the_end
 from kerfwise.rules.profile.load import load_profile
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -23,7 +22,7 @@ def test_a_plate_without_an_exception() -> None:
     profile = load_profile(EXAMPLES / "profiles" / "strict.yaml")
     sheet = read_nest(EXAMPLES / "nests" / "plate40.json", profile.read_options())
     limits = options_for(sheet, profile, work=10)
-    made = produce(ask(facts_of(sheet, profile), profile), profile, limits)
+    made = solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits)
     settings, book = profile.settings(), profile.rulebook()
     cuts = made.plan.sequence(profile.machine.home)
     for rule in STIFF:

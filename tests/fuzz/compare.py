@@ -11,10 +11,10 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.given import decoded
+from kerfwise.jobs.inputs import decoded
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import NcProgram
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.tests.fuzz import control as controls
 from kerfwise.tests.tools import canon
 

@@ -143,14 +143,14 @@ def test_two_runs_are_compared() -> None:
 
 
 def test_an_own_fault_is_found_with_its_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.commands import given
+    from kerfwise.commands import shared_options
 
-    monkeypatch.setattr(given, "plant_of", lambda *names: {}[names])
+    monkeypatch.setattr(shared_options, "plant_of", lambda *names: {}[names])
     report = reported(PLAIN, tmp_path / "case")
     assert report.code == 70
     assert [text.partition(": ")[0] for text in report.findings] == ["own fault", "at"]
     assert what(report) >= {"own fault"}
-    monkeypatch.setattr(given, "plant_of", lambda *names: (_ for _ in ()).throw(MemoryError()))
+    monkeypatch.setattr(shared_options, "plant_of", lambda *names: (_ for _ in ()).throw(MemoryError()))
     assert reported(PLAIN, tmp_path / "case").findings[0].startswith("over 3 GB: own fault")
     monkeypatch.setattr(workers, "run", lambda case, folder: {}[0])
     assert reported(PLAIN, tmp_path / "case").findings[0].startswith("traceback: KeyError")
@@ -168,7 +168,7 @@ def test_a_case_that_hangs_or_dies_ends_the_process_and_no_more(
         monkeypatch.setattr(workers, "MOST_S", 3.0)
         hanging = one.ask(replace(PLAIN, words=(*PLAIN.words, "-p", str(waits))))
         assert hanging.findings[0].startswith("hang: ")
-        assert "encoder/contents.py" in hanging.findings[0]
+        assert "encoder/files.py" in hanging.findings[0]
         monkeypatch.setattr(workers, "MOST_S", 60.0)
         assert (one.ask(PLAIN).code, one.ask(PLAIN).findings) == (0, ())
         one._process.kill()

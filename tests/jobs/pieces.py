@@ -6,7 +6,7 @@ import os
 import time
 from pathlib import Path
 
-from kerfwise.models.kernels import cores, machine_cores
+from kerfwise.models.jit import cores, machine_cores
 
 
 class Unsendable(Exception):

@@ -10,29 +10,28 @@ from typing import Any
 import pytest
 
 import kerfwise
-import kerfwise.models.engines.rounds
-from kerfwise.encoder.by_hand import nest, part, rect
+import kerfwise.models.engines.solve
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs import cooling
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.t_max_refused import too_hot
+from kerfwise.jobs import heat_control
+from kerfwise.jobs.heat_control import too_hot
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.pacing import Heated, Pacing, pace
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.postproc.clock.heat_path import path_of_plan
-from kerfwise.postproc.clock.timed import job_of_program, read_program, time_job
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.clock import job_of_program, read_program, time_job
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
-from kerfwise.rules.temperature_limit import TemperatureLimit
+from kerfwise.rules.rule import TemperatureLimit
 
 PAIR = nest(420, 160, part("A", rect(40, 40, 60, 80)), part("B", rect(126, 40, 60, 80)))
 TRIO = nest(700, 160, part("A", rect(40, 40, 60, 80)), part("B", rect(126, 40, 60, 80)),
@@ -47,12 +46,12 @@ def plant(limit_c: float, dwells: bool = False, longest_s: float = 600.0) -> Pro
     return replace(profile, rules=rules, leads=replace(profile.leads, entries=2))
 
 
-def made(sheet: Nest, profile: Profile) -> Produced:
+def made(sheet: Nest, profile: Profile) -> VerifiedPlan:
     limits = options_for(sheet, profile, work=0.2)
-    return produce(ask(facts_of(sheet, profile), profile), profile, limits)
+    return solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits)
 
 
-def order(plan: Produced) -> list[str]:
+def order(plan: VerifiedPlan) -> list[str]:
     return [planned.part for planned in plan.plan.cuts]
 
 
@@ -62,7 +61,7 @@ COOL, HOT = plant(1000.0), plant(88.4, dwells=True)
 @pytest.fixture
 def one_order(monkeypatch: pytest.MonkeyPatch) -> None:
     """No other order is asked for, so that nothing but a wait can help."""
-    monkeypatch.setattr(cooling, "ROUNDS", 1)
+    monkeypatch.setattr(heat_control, "ROUNDS", 1)
 
 
 def test_a_limit_that_is_far_away_changes_nothing() -> None:
@@ -150,13 +149,13 @@ def test_no_other_order_is_asked_for_once_somebody_has_had_enough() -> None:
 
     profile = HOT
     limits = options_for(PAIR, profile, work=0.2)
-    found = produce(ask(facts_of(PAIR, profile), profile), profile, limits, enough)
+    found = solve_and_verify(make_request(facts_of(PAIR, profile), profile), profile, limits, enough)
     assert found.verdict.ok
     assert asked.count("t-max") == 1
 
 
 def test_where_another_order_is_not_found_in_time_the_first_may_wait(monkeypatch: pytest.MonkeyPatch) -> None:
-    solve = kerfwise.models.engines.rounds.solve
+    solve = kerfwise.models.engines.solve.solve
     found: list[object] = []
 
     def once(*given: Any) -> Any:
@@ -165,7 +164,7 @@ def test_where_another_order_is_not_found_in_time_the_first_may_wait(monkeypatch
         found.append(None)
         return solve(*given)
 
-    monkeypatch.setattr("kerfwise.models.engines.rounds.solve", once)
+    monkeypatch.setattr("kerfwise.models.engines.solve.solve", once)
     assert made(PAIR, HOT).plan.waits
 
 

@@ -7,20 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.costs import cost_of_plan, cost_of_sheet
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.summary import summary
-from kerfwise.jobs.times import time_made
-from kerfwise.models.physics.timing.clock import RunTimes
-from kerfwise.models.physics.timing.cost import Cost, cost_of
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.rules.profile.cuts_section import Cuts, Scrap
+from kerfwise.jobs.display import summary
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.programs import time_made
+from kerfwise.jobs.request import options_for
+from kerfwise.models.physics.time_and_cost import Cost, RunTimes, cost_of
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.clock import cost_of_plan, cost_of_sheet
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.prices_section import Consumables, Prices
+from kerfwise.rules.profile.plant_sections import Consumables, Prices
+from kerfwise.rules.profile.sections import Cuts, Scrap
 from kerfwise.tests.commands.run_cli import kerfwise
 
 HOUR = RunTimes((), cut_s=1700.0, idle_s=1800.0, pierce_s=100.0)
@@ -71,7 +70,7 @@ def test_no_price_no_cost() -> None:
 def test_a_plan_says_what_it_costs_and_so_does_the_clock(tmp_path: Path) -> None:
     prices = Prices(machine_hour=80, sheet_kg=1.2, consumables=Consumables(24, 400, 2))
     plant = replace(load_profile(), prices=prices)
-    given = Given(PLATE, plant)
+    given = Inputs(PLATE, plant)
     made = plan_nest(given, options_for(PLATE, plant, work=1)).made
     plan = made.plan
     assert plan.cost is not None
@@ -82,7 +81,7 @@ def test_a_plan_says_what_it_costs_and_so_does_the_clock(tmp_path: Path) -> None
     file = tmp_path / "plate.plan.json"
     file.write_text(plan.to_json(), encoding="utf-8")
     assert read_plan(file).cost == Cost.of_json(plan.cost.as_json())
-    unpriced = plan_nest(Given(PLATE, load_profile()), options_for(PLATE, plant, work=1)).made.plan
+    unpriced = plan_nest(Inputs(PLATE, load_profile()), options_for(PLATE, plant, work=1)).made.plan
     assert unpriced.cost is None
     assert "cost" not in unpriced.to_json().partition('"solve"')[0]
 

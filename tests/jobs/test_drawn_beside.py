@@ -15,12 +15,11 @@ from click.testing import CliRunner
 from kerfwise.cli import program
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import Finished, plan_nest
-from kerfwise.jobs.page import drawn_beside
-from kerfwise.jobs.page.drawn_beside import DrawnBeside
-from kerfwise.jobs.page.picture import planned_picture
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs import page_picture
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.page_picture import DrawnBeside, planned_picture
+from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
+from kerfwise.jobs.request import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.load import load_profile
@@ -31,14 +30,14 @@ HOME = (0.0, 0.0)
 
 @pytest.fixture(autouse=True)
 def beside_on_small_nests(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(drawn_beside, "FROM_CONTOURS", 1)
-    monkeypatch.setattr(drawn_beside, "LEAST_CORES", 1)
+    monkeypatch.setattr(page_picture, "FROM_CONTOURS", 1)
+    monkeypatch.setattr(page_picture, "LEAST_CORES", 1)
 
 
-def finished(told: Callable[[Plan], None]) -> Finished:
+def finished(told: Callable[[Plan], None]) -> FinishedPlan:
     """A small plan that breaks a soft rule, so that its header has something to say of its rules."""
     nest, profile = read_nest(SMALL), load_profile()
-    return plan_nest(Given(nest, profile), options_for(nest, profile, work=0.1), planned_as=told)
+    return plan_nest(Inputs(nest, profile), options_for(nest, profile, work=0.1), planned_as=told)
 
 
 def signalled(beside: DrawnBeside, sent: signal.Signals) -> SpawnProcess:
@@ -50,7 +49,7 @@ def signalled(beside: DrawnBeside, sent: signal.Signals) -> SpawnProcess:
 
 
 @pytest.fixture(scope="module")
-def planned() -> tuple[Finished, Plan]:
+def planned() -> tuple[FinishedPlan, Plan]:
     """A plan, and what it was before it was judged."""
     before: list[Plan] = []
     return finished(before.append), before[0]
@@ -58,7 +57,7 @@ def planned() -> tuple[Finished, Plan]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".svg", ".PNG", ".pdf"])
-def test_it_is_the_picture_that_is_drawn_afterwards(planned: tuple[Finished, Plan], suffix: str) -> None:
+def test_it_is_the_picture_that_is_drawn_afterwards(planned: tuple[FinishedPlan, Plan], suffix: str) -> None:
     done, before = planned
     assert before.rules != done.made.plan.rules
     assert draw(done.given.nest, before, suffix) != draw(done.given.nest, done.made.plan, suffix)
@@ -67,7 +66,7 @@ def test_it_is_the_picture_that_is_drawn_afterwards(planned: tuple[Finished, Pla
         assert beside.end(done.made.plan) == draw(done.given.nest, done.made.plan, suffix, HOME)
 
 
-def test_a_process_that_died_leaves_it_to_this_one(planned: tuple[Finished, Plan]) -> None:
+def test_a_process_that_died_leaves_it_to_this_one(planned: tuple[FinishedPlan, Plan]) -> None:
     done, before = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
         beside.begin(before)
@@ -80,7 +79,7 @@ def test_a_process_that_died_leaves_it_to_this_one(planned: tuple[Finished, Plan
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Windows cannot hold Ctrl-C back")
-def test_ctrl_c_does_not_reach_a_process_that_still_sets_out(planned: tuple[Finished, Plan]) -> None:
+def test_ctrl_c_does_not_reach_a_process_that_still_sets_out(planned: tuple[FinishedPlan, Plan]) -> None:
     done, before = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
         beside.begin(before)
@@ -90,7 +89,7 @@ def test_ctrl_c_does_not_reach_a_process_that_still_sets_out(planned: tuple[Fini
 
 
 def test_the_process_sets_out_before_there_is_a_plan_and_ends_where_there_is_none(
-    planned: tuple[Finished, Plan],
+    planned: tuple[FinishedPlan, Plan],
 ) -> None:
     done, _ = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
@@ -100,7 +99,7 @@ def test_the_process_sets_out_before_there_is_a_plan_and_ends_where_there_is_non
     assert not beside._process.is_alive()
 
 
-def test_what_cannot_be_drawn_is_left_to_this_one_too(planned: tuple[Finished, Plan]) -> None:
+def test_what_cannot_be_drawn_is_left_to_this_one_too(planned: tuple[FinishedPlan, Plan]) -> None:
     """A plan of another nest: here it is refused in words, there nothing is said."""
     done, before = planned
     other = replace(before, cuts=tuple(replace(p, cut=replace(p.cut, contour="none")) for p in before.cuts))
@@ -109,14 +108,14 @@ def test_what_cannot_be_drawn_is_left_to_this_one_too(planned: tuple[Finished, P
         assert beside.end(other) is None
 
 
-def test_another_plan_is_not_taken_for_it(planned: tuple[Finished, Plan]) -> None:
+def test_another_plan_is_not_taken_for_it(planned: tuple[FinishedPlan, Plan]) -> None:
     done, before = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
         beside.begin(before)
         assert beside.end(replace(before, cuts=before.cuts[:-1])) is None
 
 
-def test_the_process_ends_with_the_block_whatever_happens(planned: tuple[Finished, Plan]) -> None:
+def test_the_process_ends_with_the_block_whatever_happens(planned: tuple[FinishedPlan, Plan]) -> None:
     done, before = planned
     beside = DrawnBeside(done.given.nest, ".svg", HOME)
 
@@ -135,18 +134,18 @@ def test_the_process_ends_with_the_block_whatever_happens(planned: tuple[Finishe
     ("suffix", "contours", "cores"), [(None, 1, 1), (".html", 1, 1), (".svg", 9999, 1), (".svg", 1, 9999)]
 )
 def test_it_is_not_begun_where_it_does_not_pay(
-    planned: tuple[Finished, Plan], monkeypatch: pytest.MonkeyPatch, suffix: str | None, contours: int, cores: int
+    planned: tuple[FinishedPlan, Plan], monkeypatch: pytest.MonkeyPatch, suffix: str | None, contours: int, cores: int
 ) -> None:
     done, before = planned
-    monkeypatch.setattr(drawn_beside, "FROM_CONTOURS", contours)
-    monkeypatch.setattr(drawn_beside, "LEAST_CORES", cores)
+    monkeypatch.setattr(page_picture, "FROM_CONTOURS", contours)
+    monkeypatch.setattr(page_picture, "LEAST_CORES", cores)
     with DrawnBeside(done.given.nest, suffix, HOME) as beside:
         beside.begin(before)
         assert beside._process is None
         assert beside.end(done.made.plan) is None
 
 
-def test_a_nest_is_handed_on_without_what_was_found_out_about_it(planned: tuple[Finished, Plan]) -> None:
+def test_a_nest_is_handed_on_without_what_was_found_out_about_it(planned: tuple[FinishedPlan, Plan]) -> None:
     nest: Nest = planned[0].given.nest
     assert nest.kept
     assert set(nest.__getstate__()) < set(vars(nest))
@@ -159,7 +158,7 @@ def test_solve_writes_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyP
     begin = DrawnBeside.begin
     monkeypatch.setattr(DrawnBeside, "begin", lambda beside, plan: begun.append(plan) or begin(beside, plan))
     for contours in (1, 9999):
-        monkeypatch.setattr(drawn_beside, "FROM_CONTOURS", contours)
+        monkeypatch.setattr(page_picture, "FROM_CONTOURS", contours)
         out = tmp_path / str(contours)
         out.mkdir()
         names = ["-o", str(out / "a.nc"), "--plan", str(out / "a.json"), "--picture", str(out / "a.svg")]
@@ -171,7 +170,7 @@ def test_solve_writes_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert set(made[1]) == {"a.nc", "a.json", "a.svg"}
 
 
-def test_what_cannot_be_handed_on_is_drawn_by_this_one(planned: tuple[Finished, Plan]) -> None:
+def test_what_cannot_be_handed_on_is_drawn_by_this_one(planned: tuple[FinishedPlan, Plan]) -> None:
     done, before = planned
     held_back = replace(before, rules=before.rules)
     object.__setattr__(held_back, "rules", lambda: None)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.jobs import job_limit
-from kerfwise.jobs.job_limit import CommandLimit, PlanningLimit
-from kerfwise.jobs.whole_limit import LEAST_SHARE, Took, WholeLimit
+from kerfwise.jobs import time_limits
+from kerfwise.jobs.time_limits import LEAST_SHARE, CommandLimit, PlanningLimit, Took, WholeLimit
 from kerfwise.models.engines.solution import SolveOptions
 
 TEN_S = SolveOptions(seed=3, time_s=10.0)
@@ -21,9 +20,9 @@ class Clocks:
 @pytest.fixture
 def clocks(monkeypatch: pytest.MonkeyPatch) -> Clocks:
     wound = Clocks()
-    monkeypatch.setattr(job_limit, "running_s", lambda: wound.running_s)
-    monkeypatch.setattr(job_limit, "made_s", lambda: wound.compiled_s)
-    monkeypatch.setattr(job_limit, "compiled_s", lambda: wound.compiled_s)
+    monkeypatch.setattr(time_limits, "running_s", lambda: wound.running_s)
+    monkeypatch.setattr(time_limits, "made_s", lambda: wound.compiled_s)
+    monkeypatch.setattr(time_limits, "compiled_s", lambda: wound.compiled_s)
     return wound
 
 

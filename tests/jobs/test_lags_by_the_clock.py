@@ -6,18 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of, machine_feeds
-from kerfwise.models.physics.timing.constant import Feeds
+from kerfwise.models.physics.motion import Feeds
+from kerfwise.models.physics.time_and_cost import feeds_of, machine_feeds
 from kerfwise.postproc.check import report
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.profile.feed_law import FeedLaw
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
-from kerfwise.rules.profile.time_section import Time
+from kerfwise.rules.profile.time_section import FeedLaw, Time
 from kerfwise.tests.models.solved import plant
 from kerfwise.tests.tools.amount import few
 
@@ -33,9 +32,9 @@ def shop(time: Time) -> Profile:
     return replace(given, rules=rules, time=time)
 
 
-def made(profile: Profile, feeds: Feeds) -> Produced:
+def made(profile: Profile, feeds: Feeds) -> VerifiedPlan:
     limits = SolveOptions(work=1.0, home_mm=profile.machine.home, feeds=feeds)
-    return produce(ask(facts_of(ROW, profile), profile), profile, limits)
+    return solve_and_verify(make_request(facts_of(ROW, profile), profile), profile, limits)
 
 
 FAST = Time("blocks", FeedLaw(points=((1, 60.0), (1000, 60.0))))

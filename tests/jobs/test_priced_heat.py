@@ -6,21 +6,20 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.geometry.microns import UM_PER_MM
-from kerfwise.jobs.ask import Asked
-from kerfwise.jobs.priced_heat import solve_priced
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.rounds import solve
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.jobs.heat_control import solve_priced
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import Request, options_for
 from kerfwise.models.engines.solution import Solution
-from kerfwise.models.heat_prices.priced_statements import HEAT
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.heat_prices import HEAT
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.route_path import RoutePaths
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.physics.heat.timed_path import RoutePaths
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
-from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
+from kerfwise.tests.models.plate import PLATE, facts, plant, posed, stated
 
 LIMITS = options_for(PLATE, plant(), work=2.0)
 
@@ -28,7 +27,7 @@ LIMITS = options_for(PLATE, plant(), work=2.0)
 @pytest.fixture(autouse=True)
 def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("ORDERS", 24), ("NEARBY", 8)):
-        monkeypatch.setattr(f"kerfwise.models.heat_prices.cooler_orders.{name}", value)
+        monkeypatch.setattr(f"kerfwise.jobs.cooler_orders.{name}", value)
 
 
 def priced(price_mm: float) -> Profile:
@@ -36,7 +35,7 @@ def priced(price_mm: float) -> Profile:
 
 
 def test_objective_and_bound_are_those_of_rules_and_simulation() -> None:
-    asked, parts = Asked(facts(), stated()), list[float]()
+    asked, parts = Request(facts(), stated()), list[float]()
 
     def solved(share: float, of: Stated) -> Solution:
         parts.append(share)
@@ -59,7 +58,7 @@ def test_objective_and_bound_are_those_of_rules_and_simulation() -> None:
 
 
 def test_the_plan_keeps_the_rules_and_its_bound() -> None:
-    made = produce(Asked(facts(), stated()), priced(20.0), LIMITS)
+    made = solve_and_verify(Request(facts(), stated()), priced(20.0), LIMITS)
     assert made.verdict.ok
     assert made.plan.solve.found_by == "simulation"
     assert made.plan.solve.bound is not None
@@ -68,4 +67,4 @@ def test_the_plan_keeps_the_rules_and_its_bound() -> None:
 
 def test_where_the_torch_does_not_heat_nothing_is_simulated() -> None:
     cold = replace(priced(20.0), heat=replace(plant().heat, absorbed_power_w=0.0))
-    assert produce(Asked(facts(), stated()), cold, LIMITS).plan.solve.found_by != "simulation"
+    assert solve_and_verify(Request(facts(), stated()), cold, LIMITS).plan.solve.found_by != "simulation"

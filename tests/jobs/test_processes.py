@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.processes import Died, Workers
-from kerfwise.models.kernels import machine_cores
+from kerfwise.jobs.process_pool import Died, Workers
+from kerfwise.models.jit import machine_cores
 from kerfwise.tests.jobs.pieces import doubled, shares
 
 LEFT_BEHIND = """
 import os, sys
-from kerfwise.jobs.processes import Workers
+from kerfwise.jobs.process_pool import Workers
 from kerfwise.tests.jobs.pieces import sleeps
 with Workers(sleeps, jobs=1) as workers:
     for _ in workers.run([sys.argv[1]]):

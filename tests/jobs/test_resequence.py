@@ -7,25 +7,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.old_program import Asked, read_old_job
-from kerfwise.jobs.resequence import resequence
-from kerfwise.jobs.resequenced import Resequenced
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.baselines import Strategy
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.programs import ProgramRequest, read_old_job
+from kerfwise.jobs.request import options_for
+from kerfwise.jobs.resequence.resequence import resequence
+from kerfwise.jobs.resequence.result import Resequenced
+from kerfwise.models.engines import Strategy
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.old import read_old
+from kerfwise.postproc.check.reader.read_program import read_old
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.old.pieces import taken_apart
-from kerfwise.postproc.old.reordered import reordered
-from kerfwise.postproc.verdict.checking import check_program
-from kerfwise.rules.profile.cuts_section import Links
+from kerfwise.postproc.old.program_pieces import reordered, split_program
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Links
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.old.programs import READ, line, square
 from kerfwise.tests.tools import canon
@@ -43,13 +42,13 @@ def plates() -> Nest:
 def solved(drawn: Nest, profile: Profile = PLAIN, strategy: Strategy = "ours") -> tuple[str, float]:
     """The program of a plan, and its idle travel."""
     limits = options_for(drawn, profile, work=5)
-    made = plan_nest(Given(profile.as_cut(drawn), profile), limits, strategy=strategy).made
+    made = plan_nest(Inputs(profile.as_cut(drawn), profile), limits, strategy=strategy).made
     return made.program, made.plan.totals.idle_mm
 
 
 def mixed(text: str, control: str, seed: int = 3) -> str:
     """The same burns in any order, without comments."""
-    apart = taken_apart(read_old(text, CONTROLS[control]))
+    apart = split_program(read_old(text, CONTROLS[control]))
     order = list(range(len(apart.pieces)))
     random.Random(seed).shuffle(order)
     return reordered(apart, order)
@@ -66,7 +65,7 @@ def again(text: str, folder: Path, profile: Profile = PLAIN, **options: object) 
 def test_burns_that_were_mixed_get_the_travel_of_the_proven_plan(dialect: str, tmp_path: Path) -> None:
     profile = with_dialect(PLAIN, dialect)
     program, idle_mm = solved(plates(), profile)
-    asked = Asked(sheet_mm=(500, 280))
+    asked = ProgramRequest(sheet_mm=(500, 280))
     made = again(mixed(program, load_dialect(dialect).control), tmp_path, profile, asked=asked)
     assert made.before.idle_mm > 1.5 * idle_mm
     assert made.proven
@@ -111,7 +110,7 @@ def test_names_zones_and_excuses_of_our_own_programs_are_kept(tmp_path: Path) ->
 def test_contours_planned_afresh_have_about_the_travel_of_the_proven_plan(tmp_path: Path) -> None:
     plain, plain_mm = solved(plates(), strategy="random")
     idle_mm = solved(plates())[1]
-    made = again(plain, tmp_path, paths="new", asked=Asked(sheet_mm=(500, 280)))
+    made = again(plain, tmp_path, paths="new", asked=ProgramRequest(sheet_mm=(500, 280)))
     assert made.proven
     assert made.after.verdict is not None
     assert made.after.verdict.ok
@@ -121,7 +120,7 @@ def test_contours_planned_afresh_have_about_the_travel_of_the_proven_plan(tmp_pa
 
 @pytest.mark.parametrize("name", READ)
 def test_no_program_gets_longer(name: str, tmp_path: Path) -> None:
-    made = again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500), without_rules=True)
+    made = again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert made.after.idle_mm <= made.before.idle_mm or "longer since the old order breaks level-ahead" in made.ends
     assert (made.after.idle_mm > made.before.idle_mm) == (name == "squares")
     assert made.after.cut_mm == pytest.approx(made.before.cut_mm)
@@ -151,12 +150,12 @@ def test_an_order_that_breaks_rules_may_get_longer_and_that_is_said(tmp_path: Pa
 def test_without_a_nest_nothing_is_done_unless_it_is_asked_for(name: str, tmp_path: Path) -> None:
     told = name in ("squares", "squares with holes", "slow holes")
     if told:
-        assert again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500)).nest is not None
+        assert again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500)).nest is not None
         return
     with pytest.raises(InputError, match="take --without-rules") as caught:
-        again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500))
+        again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500))
     assert caught.value.line is not None
-    made = again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500), without_rules=True)
+    made = again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert not made.proven or made.ends.endswith("no rule was asked")
 
 
@@ -173,7 +172,7 @@ def test_without_rules_what_can_be_told_still_breaks_no_hard_rule_oftener(tmp_pa
 
 
 def test_materials_keep_their_turn(tmp_path: Path) -> None:
-    made = again(READ["materials"], tmp_path, asked=Asked(feed_mm_min=2500), without_rules=True)
+    made = again(READ["materials"], tmp_path, asked=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert not made.changed
     rows = [(20, "M190 P1"), (220, "M190 P1"), (120, "M190 P1"), (80, "M190 P2"), (20, "M190 P2")]
     squares = "".join(f"{m}\nM66 P3 L3 Q1\n{square(x, 80 if m[-1] == '2' else 20, 40)}" for x, m in rows)
@@ -236,7 +235,7 @@ def test_the_kerf_of_the_program_counts_and_one_that_is_given_counts_more(tmp_pa
     head, _, rest = READ["squares"].partition("F2500\n")
     file.write_text(f"{head}(o=0, kw=1.1, fr=2500)\nF#<_hal[plasmac.cut-feed-rate]>\n{rest}")
     assert read_old_job(file, PLAIN, afresh=True).profile.material.kerf_mm == 1.1
-    assert read_old_job(file, PLAIN, Asked(kerf_mm=0.9), afresh=True).profile.material.kerf_mm == 0.9
+    assert read_old_job(file, PLAIN, ProgramRequest(kerf_mm=0.9), afresh=True).profile.material.kerf_mm == 0.9
     other = dataclasses.replace(PLAIN, material=dataclasses.replace(PLAIN.material, kerf_mm=2.0))
     file.write_text(READ["squares"])
     assert read_old_job(file, other, afresh=True).profile.material.kerf_mm == 2.0

@@ -11,22 +11,19 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.old_program import Asked
-from kerfwise.jobs.resequence import resequence
-from kerfwise.jobs.resequenced import Resequenced
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.check.reader.old import Trusted
-from kerfwise.postproc.check.reader.on_machine import old_on_machine
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.programs import ProgramRequest
+from kerfwise.jobs.request import options_for
+from kerfwise.jobs.resequence.resequence import resequence
+from kerfwise.jobs.resequence.result import Resequenced
+from kerfwise.postproc.check.reader.read_program import Trusted, old_on_machine
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.old.pieces import taken_apart
-from kerfwise.postproc.old.reordered import reordered
+from kerfwise.postproc.old.program_pieces import reordered, split_program
 from kerfwise.rules.catalogue.start_side import StartSideOptions
-from kerfwise.rules.profile.cuts_section import Links, Scrap
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.profile.sections import Links, RuleSetting, Scrap
 from kerfwise.tests.postproc.dialects import cases
 from kerfwise.tests.postproc.dialects.cases import plates
 from kerfwise.tests.postproc.dialects.reading import with_dialect
@@ -35,7 +32,7 @@ from kerfwise.tests.postproc.plans import with_tabs
 PLAIN = load_profile()
 LINKED = dataclasses.replace(PLAIN, cuts=dataclasses.replace(PLAIN.cuts, links=Links(30.0)))
 STEPS = pytest.mark.scrap("ESSI moves in steps of 0.1 mm, which the simulation of the metal does not know")
-SHEET = Asked(sheet_mm=(520, 260))
+SHEET = ProgramRequest(sheet_mm=(520, 260))
 
 
 def from_side(profile: Profile, side: Literal["left", "right"] = "left") -> Profile:
@@ -57,14 +54,14 @@ CASES = {
 @cache
 def solved(name: str) -> tuple[str, float]:
     """The program of a plan, and its idle travel."""
-    made = plan_nest(Given(plates(), CASES[name]), options_for(plates(), CASES[name], work=5)).made
+    made = plan_nest(Inputs(plates(), CASES[name]), options_for(plates(), CASES[name], work=5)).made
     assert any(p.cut.linked or p.cut.tabs for p in made.plan.cuts)
     return made.program, made.plan.totals.idle_mm
 
 
 def turned_round(text: str, profile: Profile) -> str:
     """The same burns, the last first."""
-    apart = taken_apart(old_on_machine(text, profile, Trusted(2500)))
+    apart = split_program(old_on_machine(text, profile, Trusted(2500)))
     return reordered(apart, range(len(apart.pieces))[::-1])
 
 
@@ -171,7 +168,7 @@ def test_a_program_that_does_not_state_its_side_is_judged_from_where_it_keeps_th
 ) -> None:
     open_side = with_dialect(LINKED, "essi")
     fixed = with_dialect(from_side(LINKED, side), "essi")
-    program = plan_nest(Given(plates(), fixed), options_for(plates(), fixed, work=5)).made.program
+    program = plan_nest(Inputs(plates(), fixed), options_for(plates(), fixed, work=5)).made.program
     made = again(program, open_side, tmp_path)
     assert made.before.verdict is not None
     assert made.before.verdict.broken() == ()

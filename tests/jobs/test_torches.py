@@ -9,20 +9,19 @@ import pytest
 from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.copies import copies_of
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.identical_parts import copies_of
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.torches import with_further_torches
-from kerfwise.models.engines.rounds import solve
-from kerfwise.models.plan.make import make_plan
-from kerfwise.postproc.clock.timed import with_times
-from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.jobs.gantry import with_further_torches
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.postproc.clock import with_times
+from kerfwise.postproc.verdict.check_plan import check_plan
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.machine_section import Torches
+from kerfwise.rules.profile.plant_sections import Torches
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.tools.amount import examples
 
@@ -66,7 +65,7 @@ def test_plans_of_random_rows_are_lawful(made: tuple[Nest, Torches]) -> None:
         if not error.message.startswith("machine.torches"):
             raise
         return
-    found = produce(ask(facts, profile), profile, options_for(sheet, profile, work=1))
+    found = solve_and_verify(make_request(facts, profile), profile, options_for(sheet, profile, work=1))
     assert found.verdict.ok, [(j.id, j.violations[:1]) for j in found.verdict.rules if not j.holds]
     cuts = [planned.cut for planned in found.plan.cuts]
     assert sorted(cut.contour for cut in cuts) == sorted(contour.id for contour in sheet.contours)
@@ -108,7 +107,7 @@ def test_the_best_plan_is_the_best_of_all_that_the_check_passes() -> None:
     leads = replace(profile.leads, entries=2)
     profile = replace(profile, rules={**profile.rules, **soft, "part-rigidity": rigid}, leads=leads)
     facts = facts_of(sheet, profile)
-    asked = ask(facts, profile)
+    asked = make_request(facts, profile)
     found = solve(facts, asked.stated.statements, options_for(sheet, profile, work=2))
     assert (found.status, facts.n) == ("optimal", 3)
     idle_mm = []

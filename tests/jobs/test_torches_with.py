@@ -7,14 +7,13 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.copies import copies_of
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.identical_parts import copies_of
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.test_torches import STEP, nest_file, part, plant_file
@@ -27,7 +26,7 @@ TABS = "rules: {hold-small-parts: {strength: hard, tabs: all, width: 0.5 mm, cor
 LASER = "machine: {process: laser, dialect: linuxcnc, torches: {count: 2, spacing: 150 mm}}\n"
 
 
-def made(folder: Path, text: str) -> tuple[Nest, Profile, Produced]:
+def made(folder: Path, text: str) -> tuple[Nest, Profile, VerifiedPlan]:
     """The nest, the profile and a plan that both judges find nothing wrong with."""
     plant_file(folder, text=text)
     profile = load_profile(folder / "plant.yaml")
@@ -39,18 +38,18 @@ def made(folder: Path, text: str) -> tuple[Nest, Profile, Produced]:
     return sheet, profile, found
 
 
-def planned_of(sheet: Nest, profile: Profile) -> Produced:
+def planned_of(sheet: Nest, profile: Profile) -> VerifiedPlan:
     limits = options_for(profile.as_cut(sheet), profile, work=0.5)
-    found = produce(ask(facts_of(sheet, profile), profile), profile, limits)
+    found = solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits)
     assert found.verdict.ok, found.verdict.broken()
     return found
 
 
-def burnt(sheet: Nest, profile: Profile, found: Produced, program: str) -> dict[str, int]:
+def burnt(sheet: Nest, profile: Profile, found: VerifiedPlan, program: str) -> dict[str, int]:
     return by_kind(simulate(profile.as_cut(sheet), program, **plant(profile), tabs=tabs_of(found.plan)))
 
 
-def together(found: Produced) -> dict[str, str]:
+def together(found: VerifiedPlan) -> dict[str, str]:
     return {planned.cut.contour: planned.cut.together for planned in found.plan.cuts if planned.cut.torch > 1}
 
 

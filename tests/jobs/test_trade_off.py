@@ -7,8 +7,8 @@ from typing import cast
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.jobs.front_plot import Trade, front
-from kerfwise.jobs.produce import Produced
+from kerfwise.jobs.pareto import Trade, front
+from kerfwise.jobs.plan_nest import VerifiedPlan
 from kerfwise.models.plan.plan import Totals
 
 
@@ -20,7 +20,7 @@ class _Made:
 
 
 def trade(price_mm: float, overheats: int, idle_mm: float, ok: bool = True) -> Trade:
-    return Trade(price_mm, cast(Produced, _Made(idle_mm, ok)), overheats, 0.0)
+    return Trade(price_mm, cast(VerifiedPlan, _Made(idle_mm, ok)), overheats, 0.0)
 
 
 def test_beaten_plans_and_the_second_of_equals_are_not_on_the_front() -> None:

@@ -11,20 +11,17 @@ import pytest
 
 import kerfwise as package
 from kerfwise.commands import solve
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.jobs import job_limit, main_job, whole_limit
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.no_plan import NoPlan
-from kerfwise.jobs.page import drawn_beside
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.whole_limit import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, PLANNED, Took, WholeLimit
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.watch import Watch
-from kerfwise.models.kernels import counted_s
+from kerfwise.jobs import page_picture, plan_nest, time_limits
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest as plan_nest_main_job
+from kerfwise.jobs.progress import Listener
+from kerfwise.jobs.request import NoPlan, options_for
+from kerfwise.jobs.time_limits import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, PLANNED, Took, WholeLimit
+from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.jit import counted_s
 from kerfwise.postproc.report import expect_picture
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -149,7 +146,7 @@ class _Planned(Exception):
 def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
     """The limits and the listener that a planning is given: facts take 4 s, 1 s of it for candidates, and rules 3 s."""
     seen: list[Any] = []
-    facts_of, ask = main_job.facts_of, main_job.ask
+    facts_of, ask = plan_nest.facts_of, plan_nest.make_request
 
     def facts(nest: Any, profile: Any, already: Any, took: Took) -> Any:
         clock.now_s += 4.0
@@ -166,9 +163,9 @@ def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
         seen.extend((limits.time_s, progress))
         raise _Planned
 
-    monkeypatch.setattr(main_job, "facts_of", facts)
-    monkeypatch.setattr(main_job, "ask", stated)
-    monkeypatch.setattr(main_job, "produce", produce)
+    monkeypatch.setattr(plan_nest, "facts_of", facts)
+    monkeypatch.setattr(plan_nest, "make_request", stated)
+    monkeypatch.setattr(plan_nest, "solve_and_verify", produce)
     return seen
 
 
@@ -178,7 +175,7 @@ def test_rules_and_engines_get_what_is_left(asked: list[Any], clock: Wound) -> N
     kept_s = CHECKED + DRAWN[".svg"][0] + ENDED_S
     clock.now_s += 2.0  # reading
     with pytest.raises(_Planned):
-        plan_nest(Given(PLATE, PROFILE), limits, whole=limit, tell=told.append)
+        plan_nest_main_job(Inputs(PLATE, PROFILE), limits, whole=limit, tell=told.append)
     assert asked[0] == pytest.approx(30.0 - 6.0 - kept_s)
     assert asked[1] == pytest.approx(30.0 - 9.0 - kept_s)
     assert asked[2]("search", None, None)
@@ -191,7 +188,7 @@ def test_a_limit_that_reading_uses_up_is_told(asked: list[Any], clock: Wound) ->
     told: list[str] = []
     limits, limit = options_for(PLATE, PROFILE, time_s=8.0), limit_of(8.0, clock)
     with pytest.raises(_Planned):
-        plan_nest(Given(PLATE, PROFILE), limits, whole=limit, tell=told.append)
+        plan_nest_main_job(Inputs(PLATE, PROFILE), limits, whole=limit, tell=told.append)
     assert asked[:2] == pytest.approx([LEAST_SHARE * 8.0] * 2)
     (told_once,) = told
     assert "of a limit of 8 s" in told_once
@@ -222,9 +219,9 @@ def test_the_command_keeps_time_for_its_picture_where_it_draws_it(
         made.append(WholeLimit(*given, **options))
         return made[-1]
 
-    monkeypatch.setattr(drawn_beside, "FROM_CONTOURS", from_contours)
-    monkeypatch.setattr(drawn_beside, "LEAST_CORES", 1)
-    monkeypatch.setattr(whole_limit, "WholeLimit", noted)
+    monkeypatch.setattr(page_picture, "FROM_CONTOURS", from_contours)
+    monkeypatch.setattr(page_picture, "LEAST_CORES", 1)
+    monkeypatch.setattr(time_limits, "WholeLimit", noted)
     monkeypatch.chdir(tmp_path)
     assert kerfwise("solve", NEST, "--time-limit", "50000").code == 0
     after_s = (CHECKED + DRAWN[".svg"][0]) * 100.0 + ENDED_S
@@ -247,13 +244,13 @@ def test_a_command_without_a_plan_says_when_it_was_late(monkeypatch: pytest.Monk
 
 def test_a_command_whose_plan_is_refused_says_when_it_was_late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def refused(*given: Any, **options: Any) -> Any:
-        done = plan_nest(*given, **options)
+        done = plan_nest_main_job(*given, **options)
         first, *others = done.made.verdict.rules
         verdict = replace(done.made.verdict, rules=(replace(first, unjudged="why", must_be_judged=True), *others))
         return replace(done, made=replace(done.made, verdict=verdict))
 
     monkeypatch.setattr(solve, "counted_s", lambda: counted_s() - 70_000.0)
-    monkeypatch.setattr(main_job, "plan_nest", refused)
+    monkeypatch.setattr(plan_nest, "plan_nest", refused)
     monkeypatch.chdir(tmp_path)
     done = kerfwise("solve", NEST, "--time-limit", "50000")
     assert done.code == 1
@@ -265,16 +262,18 @@ def test_kernels_that_are_only_loaded_are_not_said_to_be_left_out_of_a_limit_tha
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     loaded_s = iter(range(0, 1000, 100))
-    monkeypatch.setattr(job_limit, "made_s", lambda: next(loaded_s))
+    monkeypatch.setattr(time_limits, "made_s", lambda: next(loaded_s))
     for whole, notes in ((WholeLimit(50_000.0), 0), (None, 1)):
         told: list[str] = []
-        plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0), whole=whole, tell=told.append)
+        plan_nest_main_job(
+            Inputs(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0), whole=whole, tell=told.append
+        )
         assert len([note for note in told if note.startswith("kernels were compiled")]) == notes
 
 
 def test_without_a_limit_of_the_command_the_planning_has_its_own(asked: list[Any], clock: Wound) -> None:
     with pytest.raises(_Planned):
-        plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0))
+        plan_nest_main_job(Inputs(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0))
     assert asked[0] == 50_000.0
     assert asked[1] == pytest.approx(50_000.0, rel=0.01)
     clock.now_s += 1e6
@@ -283,7 +282,7 @@ def test_without_a_limit_of_the_command_the_planning_has_its_own(asked: list[Any
 
 def test_by_work_nothing_looks_at_a_clock(asked: list[Any]) -> None:
     with pytest.raises(_Planned):
-        plan_nest(Given(PLATE, PROFILE), options_for(PLATE, PROFILE, work=2.0))
+        plan_nest_main_job(Inputs(PLATE, PROFILE), options_for(PLATE, PROFILE, work=2.0))
     assert asked[:2] == [None, None]
     assert isinstance(asked[2], Listener)
 
@@ -301,9 +300,9 @@ def test_what_contradicts_what_is_looked_for_in_what_is_left(monkeypatch: pytest
         raise RulesConflict("no plan")
 
     monkeypatch.setattr(conflict, "find_conflict", found)
-    monkeypatch.setattr(main_job, "ask", refused)
+    monkeypatch.setattr(plan_nest, "make_request", refused)
     for limit_s in (62_000.0, 10_000.0):
         limits = replace(options_for(PLATE, PROFILE), time_s=limit_s)
         with pytest.raises(NoPlan):
-            plan_nest(Given(PLATE, PROFILE), limits, whole=limit_of(limit_s, clock))
+            plan_nest_main_job(Inputs(PLATE, PROFILE), limits, whole=limit_of(limit_s, clock))
     assert left == pytest.approx([50_000.0, LEAST_SHARE * 10_000.0], rel=0.05)

@@ -10,27 +10,26 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import zones
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import zones_cost as cost_of_zones
-from kerfwise.jobs import zones_limits
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.explaining import Explainer
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.summary import summary
-from kerfwise.models.engines import rounds
+from kerfwise.jobs import adaptive_zones
+from kerfwise.jobs import adaptive_zones as cost_of_zones
+from kerfwise.jobs.display import summary
+from kerfwise.jobs.explainer import Explainer
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines import solve as rounds
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.models.plan.zones_cost import ZonesCost
+from kerfwise.models.plan.plan import ZonesCost
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
@@ -48,9 +47,9 @@ def zoned(contours: int | None, strength: str = "hard") -> Profile:
     return replace(profile, rules={**profile.rules, "zone-order": changed})
 
 
-def planned(profile: Profile, and_zones: bool = True, time_s: float | None = None, sheet: Nest = SHEET) -> Produced:
+def planned(profile: Profile, and_zones: bool = True, time_s: float | None = None, sheet: Nest = SHEET) -> VerifiedPlan:
     limits = options_for(sheet, profile, work=5.0, time_s=time_s)
-    return produce(ask(facts_of(sheet, profile), profile), profile, limits, and_zones=and_zones)
+    return solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits, and_zones=and_zones)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +87,7 @@ def test_moves_that_the_clock_left_out_are_not_looked_at_for_it(
     """Else a limit of 30 s took minutes, and a plan with those moves was held against one without."""
     profile = zoned(2)
     limits = options_for(SHEET, profile, work=5.0, time_s=time_s)
-    asked = ask(facts_of(SHEET, profile), profile)
+    asked = make_request(facts_of(SHEET, profile), profile)
     solution = rounds.solve(asked.facts, asked.stated.statements, replace(limits, time_s=None))
     goes_on: list[bool] = []
 
@@ -135,8 +134,8 @@ def test_zones_without_a_number_move_where_that_pays(monkeypatch: pytest.MonkeyP
     assert moved.verdict.ok
     assert moved.plan.to_json() == planned(profile, sheet=sheet).plan.to_json()
     name = moved.plan.cuts[0].cut.contour
-    explained = Explainer(Given(sheet, profile), moved.plan).explain(name)
-    assert explained == Explainer(Given(sheet, profile), moved.plan, moved.facts).explain(name)
+    explained = Explainer(Inputs(sheet, profile), moved.plan).explain(name)
+    assert explained == Explainer(Inputs(sheet, profile), moved.plan, moved.facts).explain(name)
 
 
 @pytest.mark.slow
@@ -162,5 +161,5 @@ def test_zones_do_not_move_for_a_plan_that_is_not_asked_for_the_same(monkeypatch
 
 def test_the_page_on_limits_tells_them() -> None:
     page = " ".join((Path(__file__).parents[2] / "docs" / "limits.md").read_text(encoding="utf-8").split())
-    assert f"within {zones_limits.SHARE:.0%}".replace("%", " % of the limit") in page
+    assert f"within {adaptive_zones.SHARE:.0%}".replace("%", " % of the limit") in page
     assert f"With more than {cost_of_zones.MOST_MOVES} contours, that plan is not asked what its single moves" in page

@@ -12,21 +12,27 @@ import numpy as np
 import pytest
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.facts import zone_runs, zones
+from kerfwise.encoder.facts import zones, zones_along_route
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import zones_cost, zones_limits, zones_moved
-from kerfwise.jobs.ask import Asked, ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_cost import Free
-from kerfwise.jobs.zones_limits import FEW, MOST_CONTOURS, begun, look_again, look_for
-from kerfwise.jobs.zones_moved import better_zones, planned_by_zones
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs import adaptive_zones
+from kerfwise.jobs.adaptive_zones import (
+    FEW,
+    MOST_CONTOURS,
+    Free,
+    better_zones,
+    is_look_worthwhile,
+    look_again,
+    look_for,
+    planned_by_zones,
+)
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.solve import solve
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.tools.amount import rows
@@ -45,41 +51,41 @@ def test_few_contours_have_their_share_whatever_the_first_plan_took() -> None:
     for first in (0.1, 5.0, 10.0):
         found = look_for(1000, SolveOptions(work=10.0), None, planned(first))
         assert found is not None
-        assert found.work == pytest.approx(zones_limits.SHARE * 10.0)
+        assert found.work == pytest.approx(adaptive_zones.SHARE * 10.0)
         assert look_again(1000, SolveOptions(work=10.0), None) == found
-    assert begun(FEW, SolveOptions(work=0.01))
+    assert is_look_worthwhile(FEW, SolveOptions(work=0.01))
 
 
 def test_many_contours_have_what_two_proofs_leave() -> None:
     found = look_for(10_000, SolveOptions(work=10.0), None, planned(1.0))
     assert found is not None
-    assert found.work == pytest.approx(10.0 - 1.0 - zones_limits.PROOF * 1.0)
+    assert found.work == pytest.approx(10.0 - 1.0 - adaptive_zones.PROOF * 1.0)
     slow = look_for(10_000, SolveOptions(work=10.0), None, planned(6.0))
     assert slow is not None
     assert slow.work == pytest.approx(2.0), "half of what is left"
 
 
 def test_what_cannot_get_anywhere_is_not_begun() -> None:
-    assert not begun(10_000, SolveOptions(work=0.1))
-    assert not begun(3000, SolveOptions(work=0.1))
-    assert not begun(10_000, SolveOptions(time_s=20.0))
-    assert not begun(MOST_CONTOURS + 1, SolveOptions(work=1000.0))
-    assert begun(10_000, SolveOptions(work=10.0))
-    assert begun(10_000, SolveOptions(time_s=300.0))
+    assert not is_look_worthwhile(10_000, SolveOptions(work=0.1))
+    assert not is_look_worthwhile(3000, SolveOptions(work=0.1))
+    assert not is_look_worthwhile(10_000, SolveOptions(time_s=20.0))
+    assert not is_look_worthwhile(MOST_CONTOURS + 1, SolveOptions(work=1000.0))
+    assert is_look_worthwhile(10_000, SolveOptions(work=10.0))
+    assert is_look_worthwhile(10_000, SolveOptions(time_s=300.0))
     assert look_for(10_000, SolveOptions(work=3.0), None, planned(3.0)) is None
     assert look_again(10_000, SolveOptions(work=3.0), None) is None
 
 
 def test_a_limit_in_seconds_keeps_what_other_zones_take(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(zones_limits, "running_s", lambda: 1000.0)
+    monkeypatch.setattr(adaptive_zones, "running_s", lambda: 1000.0)
     limits = SolveOptions(time_s=300.0)
     found = look_for(10_000, limits, 1200.0, planned(20.0))
     assert found is not None
-    assert found.time_s == pytest.approx(200.0 - zones_limits.PROOF * 20.0)
+    assert found.time_s == pytest.approx(200.0 - adaptive_zones.PROOF * 20.0)
     assert look_for(10_000, limits, 1015.0, planned(100.0)) is None
     slow = look_for(10_000, limits, 1100.0, planned(100.0), 20.0)
     assert slow is not None
-    beside_s = zones_limits.STATED * 20.0 + zones_limits.PROVEN_S * 10_000
+    beside_s = adaptive_zones.STATED * 20.0 + adaptive_zones.PROVEN_S * 10_000
     assert slow.time_s == pytest.approx(100.0 - beside_s)
     in_vain = look_for(10_000, limits, 1050.0, planned(100.0), 20.0)
     assert in_vain is not None
@@ -89,7 +95,7 @@ def test_a_limit_in_seconds_keeps_what_other_zones_take(monkeypatch: pytest.Monk
 
 @pytest.fixture
 def _all_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (zones_limits, zones_moved):
+    for module in (adaptive_zones, adaptive_zones):
         monkeypatch.setattr(module, "FEW", 3)
 
 
@@ -99,7 +105,7 @@ def _all_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_all_together_keep_to_what_is_documented(first: float, found: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whoever looks spends all that it is given: the work comes to no more than docs/limits.md says."""
     profile, spent = load_profile(), [first]
-    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=first)
     routes = iter((solution.route, solution.route[::-1]))
 
@@ -111,14 +117,14 @@ def test_all_together_keep_to_what_is_documented(first: float, found: bool, monk
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         spent.append(limits.work)
         worse = replace(solution, objective=solution.objective + 1.0, seconds=limits.work, status="feasible")
-        return (Asked(facts, asked.stated), worse) if found else None
+        return (Request(facts, asked.stated), worse) if found else None
 
     def along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
         yield from (np.minimum(np.arange(1, 7), k) for k in count(2))
 
-    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
-    monkeypatch.setattr(zones_moved, "zones_along", along)
-    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
+    monkeypatch.setattr(adaptive_zones, "zones_along", along)
+    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     best = better_zones(asked, (), profile, solution, SolveOptions(work=10.0)).solution  # type: ignore[arg-type]
     assert best is solution
     assert len(spent) == 7, "the plan, a look, two tries, and once more"
@@ -129,7 +135,7 @@ def test_all_together_keep_to_what_is_documented(first: float, found: bool, monk
 @pytest.mark.parametrize("first", [0.5, 6.0, 9.9])
 def test_a_plan_by_other_zones_says_what_it_took(first: float, monkeypatch: pytest.MonkeyPatch) -> None:
     profile, spent = load_profile(), [first]
-    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=first)
 
     def without_zones(*given: SolveOptions) -> Free:
@@ -138,11 +144,11 @@ def test_a_plan_by_other_zones_says_what_it_took(first: float, monkeypatch: pyte
 
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         spent.append(0.5 * limits.work)
-        return Asked(facts, asked.stated), replace(solution, objective=solution.objective - 1.0, seconds=spent[-1])
+        return Request(facts, asked.stated), replace(solution, objective=solution.objective - 1.0, seconds=spent[-1])
 
-    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
-    monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
-    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
+    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
+    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     best = better_zones(asked, (), profile, solution, SolveOptions(work=10.0)).solution  # type: ignore[arg-type]
     assert best.seconds == pytest.approx(sum(spent))
     assert len(spent) == 3
@@ -160,16 +166,16 @@ def zoned(contours: int) -> Profile:
 @pytest.mark.parametrize(("work", "told"), [(1e-4, False), (1.0, True)])
 def test_with_little_work_nothing_is_looked_for(work: float, told: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     looked: list[int] = []
-    plain = zones_moved.without_zones
+    plain = adaptive_zones.without_zones
 
     def without_zones(*given: object, **named: object) -> Free | None:
         looked.append(1)
         return plain(*given, **named)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
+    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
     profile = zoned(2)
-    asked = ask(facts_of(ROW, profile), profile)
-    made = produce(asked, profile, options_for(ROW, profile, work=work), and_zones=True)
+    asked = make_request(facts_of(ROW, profile), profile)
+    made = solve_and_verify(asked, profile, options_for(ROW, profile, work=work), and_zones=True)
     assert made.verdict.ok
     assert bool(looked) == told
     assert (made.plan.zones_cost is not None) == told
@@ -184,10 +190,10 @@ def test_zones_of_many_contours_move_and_the_check_agrees(
 ) -> None:
     """Statements are taken over, a part that is gone back to is cut where it is cut last, and all is judged."""
     monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
-    monkeypatch.setattr(zone_runs, "MIDDLES", 0)
+    monkeypatch.setattr(zones_along_route, "MIDDLES", 0)
     sheet, profile = read_json(json.dumps(make_sheet(2, contours)).encode(), ReadOptions()), load_profile()
-    asked, limits = ask(facts_of(sheet, profile), profile), options_for(sheet, profile, work=work)
-    stayed, moved, again = (produce(asked, profile, limits, and_zones=also) for also in (False, True, True))
+    asked, limits = make_request(facts_of(sheet, profile), profile), options_for(sheet, profile, work=work)
+    stayed, moved, again = (solve_and_verify(asked, profile, limits, and_zones=also) for also in (False, True, True))
     assert moved.facts.zone.tolist() != stayed.facts.zone.tolist()
     assert moved.plan.solve.objective < stayed.plan.solve.objective
     assert moved.plan.solve.status == "optimal"
@@ -203,4 +209,4 @@ def test_the_pages_on_zones_and_on_limits_tell_them() -> None:
     assert f"With more than {FEW} contours, that look has what two proofs leave" in page
     assert f"{MOST_TIMES} times the work at the most" in page
     assert f"beyond {MOST_CONTOURS:,} contours" in scale
-    assert zones_cost.MOST_CONTOURS == MOST_CONTOURS
+    assert adaptive_zones.MOST_CONTOURS == MOST_CONTOURS

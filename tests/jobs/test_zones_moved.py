@@ -10,20 +10,18 @@ import numpy as np
 import pytest
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zones
-from kerfwise.encoder.facts.zone_runs import zones_along
+from kerfwise.encoder.facts.zones_along_route import zones_along
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import zones_limits, zones_moved
-from kerfwise.jobs.ask import Asked, ask, facts_of
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_cost import Free
-from kerfwise.jobs.zones_moved import ByZones, better_zones, of_neighbours, planned_by_zones
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs import adaptive_zones
+from kerfwise.jobs.adaptive_zones import Free, ZonedPlan, better_zones, planned_by_zones, without_neighbour_orders
+from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
-from kerfwise.models.problem.closure import transitive
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.problem.precedence import transitive
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
 
@@ -36,7 +34,9 @@ def test_neighbours_may_be_mixed_and_no_others() -> None:
     index = facts.nest.index
     outer = [index[f"{k}.outer"] for k in range(6)]
     assert facts.zone[outer].tolist() == [1, 2, 3, 4, 5, 6]
-    found = [(outer.index(s.before), outer.index(s.after)) for s in of_neighbours(facts, frozenset({"some-rule"}))]
+    found = [
+        (outer.index(s.before), outer.index(s.after)) for s in without_neighbour_orders(facts, frozenset({"some-rule"}))
+    ]
     before = np.zeros((6, 6), dtype=np.bool_)
     before[tuple(np.transpose(found))] = True
     assert (transitive(before) == (np.arange(6)[:, None] + 2 <= np.arange(6))).all()
@@ -49,18 +49,18 @@ ROW = nest(600, 100, *(part(str(k), rect(10 + 100 * k, 10, 80, 80)) for k in ran
 
 def chosen(
     monkeypatch: pytest.MonkeyPatch, first: tuple[float, Status], others: Sequence[tuple[float, Status]], tries: int = 9
-) -> tuple[ByZones, list[float]]:
+) -> tuple[ZonedPlan, list[float]]:
     """What becomes of a first plan of that cost where other zones, one more each time, make such plans; and the work
     that each of those was given. After so many `tries` somebody says stop."""
     profile = load_profile()
     facts = replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2]))
-    asked = ask(facts, profile)
+    asked = make_request(facts, profile)
     left, works = list(others), list[float]()
 
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         works.append(limits.work)
         cost, status = left.pop(0)
-        return Asked(facts, asked.stated), replace(solution, objective=cost, status=status, seconds=1.0)
+        return Request(facts, asked.stated), replace(solution, objective=cost, status=status, seconds=1.0)
 
     def along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
         yield from (np.minimum(np.arange(1, 7), count) for count in range(2, 2 + len(others)))
@@ -68,9 +68,9 @@ def chosen(
     solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0))
     solution = replace(solution, objective=first[0], status=first[1], seconds=2.0)
     free = Free(asked.stated, replace(solution, objective=90.0), 0.5)
-    monkeypatch.setattr(zones_moved, "without_zones", lambda *given: free)
-    monkeypatch.setattr(zones_moved, "zones_along", along)
-    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    monkeypatch.setattr(adaptive_zones, "without_zones", lambda *given: free)
+    monkeypatch.setattr(adaptive_zones, "zones_along", along)
+    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     limits = SolveOptions(work=10.0)
     return better_zones(asked, (), profile, solution, limits, progress=lambda *_: len(works) < tries), works
 
@@ -106,12 +106,12 @@ def test_the_best_plan_is_taken_proven_or_not(
 
 def test_what_the_first_plan_has_left_is_for_other_zones(monkeypatch: pytest.MonkeyPatch) -> None:
     _, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")])
-    assert works == pytest.approx([zones_moved.A_TRY * 8.0, 7.0])
+    assert works == pytest.approx([adaptive_zones.A_TRY * 8.0, 7.0])
 
 
 def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
     profile = load_profile()
-    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=2.0)
     routes = iter((solution.route, solution.route[::-1]))
     works: list[float] = []
@@ -123,19 +123,19 @@ def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkey
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> None:
         works.append(limits.work)
 
-    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
-    monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter(np.minimum(np.arange(1, 7), k) for k in (2, 3)))
-    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
+    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_: iter(np.minimum(np.arange(1, 7), k) for k in (2, 3)))
+    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     better_zones(asked, (), profile, solution, SolveOptions(work=10.0))
-    first = zones_moved.A_TRY * 8.0
-    least = zones_limits.SHARE * 10.0
-    assert works == pytest.approx([first, 8.0 - first, zones_moved.A_TRY * least, least])
+    first = adaptive_zones.A_TRY * 8.0
+    least = adaptive_zones.SHARE * 10.0
+    assert works == pytest.approx([first, 8.0 - first, adaptive_zones.A_TRY * least, least])
 
 
 @pytest.mark.parametrize("timed", [False, True])
 def test_a_plan_by_other_zones_says_all_that_it_took(timed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     profile = load_profile()
-    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=2.0)
     routes, costs, clock = iter((solution.route, solution.route[::-1])), iter((1.0, -1.0)), [100.0]
 
@@ -146,13 +146,13 @@ def test_a_plan_by_other_zones_says_all_that_it_took(timed: bool, monkeypatch: p
 
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         clock[0] += 1.5
-        return Asked(facts, asked.stated), replace(solution, objective=solution.objective + next(costs), seconds=1.0)
+        return Request(facts, asked.stated), replace(solution, objective=solution.objective + next(costs), seconds=1.0)
 
-    monkeypatch.setattr(zones_moved, "without_zones", without_zones)
-    monkeypatch.setattr(zones_moved, "running_s", lambda: clock[0])
-    monkeypatch.setattr(zones_limits, "running_s", lambda: clock[0])
-    monkeypatch.setattr(zones_moved, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
-    monkeypatch.setattr(zones_moved, "_by_zones", by_zones)
+    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
+    monkeypatch.setattr(adaptive_zones, "running_s", lambda: clock[0])
+    monkeypatch.setattr(adaptive_zones, "running_s", lambda: clock[0])
+    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
+    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     limits = SolveOptions(time_s=10.0) if timed else SolveOptions(work=10.0)
     moved = better_zones(asked, (), profile, solution, limits, 108.0 if timed else None).solution
     assert moved.objective == solution.objective - 1.0
@@ -173,11 +173,11 @@ def test_zones_that_the_other_plan_does_not_keep_to_and_no_proof_applies_to_are_
     lag = profile.rules["heat-lag"]
     two_cuts = replace(lag, options=replace(lag.options, lag_cuts=2))  # type: ignore[type-var]
     profile = replace(profile, rules={**profile.rules, "heat-lag": two_cuts})
-    asked = ask(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
+    asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=0.2))
     free = Free(asked.stated, replace(solution, objective=solution.objective - 1.0), 0.5)
-    monkeypatch.setattr(zones_moved, "without_zones", lambda *given: free)
-    monkeypatch.setattr(zones_moved, "zones_along", lambda *given: iter([np.array([1, 2, 1, 2, 1, 2])]))
+    monkeypatch.setattr(adaptive_zones, "without_zones", lambda *given: free)
+    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *given: iter([np.array([1, 2, 1, 2, 1, 2])]))
     assert better_zones(asked, (), profile, solution, SolveOptions(work=1.0)).solution is solution
 
 
@@ -188,20 +188,20 @@ def test_where_runs_are_no_zones_neighbouring_zones_are_mixed(monkeypatch: pytes
     off = replace(profile.rules["no-tip-travel"], strength="off", weight=None)
     profile = replace(profile, rules={**profile.rules, "no-tip-travel": off})
     sheet = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions())
-    asked, limits = ask(facts_of(sheet, profile), profile), options_for(sheet, profile, work=5.0)
+    asked, limits = make_request(facts_of(sheet, profile), profile), options_for(sheet, profile, work=5.0)
     orders: list[Sequence[int]] = []
 
     def none_at_first(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
         orders.append(order)
         yield from () if len(orders) == 1 else zones_along(facts, order)
 
-    monkeypatch.setattr(zones_moved, "zones_along", none_at_first)
+    monkeypatch.setattr(adaptive_zones, "zones_along", none_at_first)
     found = planned_by_zones(asked, profile, limits)
     by, moved = found.asked, found.solution
     assert found.free is not None
     assert len(orders) == 2
     place = {k: at for at, k in enumerate(orders[1])}
-    for statement in of_neighbours(asked.facts, frozenset({"zone-order"})):
+    for statement in without_neighbour_orders(asked.facts, frozenset({"zone-order"})):
         assert place[statement.before] < place[statement.after]
     assert moved.status == "optimal"
     assert (by.facts.zone != asked.facts.zone).any()

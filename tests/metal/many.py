@@ -15,7 +15,7 @@ from pathlib import Path
 
 import click
 
-from kerfwise.rules.profile.files import shipped_profiles
+from kerfwise.rules.profile.load import shipped_profiles
 from kerfwise.tests.metal.findings import KINDS
 from kerfwise.tests.metal.made_nests import Made, made
 from kerfwise.tests.metal.planned import BEYOND, Tried, beyond, nest_of, tried

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made, made

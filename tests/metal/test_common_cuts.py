@@ -11,16 +11,15 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.already_cut import AlreadyCut
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.verdict.checking import check_program
-from kerfwise.rules.profile.cuts_section import Common, Cuts
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Common, Cuts
 from kerfwise.tests.metal.common_nests import block, grid
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.plant import plant
@@ -36,11 +35,13 @@ def laser(kerf_mm: float) -> Profile:
     return replace(profile, material=material, cuts=Cuts(common=Common(shortest_mm=20.0)))
 
 
-def burnt(seed: int, kerf_mm: float, parts: int) -> tuple[Produced | None, list[Finding]]:
+def burnt(seed: int, kerf_mm: float, parts: int) -> tuple[VerifiedPlan | None, list[Finding]]:
     """A block planned and burnt; no plan where the rules leave none."""
     sheet, profile = block(np.random.default_rng(seed), parts, kerf_mm, holes=True), laser(kerf_mm)
     try:
-        made = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.2))
+        made = solve_and_verify(
+            make_request(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.2)
+        )
     except RulesConflict:
         return None, []
     return made, simulate(sheet, made.program, **plant(profile))
@@ -67,7 +68,9 @@ def test_no_program_of_any_block_makes_scrap(seed: int, kerf_mm: float, parts: i
 def test_a_grid_takes_one_pierce_and_the_length_of_its_lines() -> None:
     kerf_mm, profile = 0.2, laser(0.2)
     sheet = grid(4, 3, kerf_mm)
-    made = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3))
+    made = solve_and_verify(
+        make_request(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3)
+    )
     lines_mm = 4 * 4 * (100 + kerf_mm) + 5 * 3 * (60 + kerf_mm)
     assert made.plan.totals.pierces == 1
     assert made.plan.totals.cut_mm == pytest.approx(lines_mm, abs=8)  # a lead, and corners that are cut round
@@ -80,14 +83,16 @@ def test_a_channel_and_the_plate_that_both_its_legs_end_at_are_cut_all_round() -
     boxes = {"B": (40, 121.5, 120, 60), "C": (161.5, 121.5, 80, 60), "D": (280, 40, 60, 60), "E": (280, 101.5, 60, 60)}
     sheet = nest(400, 260, part("U", channel), *(part(name, rect(*box)) for name, box in boxes.items()))
     profile = laser(1.5)
-    found = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3))
+    found = solve_and_verify(
+        make_request(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3)
+    )
     assert found.verdict.ok
     assert simulate(sheet, found.program, **plant(profile)) == []
     along = [planned.part for planned in found.plan.cuts if planned.cut.span is not None]
     assert along in (["D"], ["E"])
 
 
-def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, Produced, str]]:
+def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, VerifiedPlan, str]]:
     """A block planned, and what is left of it after each of its cuts, planned anew; the old program besides."""
     made, _ = burnt(seed, kerf_mm, parts)
     sheet, profile = block(np.random.default_rng(seed), parts, kerf_mm, holes=True), laser(kerf_mm)
@@ -95,7 +100,7 @@ def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, Produ
     for upto in range(1, len(cuts)):
         try:
             facts = facts_of(sheet, profile, AlreadyCut(cuts[:upto]))
-            rest = produce(ask(facts, profile), profile, options_for(sheet, profile, work=0.2))
+            rest = solve_and_verify(make_request(facts, profile), profile, options_for(sheet, profile, work=0.2))
             yield sheet, rest, "" if made is None else made.program
         except RulesConflict:
             continue

@@ -11,14 +11,13 @@ import pytest
 import shapely
 
 from kerfwise.encoder.already_cut import AlreadyCut
-from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.check.resumed import burnt_by
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.postproc.check.plan_runs import burnt_before
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -40,11 +39,15 @@ def beside(seed: int, kerf_mm: float) -> Nest:
     return Nest(Sheet.rectangle(x + 160, max(y, 190)), made.parts + more)
 
 
-def made(folder: Path, based_on: str, machine: str, cuts: str, more: str, seed: int) -> tuple[Nest, Profile, Produced]:
+def made(
+    folder: Path, based_on: str, machine: str, cuts: str, more: str, seed: int
+) -> tuple[Nest, Profile, VerifiedPlan]:
     text = f"based_on: {based_on}\nmachine: {{dialect: linuxcnc{machine}}}\ncuts: {{{COMMON}{cuts}}}\n{more}"
     (folder / "plant.yaml").write_text(text, encoding="utf-8")
     sheet, profile = beside(seed, KERFS_MM[based_on]), load_profile(folder / "plant.yaml")
-    found = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3))
+    found = solve_and_verify(
+        make_request(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3)
+    )
     assert found.verdict.ok, found.verdict.broken()
     assert check_program(sheet, found.program, profile).ok
     assert simulate(sheet, found.program, **plant(profile), tabs=tabs_of(found.plan)) == []
@@ -73,7 +76,9 @@ def test_a_group_with_a_part_that_tabs_hold_is_cut_all_round(tmp_path: Path) -> 
     profile = load_profile(tmp_path / "plant.yaml")
     group = [part("A", rect(40, 40, 90, 60)), part("B", rect(130.2, 40, 20, 60)), part("C", rect(150.4, 40, 90, 60))]
     sheet = Nest(Sheet.rectangle(320, 160), tuple(group))
-    found = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3))
+    found = solve_and_verify(
+        make_request(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3)
+    )
     assert found.verdict.ok
     assert [planned.part for planned in found.plan.cuts if planned.cut.tabs] == ["B"]
     assert all(planned.cut.span is None for planned in found.plan.cuts)
@@ -101,11 +106,13 @@ def test_what_is_left_of_parts_cut_all_round_after_a_stop(tmp_path: Path, name: 
     profile, sheet = load_profile(tmp_path / "plant.yaml"), Nest(Sheet.rectangle(320, 220), tuple(parts))
     options = options_for(sheet, profile, work=0.1)
     first = replace(profile, locks=(Lock(contour=parts[-1 if backwards else 0].outer.id, position="first"),))
-    whole = produce(ask(facts_of(sheet, first), first), first, options)
+    whole = solve_and_verify(make_request(facts_of(sheet, first), first), first, options)
     cuts = [planned.cut for planned in whole.plan.cuts]
     assert whole.verdict.ok
     assert all(cut.span is None for cut in cuts)
-    rest = produce(ask(facts_of(sheet, profile, AlreadyCut(tuple(cuts[:1]))), profile), profile, options)
+    rest = solve_and_verify(
+        make_request(facts_of(sheet, profile, AlreadyCut(tuple(cuts[:1]))), profile), profile, options
+    )
     assert [planned.cut.span for planned in rest.plan.cuts] == [None]
     assert rest.verdict.ok, rest.verdict.broken()
     assert check_program(sheet, rest.program, profile).ok
@@ -118,8 +125,8 @@ def test_what_is_left_of_parts_cut_all_round_after_a_stop(tmp_path: Path, name: 
 def test_tabs_of_cuts_before_a_stop_are_not_burnt() -> None:
     sheet, tab = Nest(Sheet.rectangle(200, 100), (part("A", rect(20, 20, 90, 60)),)), Tab((60, 20), 0.5)
     cut = Cut("A.outer", (20, 20), "ccw", (15, 15), tabs=(tab,))
-    before = burnt_by(sheet, [cut], 0.2)
-    (whole,) = burnt_by(sheet, [replace(cut, tabs=())], 0.2).rounds
+    before = burnt_before(sheet, [cut], 0.2)
+    (whole,) = burnt_before(sheet, [replace(cut, tabs=())], 0.2).rounds
     assert whole.length - sum(line.length for line in before.lines) == pytest.approx(0.5 + 0.2)
     assert min(line.distance(shapely.Point(60, 19.9)) for line in before.lines) == pytest.approx(0.35)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.given import Given, common_cuts_not_made
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.jobs.inputs import Inputs, common_cuts_not_made
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.plant import plant
@@ -28,7 +28,7 @@ def test_rounded_plates_in_a_grid_are_cut_by_whole_rounds_and_that_is_said() -> 
     assert found.verdict.ok
     assert all(planned.cut.span is None for planned in found.plan.cuts)
     assert simulate(sheet, found.program, **plant(profile)) == []
-    assert common_cuts_not_made(Given(sheet, profile)) == (
+    assert common_cuts_not_made(Inputs(sheet, profile)) == (
         "cuts.common: no common cuts for P00.outer, P01.outer, P10.outer, P11.outer: in any order some part would be "
         "left with two stretches to cut, as rounded corners between two neighbours are; these parts are all "
         "cut all round"

@@ -8,21 +8,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.machine_section import Torches
+from kerfwise.rules.profile.plant_sections import Torches
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.loose_nests import enclosing
 from kerfwise.tests.metal.plant import plant
@@ -41,9 +40,9 @@ def laser(*off: str, base: str = "laser-st10kp-2mm") -> Profile:
     return replace(profile, rules={**profile.rules, **rules})
 
 
-def made(sheet: Nest, profile: Profile, relax: bool = False) -> Produced:
-    asked = ask(facts_of(sheet, profile), profile, relax)
-    return produce(asked, profile, options_for(sheet, profile, work=0.3))
+def made(sheet: Nest, profile: Profile, relax: bool = False) -> VerifiedPlan:
+    asked = make_request(facts_of(sheet, profile), profile, relax)
+    return solve_and_verify(asked, profile, options_for(sheet, profile, work=0.3))
 
 
 def in_order(plan: Plan, *names: str) -> Plan:

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.hand_made import KERF_MM, Blocks, around, program
 from kerfwise.tests.metal.simulate import by_kind, simulate

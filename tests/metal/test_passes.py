@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.bridges.bridge import Bridge
-from kerfwise.encoder.bridges.join import with_bridges
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.bridges import with_bridges
+from kerfwise.encoder.nest import Bridge
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import KERF_MM, A, B, program, sheet, straight
 from kerfwise.tests.metal.simulate import simulate

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import scrap_lines
+from kerfwise.rules.case import scrap_lines
 from kerfwise.tests.metal.hand_made import CUTS, KERF_MM, Blocks, program, sheet, straight
 from kerfwise.tests.metal.simulate import simulate
 

@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.plant import plant, tabs_of
@@ -29,12 +28,12 @@ ROWS = nest(
 TORCHES = ("laser-st10kp-2mm", "plasma-carbon-steel", "oxyfuel-thick-plate", "water-jet")
 
 
-def made(drawn: Nest, profile: Profile) -> Produced:
-    asked = ask(facts_of(drawn, profile), profile)
-    return produce(asked, profile, options_for(drawn, profile, work=2))
+def made(drawn: Nest, profile: Profile) -> VerifiedPlan:
+    asked = make_request(facts_of(drawn, profile), profile)
+    return solve_and_verify(asked, profile, options_for(drawn, profile, work=2))
 
 
-def burnt(drawn: Nest, profile: Profile, program: str, planned: Produced) -> list[Finding]:
+def burnt(drawn: Nest, profile: Profile, program: str, planned: VerifiedPlan) -> list[Finding]:
     return simulate(drawn, program, tabs=tabs_of(planned.plan), **plant(profile))
 
 

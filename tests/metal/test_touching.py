@@ -12,20 +12,19 @@ import shapely.affinity
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, with_parts
-from kerfwise.encoder.touching import with_loss
+from kerfwise.encoder.touching_edges import with_touching_edges_cut
 from kerfwise.encoder.validate import validated
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.check.edge_loss import Accepted, lost_elsewhere
-from kerfwise.postproc.verdict.checking import check_program
-from kerfwise.rules.profile.cuts_section import Common, Cuts
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.postproc.check.gouging import Accepted, wrong_edge_losses
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Common, Cuts
 from kerfwise.tests.metal.common_nests import block, grid
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
@@ -43,16 +42,16 @@ def profile(kerf_mm: float) -> Profile:
     return replace(laser, material=material, machine=machine, cuts=Cuts(common=Common(20.0, accept_loss=True)))
 
 
-def made(sheet: Nest, kerf_mm: float) -> Produced | None:
+def made(sheet: Nest, kerf_mm: float) -> VerifiedPlan | None:
     """The plan and its program; None where the rules leave no order."""
     asked = profile(kerf_mm)
     try:
-        return produce(ask(facts_of(sheet, asked), asked), asked, options_for(sheet, asked, work=0.2))
+        return solve_and_verify(make_request(facts_of(sheet, asked), asked), asked, options_for(sheet, asked, work=0.2))
     except RulesConflict:
         return None
 
 
-def expect_half_a_kerf(sheet: Nest, found: Produced, kerf_mm: float) -> None:
+def expect_half_a_kerf(sheet: Nest, found: VerifiedPlan, kerf_mm: float) -> None:
     """Each drawn part comes off in one piece, and loses nothing but strips half a kerf wide along shared edges."""
     assert found.verdict.ok
     assert simulate(profile(kerf_mm).as_cut(sheet), found.program, **plant(profile(kerf_mm))) == []
@@ -89,7 +88,7 @@ def test_a_grid_of_touching_parts_is_cut_along_its_lines() -> None:
     strict = replace(profile(kerf_mm), cuts=Cuts(common=Common(20.0)))
     assert {"shared-metal", "no-gouging"} <= set(check_program(sheet, found.program, strict).broken())
     with pytest.raises(RulesConflict, match=r"P1\.outer and P2\.outer touch"):
-        ask(facts_of(sheet, strict), strict)
+        make_request(facts_of(sheet, strict), strict)
 
 
 @pytest.mark.linuxcnc
@@ -136,57 +135,59 @@ def two(hole: list[tuple[float, float]] | None = None) -> Nest:
 
 
 def test_nothing_changes_where_edges_are_shorter_than_asked_or_do_not_touch() -> None:
-    assert with_loss(two(), 1.5, 61.0, 0.05) is not two()
+    assert with_touching_edges_cut(two(), 1.5, 61.0, 0.05) is not two()
     sheet = two()
-    assert with_loss(sheet, 1.5, 61.0, 0.05) is sheet
+    assert with_touching_edges_cut(sheet, 1.5, 61.0, 0.05) is sheet
     apart = nest(200, 120, part("A", rect(20, 20, 60, 60)), part("B", rect(80.1, 20, 60, 60)))
-    assert with_loss(apart, 1.5, 20.0, 0.05) is apart
+    assert with_touching_edges_cut(apart, 1.5, 20.0, 0.05) is apart
 
 
 def test_an_edge_that_has_no_room_is_refused() -> None:
     with pytest.raises(InputError, match="cannot lose half a kerf") as hole:
-        with_loss(two(circle(70, 50, 9.5)), 1.5, 20.0, 0.05)
+        with_touching_edges_cut(two(circle(70, 50, 9.5)), 1.5, 20.0, 0.05)
     assert hole.value.details == ("A.outer: A.hole1 is nearer to the edge than that",)
     tongue = [(20, 20), (80, 20), (80, 50), (79.5, 50), (79.5, 51), (80, 51), (80, 80), (20, 80)]
     sheet = nest(200, 120, part("A", tongue), part("B", rect(80, 20, 60, 60)))
-    assert with_loss(sheet, 0.5, 20.0, 0.05).contour("A.outer").polygon.bounds[2] == pytest.approx(79.75)
+    assert with_touching_edges_cut(sheet, 0.5, 20.0, 0.05).contour("A.outer").polygon.bounds[2] == pytest.approx(79.75)
     sliver = nest(200, 120, part("A", rect(79.4, 20, 0.6, 60)), part("B", rect(80, 20, 60, 60)))
     with pytest.raises(InputError, match="cannot lose half a kerf") as thin:
-        with_loss(sliver, 1.5, 20.0, 0.05)
+        with_touching_edges_cut(sliver, 1.5, 20.0, 0.05)
     assert "what lies beside its edge at (80.0, 80.0) is too small" in thin.value.details[0]
 
 
 @pytest.mark.parametrize(("wide", "does"), [(57.0, "loses"), (60.5, "gains"), (59.6, "keeps")])
 def test_the_check_measures_what_is_lost(wide: float, does: str) -> None:
     """A part that is judged with another loss than half a kerf along the edge that touches."""
-    sheet = with_loss(two(), 1.5, 20.0, 0.05)
-    assert list(lost_elsewhere(sheet, 1.5, ACCEPTED)) == []
+    sheet = with_touching_edges_cut(two(), 1.5, 20.0, 0.05)
+    assert list(wrong_edge_losses(sheet, 1.5, ACCEPTED)) == []
     wrong = replace(sheet.parts[0], outer=part("A", rect(20, 20, wide, 60)).outer)
-    told = [found.text for found in lost_elsewhere(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, ACCEPTED)]
+    told = [found.text for found in wrong_edge_losses(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, ACCEPTED)]
     assert any(text.startswith(f"A.outer {does}") for text in told)
     other = replace(sheet.parts[0], outer=part("A", rect(20, 21, 59.25, 59)).outer)
-    (found,) = lost_elsewhere(replace(sheet, parts=(other, sheet.parts[1])), 1.5, ACCEPTED)
+    (found,) = wrong_edge_losses(replace(sheet, parts=(other, sheet.parts[1])), 1.5, ACCEPTED)
     assert "where no edge touches" in found.text
 
 
 def test_a_name_may_hold_braces() -> None:
     drawn = nest(200, 120, part("{A}", rect(20, 20, 60, 60)), part("B", rect(80, 20, 60, 60)))
-    sheet = with_loss(drawn, 1.5, 20.0, 0.05)
+    sheet = with_touching_edges_cut(drawn, 1.5, 20.0, 0.05)
     wrong = replace(sheet.parts[0], outer=part("{A}", rect(20, 20, 60.5, 60)).outer)
-    told = [found.text for found in lost_elsewhere(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, ACCEPTED)]
+    told = [found.text for found in wrong_edge_losses(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, ACCEPTED)]
     assert any(text.startswith("{A}.outer gains 30.00 mm² at (80.2, 50.0)") for text in told)
 
 
 def test_the_check_asks_whether_a_loss_is_accepted(monkeypatch: pytest.MonkeyPatch) -> None:
     """By itself: that the planner's part has taken it for accepted is not enough."""
-    sheet = with_loss(two(), 1.5, 20.0, 0.05)
-    assert all("touch along 60.00 mm at the most" in v.text for v in lost_elsewhere(sheet, 1.5, Accepted(0.051, 61.0)))
-    assert all("accepts no loss" in v.text for v in lost_elsewhere(sheet, 1.5, Accepted(0.051, math.inf)))
+    sheet = with_touching_edges_cut(two(), 1.5, 20.0, 0.05)
+    assert all(
+        "touch along 60.00 mm at the most" in v.text for v in wrong_edge_losses(sheet, 1.5, Accepted(0.051, 61.0))
+    )
+    assert all("accepts no loss" in v.text for v in wrong_edge_losses(sheet, 1.5, Accepted(0.051, math.inf)))
     asked = profile(1.5)
     found = made(two(), 1.5)
     assert found is not None
     assert check_program(two(), found.program, asked).ok
-    monkeypatch.setattr(Profile, "without_losses", lambda self, nest: with_loss(nest, 1.5, 20.0, 0.05))
+    monkeypatch.setattr(Profile, "without_losses", lambda self, nest: with_touching_edges_cut(nest, 1.5, 20.0, 0.05))
     for common in (Common(61.0, accept_loss=True), Common(20.0)):
         other = replace(asked, cuts=Cuts(common=common))
         assert "edge-loss" in check_program(two(), found.program, other).broken()
@@ -195,18 +196,18 @@ def test_the_check_asks_whether_a_loss_is_accepted(monkeypatch: pytest.MonkeyPat
 def test_a_short_edge_goes_with_a_long_one() -> None:
     """Of parts that hang together one has to touch along as much as is asked."""
     three = nest(300, 120, *two().parts, part("C", rect(140, 70, 60, 30)))
-    sheet = with_loss(three, 1.5, 20.0, 0.05)
+    sheet = with_touching_edges_cut(three, 1.5, 20.0, 0.05)
     assert [loss.contour for loss in sheet.losses] == ["A.outer", "B.outer", "C.outer"]
-    assert list(lost_elsewhere(sheet, 1.5, Accepted(0.051, 20.0))) == []
+    assert list(wrong_edge_losses(sheet, 1.5, Accepted(0.051, 20.0))) == []
 
 
 @pytest.mark.parametrize("rise_mm", [0.25, 0.9])
 def test_nothing_is_asked_of_an_edge_that_only_meets_another_at_a_small_angle(rise_mm: float) -> None:
     """C's edge parts from A's by 0.2° or 0.9°, so that these two do not lose anything."""
     wedge = part("C", [(20, 80), (80, 80 + rise_mm), (80, 110), (20, 110)])
-    sheet = with_loss(nest(300, 120, *two().parts, wedge), 1.5, 20.0, 0.05)
+    sheet = with_touching_edges_cut(nest(300, 120, *two().parts, wedge), 1.5, 20.0, 0.05)
     assert [loss.contour for loss in sheet.losses] == ["A.outer", "B.outer"]
-    assert list(lost_elsewhere(sheet, 1.5, ACCEPTED)) == []
+    assert list(wrong_edge_losses(sheet, 1.5, ACCEPTED)) == []
 
 
 def test_a_mark_in_what_is_lost_is_told() -> None:
@@ -223,8 +224,8 @@ def test_a_mark_in_what_is_lost_is_told() -> None:
 def test_the_drawings_doubt_is_answered_where_the_loss_is_accepted() -> None:
     noted = replace(validated(two()), drawn=None)
     assert any("no room for the kerf" in note.text for note in noted.notes)
-    assert with_loss(noted, 1.5, 20.0, 0.05).notes == ()
-    assert with_loss(noted, 1.5, 61.0, 0.05).notes == noted.notes
+    assert with_touching_edges_cut(noted, 1.5, 20.0, 0.05).notes == ()
+    assert with_touching_edges_cut(noted, 1.5, 61.0, 0.05).notes == noted.notes
 
 
 def test_an_outline_that_is_judged_otherwise_without_a_word_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

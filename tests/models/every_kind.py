@@ -14,7 +14,7 @@ from itertools import pairwise, permutations, product
 import shapely
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import (
     About,

@@ -9,13 +9,11 @@ from itertools import pairwise
 import numpy as np
 from hypothesis import strategies as st
 
-from kerfwise.encoder.geometry.microns import UM_PER_MM
-from kerfwise.models.problem.closure import close
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
-from kerfwise.models.problem.links import Links
-from kerfwise.models.problem.pace import Pace
-from kerfwise.models.problem.problem import Problem, SoftGroup
+from kerfwise.models.problem.precedence import close
+from kerfwise.models.problem.problem import Durations, Links, Problem, SoftGroup
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Pick
 
 ABOUT = About("test", (), "a statement made for a test")
@@ -36,7 +34,7 @@ def problem(
     site_cost: Sequence[int] | None = None,
     travel_weight: float = 1.0,
     crossings: Crossings | None = None,
-    pace: Pace | None = None,
+    pace: Durations | None = None,
     links: Sequence[tuple[int, int, int, int]] = (),
 ) -> Problem:
     """A problem with the pierce points of every contour's sites (where the cuts end too, unless `ends_mm` is given).
@@ -71,7 +69,7 @@ def problem(
         general=tuple(general),
         ids=tuple(f"C{i}" for i in range(n)),
         crossings=crossings or Crossings(),
-        pace=pace or Pace(),
+        pace=pace or Durations(),
         links=linked(m, links),
     )
 
@@ -136,7 +134,7 @@ def problems(draw: st.DrawFn, contours: int = 5, sites: int = 3, choices: int = 
         site_cost=draw(st.lists(st.integers(0, 20_000), min_size=m, max_size=m)),
         travel_weight=draw(st.sampled_from([1.0, 0.5])),
         crossings=draw(_crossings(n, m)),
-        pace=Pace(np.array(draw(st.lists(st.integers(0, 3000), min_size=m, max_size=m)), dtype=np.int64), 0.02),
+        pace=Durations(np.array(draw(st.lists(st.integers(0, 3000), min_size=m, max_size=m)), dtype=np.int64), 0.02),
     )
     return replace(drawn, links=draw(_links(drawn)))
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.microns import UM_PER_MM
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import Solution
-from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.options.option import NoOptions

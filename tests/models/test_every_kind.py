@@ -14,29 +14,29 @@ import pytest
 
 from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.geometry.microns import UM_PER_MM
-from kerfwise.models.engines.minizinc import solve_minizinc
-from kerfwise.models.engines.names import Member
-from kerfwise.models.engines.rounds import solve
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines import Member
+from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.heat_prices.priced_statements import HEAT
-from kerfwise.models.plan.conflict.core import find_core
-from kerfwise.models.plan.conflict.group import Group, hard_groups, on_order
-from kerfwise.models.plan.conflict.relax import soften
-from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
-from kerfwise.models.plan.excused import excused
-from kerfwise.models.plan.explain.along import Along
-from kerfwise.models.plan.explain.entry import explain_entry
-from kerfwise.models.plan.explain.heat_prices import heat_prices
-from kerfwise.models.plan.explain.holding import others
-from kerfwise.models.plan.explain.lawful import quickly_tried, try_order
-from kerfwise.models.plan.explain.setting import Setting, make_setting
-from kerfwise.models.plan.make import make_plan
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.heat_prices import HEAT
+from kerfwise.models.plan.conflict.conflict import soften
+from kerfwise.models.plan.conflict.core import Engines, find_core, find_whole_core
+from kerfwise.models.plan.conflict.groups import Group, hard_groups, order_groups
+from kerfwise.models.plan.explain.alternatives import (
+    PositionCosts,
+    explain_entry,
+    other_statements,
+    try_order,
+    try_order_fast,
+)
+from kerfwise.models.plan.explain.context import PlanContext, make_context
+from kerfwise.models.plan.explain.explain import heat_prices
+from kerfwise.models.plan.make_plan import excuses, make_plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.rules.named import contours_named
-from kerfwise.rules.statements import EXEMPTION_MM, About, Crossing, Forbid, Precede, Statement
-from kerfwise.rules.stating.remainder import OUT, Remainder, of_what_is_left
+from kerfwise.rules.statements import EXEMPTION_MM, About, Crossing, Forbid, Precede, Statement, contours_named
+from kerfwise.rules.stating.reduced_statements import OUT, Remainder, remaining_statements
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.every_kind import (
@@ -159,11 +159,11 @@ def test_it_can_give_way(example: Example) -> None:
 def test_explain_tries_orders_by_it(example: Example) -> None:
     """An order is refused where every way along it breaks the statement, else priced with it."""
     setting = _setting(example)
-    along = Along(setting)
+    along = PositionCosts(setting)
     seen: set[bool] = set()
     for order in {way.order for way in ways()}:
         tried = try_order(setting, order)
-        quick = quickly_tried(along, order)
+        quick = try_order_fast(along, order)
         assert (quick.breaks, quick.cost) == (tried.breaks, tried.cost)
         prices = [example.price_mm(way) for way in ways() if way.order == order]
         seen.add(bool(tried.breaks))
@@ -182,14 +182,14 @@ def test_no_place_that_tells_kinds_apart_has_forgotten_it(example: Example) -> N
     statement, setting = example.statement, _setting(example)
     for out in range(PARTS):
         number = [OUT if k == out else k - (k > out) for k in range(PARTS)]
-        left = of_what_is_left([statement], Remainder(number, {out: 1}))
+        left = remaining_statements([statement], Remainder(number, {out: 1}))
         assert {k for s in left for k in contours_named(s)} <= set(range(PARTS - 1))
     named = {FACTS.nest.contours[k].id for k in contours_named(statement)}
     known = {s.about for s in example.statements}
-    assert all(known.issuperset(others(setting, k)) for k in range(PARTS))
+    assert all(known.issuperset(other_statements(setting, k)) for k in range(PARTS))
     if statement.weight is not None:
         excusable = Stated((TRAVEL, replace(statement, weight=EXEMPTION_MM)), ())
-        assert set(excused(FACTS, excusable, [2 * k for k in range(PARTS)])) <= named | set(ABOUT.contours)
+        assert set(excuses(FACTS, excusable, [2 * k for k in range(PARTS)])) <= named | set(ABOUT.contours)
         priced = replace(statement, about=replace(ABOUT, rule=HEAT))
         for price in heat_prices(replace(setting, stated=Stated((priced,), ())), 0):
             assert price.price_mm == priced.weight
@@ -198,16 +198,16 @@ def test_no_place_that_tells_kinds_apart_has_forgotten_it(example: Example) -> N
 
 def test_explain_says_that_an_entry_is_forbidden() -> None:
     (example,) = (e for e in HARD if isinstance(e.statement, Forbid))
-    entry = explain_entry(Along(_setting(example)), FACTS.candidates[0].contour)
+    entry = explain_entry(PositionCosts(_setting(example)), FACTS.candidates[0].contour)
     assert [way.against for way in entry.unlawful] == [(ABOUT,)]
 
 
-def _setting(example: Example) -> Setting:
+def _setting(example: Example) -> PlanContext:
     """The best plan of an example, as explain sees it."""
     stated = Stated(example.statements, ())
     options = SolveOptions(work=0.15, home_mm=HOME, feeds=FEEDS)
     plan = make_plan(FACTS, PROFILE, stated, solve(FACTS, example.statements, options), "portfolio", 1)
-    return make_setting(FACTS, PROFILE, stated, plan)
+    return make_context(FACTS, PROFILE, stated, plan)
 
 
 def _keeps_the_given(example: Example, way: Way) -> bool:
@@ -222,7 +222,7 @@ def _fixed(way: Way) -> list[Statement]:
 
 
 def _clash(groups: tuple[Group, ...]) -> tuple[Group, ...] | None:
-    core = find_core(FACTS, on_order(groups), {})
+    core = find_core(FACTS, order_groups(groups), {})
     if core is None:
         core = find_whole_core(Engines(FACTS, HOME, FEEDS), groups, {})
     return None if core is None else core.groups

@@ -16,39 +16,36 @@ import pytest
 import kerfwise
 from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.facts.facts import Copies
-from kerfwise.jobs.kept_rows import _with_chains
-from kerfwise.jobs.strategies import solve_by
-from kerfwise.jobs.zones_cost import without_moves
-from kerfwise.models.engines.minizinc.asked import asked
-from kerfwise.models.engines.minizinc.data import data_text
-from kerfwise.models.engines.minizinc.statement_text import conditions
-from kerfwise.models.engines.rounds import solve
+from kerfwise.jobs.adaptive_zones import without_moves
+from kerfwise.jobs.resequence.burn_order import _with_chains
+from kerfwise.models.engines.baselines import solve_by
+from kerfwise.models.engines.minizinc_model import condition_arrays, conditions, data_text
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.heat_prices.priced_statements import HEAT
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.heat_prices import HEAT
 from kerfwise.models.plan.conflict import conflict, order_model
-from kerfwise.models.plan.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
-from kerfwise.models.plan.conflict.orders import orders_of
-from kerfwise.models.plan.conflict.suspects import suspects
-from kerfwise.models.plan.conflict.whole_order import Way
-from kerfwise.models.plan.excused import excused
-from kerfwise.models.plan.explain import setting as explain_setting
-from kerfwise.models.plan.explain.along import Along
-from kerfwise.models.plan.explain.heat_prices import heat_prices
-from kerfwise.models.plan.explain.holding import others
-from kerfwise.models.plan.explain.lawful import try_order
-from kerfwise.models.plan.explain.setting import Setting, make_setting
-from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.conflict.core import Way
+from kerfwise.models.plan.conflict.groups import (
+    Group,
+    contours_of,
+    hard_groups,
+    moves_or_seconds,
+    order_groups,
+    suspects,
+)
+from kerfwise.models.plan.conflict.order_conflicts import orders_of
+from kerfwise.models.plan.explain import context as explain_setting
+from kerfwise.models.plan.explain.alternatives import PositionCosts, other_statements, try_order
+from kerfwise.models.plan.explain.context import PlanContext, make_context
+from kerfwise.models.plan.explain.explain import heat_prices
+from kerfwise.models.plan.make_plan import excuses, make_plan, reasons
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reasons import reasons
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.links import links_on
-from kerfwise.models.problem.translated import Translated, translated
-from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.named import candidates_named, contours_named
-from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
-from kerfwise.rules.stating.at_once import AtOnce
-from kerfwise.rules.stating.places import positions
-from kerfwise.rules.stating.remainder import Remainder, of_what_is_left
+from kerfwise.models.problem.conditions import LoweredStatements, lower_statements
+from kerfwise.models.problem.problem import links_on
+from kerfwise.rules.statements import EXEMPTION_MM, About, Statement, by_kind, candidates_named, contours_named
+from kerfwise.rules.stating.feasible_order import positions
+from kerfwise.rules.stating.reduced_statements import GantryStatements, Remainder, remaining_statements
 from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
 from kerfwise.tests.models.every_kind import ABOUT, FEEDS, HOME, PARTS, PROFILE, TRAVEL
 from kerfwise.tests.models.plan.conflict.statements import row
@@ -81,15 +78,15 @@ def at_weight(weight: float, rule: str = "r") -> Any:
 
 
 @cache
-def planned() -> tuple[tuple[int, ...], Plan, Setting]:
+def planned() -> tuple[tuple[int, ...], Plan, PlanContext]:
     """A plan without the invented statement."""
     stated = Stated((TRAVEL,), ())
     solution = solve(FACTS, stated.statements, OPTIONS)
     plan = make_plan(FACTS, PROFILE, stated, solution, "portfolio", 1)
-    return solution.route, plan, make_setting(FACTS, PROFILE, stated, plan)
+    return solution.route, plan, make_context(FACTS, PROFILE, stated, plan)
 
 
-def setting(stated: Stated = STATED) -> Setting:
+def setting(stated: Stated = STATED) -> PlanContext:
     """Explain's view of the plan, with the invented statement added."""
     return replace(planned()[2], stated=stated)
 
@@ -103,7 +100,7 @@ def find_conflict(patch: pytest.MonkeyPatch) -> None:
 def set_up(patch: pytest.MonkeyPatch) -> None:
     """Explain reads a plan; the problem, which refuses the kind as well, is made already."""
     patch.setattr(explain_setting, "make_problem", lambda *given: planned()[2].problem)
-    make_setting(FACTS, PROFILE, STATED, planned()[1])
+    make_context(FACTS, PROFILE, STATED, planned()[1])
 
 
 def ask_order_model(patch: pytest.MonkeyPatch) -> None:
@@ -119,44 +116,55 @@ def alone() -> Copies:
 
 Refuses = Callable[[pytest.MonkeyPatch], object]
 REFUSES: dict[str, list[Refuses]] = {
-    "rules/by_kind.py": [lambda _: by_kind([INVENTED])],
-    "rules/named.py": [lambda _: list(contours_named(INVENTED)), lambda _: list(candidates_named(INVENTED))],
-    "rules/stating/places.py": [lambda _: positions([INVENTED], PARTS)],
-    "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Remainder(range(PARTS), {})))],
-    "rules/stating/at_once.py": [lambda _: list(AtOnce(alone()).of_first([INVENTED]))],
+    "rules/statements.py": [
+        lambda _: by_kind([INVENTED]),
+        lambda _: list(contours_named(INVENTED)),
+        lambda _: list(candidates_named(INVENTED)),
+    ],
+    "rules/stating/feasible_order.py": [lambda _: positions([INVENTED], PARTS)],
+    "rules/stating/reduced_statements.py": [
+        lambda _: list(remaining_statements([INVENTED], Remainder(range(PARTS), {}))),
+        lambda _: list(GantryStatements(alone()).of_first([INVENTED])),
+    ],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
-    "models/plan/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
+    "models/plan/make_plan.py": [
+        lambda _: excuses(FACTS, at_weight(EXEMPTION_MM), planned()[0]),
+        lambda _: reasons(FACTS, STATED, planned()[0], HOME),
+    ],
     "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
-    "models/problem/translated.py": [lambda _: translated((INVENTED,), (), Translated())],
-    "models/problem/links.py": [lambda _: links_on(FACTS.candidates, (INVENTED,), planned()[0], HOME)],
-    "models/plan/reasons.py": [lambda _: reasons(FACTS, STATED, planned()[0], HOME)],
+    "models/problem/conditions.py": [lambda _: lower_statements((INVENTED,), (), LoweredStatements())],
+    "models/problem/problem.py": [lambda _: links_on(FACTS.candidates, (INVENTED,), planned()[0], HOME)],
     "models/plan/conflict/conflict.py": [find_conflict],
-    "models/plan/conflict/group.py": [
+    "models/plan/conflict/groups.py": [
         lambda _: hard_groups([INVENTED]),
         lambda _: moves_or_seconds([GROUP]),
-        lambda _: on_order([GROUP]),
+        lambda _: order_groups([GROUP]),
         lambda _: contours_of(GROUP, []),
+        lambda _: suspects(FACTS, [GROUP]),
     ],
     "models/plan/conflict/order_model.py": [
         lambda _: order_model.build_order_model(FACTS, [GROUP]),
         lambda _: order_model._loose([GROUP]),
         ask_order_model,
     ],
-    "models/plan/conflict/orders.py": [lambda _: orders_of(FACTS, [GROUP])],
-    "models/plan/conflict/suspects.py": [lambda _: suspects(FACTS, [GROUP])],
-    "models/plan/conflict/whole_order.py": [lambda _: Way(range(PARTS), []).keeps(INVENTED)],
-    "models/plan/explain/along.py": [lambda _: Along(setting())],
-    "models/plan/explain/heat_prices.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
-    "models/plan/explain/holding.py": [lambda _: others(setting(), 0)],
-    "models/plan/explain/lawful.py": [lambda _: try_order(setting(), range(PARTS))],
-    "models/plan/explain/setting.py": [set_up],
-    "models/engines/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
-    "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
-    "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
+    "models/plan/conflict/order_conflicts.py": [lambda _: orders_of(FACTS, [GROUP])],
+    "models/plan/conflict/core.py": [lambda _: Way(range(PARTS), []).keeps(INVENTED)],
+    "models/plan/explain/alternatives.py": [
+        lambda _: PositionCosts(setting()),
+        lambda _: other_statements(setting(), 0),
+        lambda _: try_order(setting(), range(PARTS)),
+    ],
+    "models/plan/explain/explain.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
+    "models/plan/explain/context.py": [set_up],
+    "models/engines/minizinc_model.py": [
+        lambda _: condition_arrays(PROFILE, STATED),
+        lambda _: conditions(INVENTED),
+        lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False),
+    ],
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
-    "jobs/kept_rows.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
-    "jobs/zones_cost.py": [lambda _: without_moves([INVENTED])],
-    "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
+    "jobs/resequence/burn_order.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
+    "jobs/adaptive_zones.py": [lambda _: without_moves([INVENTED])],
+    "models/engines/baselines.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }
 """File → what is called there with the invented statement."""
 

@@ -16,21 +16,23 @@ import numba
 import pytest
 
 from kerfwise.encoder.errors import Advice
-from kerfwise.models import kernel_files, kernels
-from kerfwise.models.kernel_files import Files, Kept
-from kerfwise.models.kernels import (
+from kerfwise.models import jit, numba_cache
+from kerfwise.models.jit import (
     Kernel,
     compiling,
     cores,
     counted_s,
     inner,
-    kept,
     made_s,
     note_compiled,
     running_s,
     suited,
     take_plainly,
 )
+from kerfwise.models.jit import (
+    jit as jit_kernels,
+)
+from kerfwise.models.numba_cache import Files, Kept
 
 
 def doubled(x: int) -> int:
@@ -40,7 +42,7 @@ def doubled(x: int) -> int:
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "kept"))
-    monkeypatch.setattr(kernel_files, "_told", set())
+    monkeypatch.setattr(numba_cache, "_told", set())
     return tmp_path / "kept"
 
 
@@ -48,7 +50,7 @@ def run() -> tuple[Any, list[str]]:
     """A kernel compiled or loaded as a new process would, once it is called; and what is told."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        kernel: Any = kept(nogil=True)(doubled)
+        kernel: Any = jit_kernels(nogil=True)(doubled)
         assert kernel(21) == 42
         assert kernel(1.5) == 3.0
     assert all(issubclass(w.category, Advice) for w in told)
@@ -116,7 +118,7 @@ def test_of_another_source_or_numba(folder: Path, monkeypatch: pytest.MonkeyPatc
 
 CALLED = "from numba import njit\n\n\n@njit\ndef called(x):\n    return x * {factor}\n"
 CALLING = (
-    "from kerfwise.models.kernels import kept\n\nfrom {called} import MORE, called\n\n\n"
+    "from kerfwise.models.jit import jit as kept\n\nfrom {called} import MORE, called\n\n\n"
     "@kept()\ndef calling(x):\n    return sum([called(x) + MORE for _ in range(2)])\n"
 )
 
@@ -134,7 +136,7 @@ def test_a_kernel_is_compiled_anew_where_what_it_calls_has_changed(
         importlib.invalidate_caches()
         for name in ("called_kernel", "calling_kernel"):
             sys.modules.pop(name, None)
-        kernel_files._digest.cache_clear()
+        numba_cache._digest.cache_clear()
         calling = importlib.import_module("calling_kernel").calling
         found.append((calling(5), hits(calling)))
     assert found[0] == (30, 0)
@@ -196,7 +198,7 @@ def test_runs_at_once_never_read_the_half_of_a_file(tmp_path: Path) -> None:
 
 
 def test_every_kernel_that_is_kept_is_kept_so() -> None:
-    root = Path(kernels.__file__).parents[1]
+    root = Path(jit.__file__).parents[1]
     floors = [folder for folder in root.iterdir() if folder.is_dir() and folder.name.isidentifier()]
     sources = [path for folder in floors if folder.name != "tests" for path in folder.rglob("*.py")]
     assert len(sources) > 300
@@ -211,7 +213,7 @@ def _tripled(x: int) -> int:
 
 @pytest.fixture
 def plainly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kernels._process, "plain_steps", 100)
+    monkeypatch.setattr(jit._process, "plain_steps", 100)
 
 
 @pytest.mark.usefixtures("plainly")
@@ -228,7 +230,7 @@ def test_few_steps_are_taken_in_plain_python_and_more_are_compiled_with_all_that
     def through(x: int) -> int:
         return called(x) + 1
 
-    outer: Any = kept(nogil=True)(through)
+    outer: Any = jit_kernels(nogil=True)(through)
     assert suited(outer, 60)(5) == 16
     assert suited(outer, 40)(5) == 16
     assert (ran, outer.made, called.made) == (["plain"] * 2, False, False)
@@ -237,7 +239,7 @@ def test_few_steps_are_taken_in_plain_python_and_more_are_compiled_with_all_that
     def compiled(x: int) -> int:
         return _tripled(x) + 1
 
-    whole: Any = kept(nogil=True)(compiled)
+    whole: Any = jit_kernels(nogil=True)(compiled)
     assert suited(whole, 101)(5) == 16
     assert whole.made
     assert len(whole.dispatcher.signatures) == 1
@@ -246,9 +248,9 @@ def test_few_steps_are_taken_in_plain_python_and_more_are_compiled_with_all_that
 
 @pytest.mark.usefixtures("plainly")
 def test_what_takes_more_is_done_by_arrays_until_something_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kernels._process, "made", False)
-    kernel: Any = kept(nogil=True)(doubled)
-    other: Any = kept(nogil=True)(doubled)
+    monkeypatch.setattr(jit._process, "made", False)
+    kernel: Any = jit_kernels(nogil=True)(doubled)
+    other: Any = jit_kernels(nogil=True)(doubled)
 
     def twin(x: int) -> int:
         return x + x
@@ -261,13 +263,13 @@ def test_what_takes_more_is_done_by_arrays_until_something_is_compiled(monkeypat
     assert kernel(4) == 8
     assert suited(other, 600, twin, 1000) is other, "numba is there"
     take_plainly(0)
-    kernels._process.made = False
+    jit._process.made = False
     assert suited(other, 1, twin, 1000) is other
 
 
 @pytest.mark.usefixtures("plainly")
 def test_none_runs_as_plain_python_once_everything_is_to_be_compiled() -> None:
-    kernel: Any = kept(nogil=True)(doubled)
+    kernel: Any = jit_kernels(nogil=True)(doubled)
     assert suited(kernel, 1) == kernel.plainly
     take_plainly(0)
     assert suited(kernel, 1) is kernel
@@ -282,7 +284,7 @@ def test_the_clock_of_limits_stands_still_while_something_is_compiled() -> None:
         assert running_s() - within_s < 1e-3
     assert made_s() - before_made_s >= 0.05
     assert running_s() >= before_s
-    kernel: Any = kept(nogil=True)(doubled)
+    kernel: Any = jit_kernels(nogil=True)(doubled)
     since_s = made_s()
     kernel(4)
     assert made_s() > since_s
@@ -293,7 +295,7 @@ def test_the_clock_of_commands_stands_still_while_something_is_compiled_and_coun
     compiles: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now_s = 1000.0
-    monkeypatch.setattr(kernels.time, "monotonic", lambda: now_s)
+    monkeypatch.setattr(jit.time, "monotonic", lambda: now_s)
     before_s, before_running_s = counted_s(), running_s()
     with compiling():
         now_s += 3.0
@@ -308,7 +310,7 @@ def test_the_clock_of_commands_stands_still_while_something_is_compiled_and_coun
 
 def test_a_kernel_that_is_kept_is_loaded_and_one_that_is_not_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
-    monkeypatch.setattr(kernels, "note_compiled", lambda: told.append("compiled"))
+    monkeypatch.setattr(jit, "note_compiled", lambda: told.append("compiled"))
     run()
     assert told == ["compiled"] * 2
     run()
@@ -327,7 +329,7 @@ def test_else_a_thread_for_each_core(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 LIBRARIES = "numba ortools pandas scipy ezdxf matplotlib"
-NESTS = Path(kernels.__file__).parents[1] / "examples" / "nests"
+NESTS = Path(jit.__file__).parents[1] / "examples" / "nests"
 
 
 @pytest.mark.slow

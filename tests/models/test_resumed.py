@@ -10,12 +10,12 @@ import pytest
 import shapely
 
 from kerfwise.encoder.already_cut import AlreadyCut
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import check_cuts
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -53,7 +53,7 @@ def profile(tmp_path_factory: pytest.TempPathFactory) -> Profile:
 def left(profile: Profile) -> Facts:
     first = (Lock(contour=name, position=k) for k, name in enumerate(("A.hole1", "A.outer", "B.outer"), 1))
     locked = replace(profile, locks=tuple(first))
-    whole = produce(ask(facts_of(PLATE, locked), locked), locked, SolveOptions(work=2.0)).plan
+    whole = solve_and_verify(make_request(facts_of(PLATE, locked), locked), locked, SolveOptions(work=2.0)).plan
     return facts_of(PLATE, profile, AlreadyCut(tuple(p.cut for p in whole.cuts[:3])))
 
 
@@ -74,13 +74,15 @@ def price_mm(facts: Facts, route: tuple[int, ...], home: tuple[float, float]) ->
 @pytest.mark.scrap("looks at travel alone")
 @pytest.mark.parametrize("engine", ["portfolio", "search", "ideals", "beam", "cp-sat-alone"])
 def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: Profile, engine: str) -> None:
-    from kerfwise.models.engines.names import member_of
+    from kerfwise.models.engines import member_of
 
     assert [c.id for c in left.nest.contours] == ["C.outer", "D.outer", "E.outer"]
     ways = [[c for c in left.candidates_of(k) if left.candidates[c].direction == "cw"] for k in range(left.n)]
     orders = list(permutations(range(left.n)))
     best = min(price_mm(left, picked, (0.0, 0.0)) for order in orders for picked in product(*(ways[k] for k in order)))
-    made = produce(ask(left, profile), profile, SolveOptions(work=0.5, member=member_of(engine)), engine=engine)  # type: ignore[arg-type]
+    made = solve_and_verify(
+        make_request(left, profile), profile, SolveOptions(work=0.5, member=member_of(engine)), engine=engine
+    )  # type: ignore[arg-type]
     assert made.plan.solve.objective == pytest.approx(best, abs=0.01)
     assert made.verdict.ok
 
@@ -88,14 +90,14 @@ def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: 
 @pytest.mark.minizinc
 @pytest.mark.scrap("looks at travel alone")
 def test_minizinc_finds_it_too(left: Facts, profile: Profile) -> None:
-    ours = produce(ask(left, profile), profile, SolveOptions(work=5.0))
-    twin = produce(ask(left, profile), profile, SolveOptions(work=60.0), engine="minizinc")
+    ours = solve_and_verify(make_request(left, profile), profile, SolveOptions(work=5.0))
+    twin = solve_and_verify(make_request(left, profile), profile, SolveOptions(work=60.0), engine="minizinc")
     assert twin.plan.solve.objective == pytest.approx(ours.plan.solve.objective, abs=0.001)
 
 
 def test_travel_from_home_over_what_is_out_is_judged(left: Facts, profile: Profile) -> None:
     """From the right of A to the left of D the torch comes over A, which is out; B is not on the way."""
-    plan = produce(ask(left, profile), profile, SolveOptions(work=2.0)).plan
+    plan = solve_and_verify(make_request(left, profile), profile, SolveOptions(work=2.0)).plan
     sequence = plan.sequence((95.0, 50.0))
     verdict = check_cuts(PLATE, replace(sequence, cuts=(*sequence.cuts[:3], *sequence.new[::-1])), profile)
     judged = next(j for j in verdict.rules if j.id == "no-tip-travel")
@@ -111,6 +113,6 @@ def test_travel_from_home_over_what_is_out_is_judged(left: Facts, profile: Profi
 def test_a_position_counts_what_is_cut(left: Facts, profile: Profile) -> None:
     last = left.nest.contours[0].id
     locked = replace(profile, locks=(Lock(contour=last, position=5),))
-    made = produce(ask(left, locked), locked, SolveOptions(work=2.0))
+    made = solve_and_verify(make_request(left, locked), locked, SolveOptions(work=2.0))
     assert [p.cut.contour for p in made.plan.cuts].index(last) == 1
     assert made.verdict.ok

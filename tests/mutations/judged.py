@@ -15,11 +15,9 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.verdict.as_written import held_to_plan
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.postproc.verdict.check_plan import check_program, held_to_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.mutations.mutants import FURTHER, Mutant, mutants
@@ -34,7 +32,7 @@ class Original:
 
     nest: Nest
     profile: Profile
-    made: Produced
+    made: VerifiedPlan
 
 
 @cache
@@ -45,7 +43,9 @@ def original(dialect: str) -> Original:
     nest = read_nest(NEST)
     if dialect == "burny":  # it has no words to mark
         nest = Nest(nest.sheet, tuple(replace(part, marks=()) for part in nest.parts), sha256=nest.sha256)
-    made = produce(ask(facts_of(nest, profile), profile), profile, options_for(nest, profile, work=0.2))
+    made = solve_and_verify(
+        make_request(facts_of(nest, profile), profile), profile, options_for(nest, profile, work=0.2)
+    )
     assert made.verdict.ok
     return Original(nest, profile, made)
 

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.checking import check_made
-from kerfwise.jobs.given import Given
-from kerfwise.postproc.verdict.as_written import held_to_plan
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.programs import check_made
+from kerfwise.postproc.verdict.check_plan import check_program, held_to_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.mutations.judged import DIALECTS, counted, original, passes, words
 from kerfwise.tests.mutations.mutants import Mutant, mutants
@@ -48,7 +47,7 @@ def test_so_of_many() -> None:
     ],
 )
 def test_edited_programs_that_passed_once(name: str, profile: str, without_plan: str) -> None:
-    given = Given(read_nest(CASES / f"{name}.json"), load_profile(CASES / profile))
+    given = Inputs(read_nest(CASES / f"{name}.json"), load_profile(CASES / profile))
     alone = check_made(given, CASES / f"{name}.nc")
     assert any(without_plan in violation.text for rule in alone.rules for violation in rule.violations)
     held = check_made(given, CASES / f"{name}.nc", plan=CASES / f"{name}.plan.json")

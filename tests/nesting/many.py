@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 
-from kerfwise.jobs.nesting.run import nests_from
+from kerfwise.jobs.nesting.nests import nests_from
 from kerfwise.nesting.rounds import METHODS, Effort, best_layout
 
 from .random_lists import random_order

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import random
 
-from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.nesting.wanted import QUARTERS, Common, PartType, Spacing, Stock, Wanted
+from kerfwise.nesting.demand import QUARTERS, Common, Demand, PartType, Spacing, Stock
+from kerfwise.rules.case import circle, part, rect
 
 EIGHTHS = tuple(45.0 * k for k in range(8))
 
 
-def random_order(seed: int) -> tuple[Wanted, Spacing]:
+def random_order(seed: int) -> tuple[Demand, Spacing]:
     """An order of a few part types, and how far parts lie apart; touching ones, and common edges, sometimes."""
     chance = random.Random(seed)
     types = tuple(
@@ -34,7 +34,7 @@ def random_order(seed: int) -> tuple[Wanted, Spacing]:
         stocks.append(Stock("rest", _remnant(chance), 1, remnant=True))
     gap_mm, edge_mm = chance.choice([0.0, 1.5, 6.0]), chance.choice([0.0, 5.0, 12.0])
     common = Common(0.3, 15.0) if gap_mm and chance.random() < 0.3 else None
-    return Wanted(types, tuple(stocks)), Spacing(gap_mm, edge_mm, common)
+    return Demand(types, tuple(stocks)), Spacing(gap_mm, edge_mm, common)
 
 
 def _sound_part(name: str, chance: random.Random) -> Part:

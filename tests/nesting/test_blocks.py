@@ -8,22 +8,20 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.nesting.repair import planned
-from kerfwise.jobs.nesting.run import nests_from
-from kerfwise.jobs.nesting.spacing import spacing_of, with_held
-from kerfwise.nesting.allot import Layout, Sheetful
-from kerfwise.nesting.cover import Patterns
-from kerfwise.nesting.fill import Taste, fill
-from kerfwise.nesting.room import Room
-from kerfwise.nesting.rounds import Effort, best_layout
+from kerfwise.jobs.nesting.find_nests import spacing_of, with_held
+from kerfwise.jobs.nesting.nests import nests_from
+from kerfwise.jobs.nesting.programs import planned
+from kerfwise.jobs.progress import Listener
+from kerfwise.nesting.demand import Common, Demand, PartType, Spacing, Stock
+from kerfwise.nesting.fill import Room, Taste, fill
+from kerfwise.nesting.layout import Layout, Sheetful
+from kerfwise.nesting.rounds import Effort, Patterns, best_layout
 from kerfwise.nesting.shapes import Shapes
-from kerfwise.nesting.wanted import Common, PartType, Spacing, Stock, Wanted
-from kerfwise.rules.profile.cuts_section import Common as CommonCuts
-from kerfwise.rules.profile.cuts_section import Cuts
+from kerfwise.rules.case import circle, part, rect
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.sections import Common as CommonCuts
+from kerfwise.rules.profile.sections import Cuts
 from kerfwise.tests.nesting.random_lists import random_order
 from kerfwise.tests.postproc.plans import with_tabs
 
@@ -49,7 +47,7 @@ def test_blocks_are_doubled_as_long_as_there_are_parts_for_them() -> None:
 def test_parts_that_tabs_of_the_profile_hold_form_no_blocks(pitch_mm: float, most: int) -> None:
     """A plate of 60 × 30 mm tips over slats 60 mm apart, and lies safely on slats 10 mm apart."""
     profile = with_tabs("laser-st10kp-2mm", slat_pitch_mm=pitch_mm)
-    kinds = with_held(Wanted((PartType("plate", PLATE, 4),)), profile).types
+    kinds = with_held(Demand((PartType("plate", PLATE, 4),)), profile).types
     assert next(size for _, size in Shapes(kinds, 2.2, COMMON).ways(0, blocks=True)) == most
 
 
@@ -73,7 +71,7 @@ def test_two_triangles_are_a_kerf_apart_along_their_longest_side() -> None:
 
 def test_plates_a_kerf_apart_pass_the_check_and_take_few_pierces() -> None:
     plant = replace(load_profile("laser-st10kp-2mm"), cuts=Cuts(common=CommonCuts(shortest_mm=20.0)))
-    wanted = Wanted((PartType("plate", PLATE, 6),), (Stock("sheet", Sheet.rectangle(400, 200)),))
+    wanted = Demand((PartType("plate", PLATE, 6),), (Stock("sheet", Sheet.rectangle(400, 200)),))
     nested = nests_from(best_layout(wanted, spacing_of(plant), Effort(1)))
     assert nested.faults == ()
     _, done, moved = planned(nested, 0, plant, 0.5, lambda name: Listener())
@@ -84,7 +82,7 @@ def test_plates_a_kerf_apart_pass_the_check_and_take_few_pierces() -> None:
 
 
 def test_without_common_edges_the_check_refuses_parts_that_are_so_near() -> None:
-    wanted = Wanted((PartType("plate", PLATE, 4),), (Stock("sheet", Sheet.rectangle(300, 200)),))
+    wanted = Demand((PartType("plate", PLATE, 4),), (Stock("sheet", Sheet.rectangle(300, 200)),))
     layout = best_layout(wanted, Spacing(2.2, 10.0, COMMON), Effort(1))
     assert nests_from(layout).faults == ()
     said = nests_from(replace(layout, spacing=Spacing(2.2, 10.0))).faults
@@ -95,7 +93,7 @@ def test_without_common_edges_the_check_refuses_parts_that_are_so_near() -> None
 
 def test_what_is_left_of_a_block_is_laid_anew_where_a_copy_too_many_is_taken_off() -> None:
     """Three of these four hang together no more: two of them meet at a tip alone."""
-    wanted = Wanted((PartType("half", HALF, 7),), (Stock("sheet", Sheet.rectangle(145, 205)),))
+    wanted = Demand((PartType("half", HALF, 7),), (Stock("sheet", Sheet.rectangle(145, 205)),))
     spacing = Spacing(2.2, 10.0, COMMON)
     shapes = Shapes(wanted.types, spacing.gap_mm, COMMON)
     patterns, stock = Patterns(wanted, shapes, spacing), wanted.stocks[0]
@@ -108,7 +106,7 @@ def test_what_is_left_of_a_block_is_laid_anew_where_a_copy_too_many_is_taken_off
 
 
 def test_blocks_lie_apart_from_each_other() -> None:
-    wanted = Wanted((PartType("plate", PLATE, 6),), (Stock("sheet", Sheet.rectangle(300, 200)),))
+    wanted = Demand((PartType("plate", PLATE, 6),), (Stock("sheet", Sheet.rectangle(300, 200)),))
     layout = best_layout(wanted, Spacing(2.2, 10.0, COMMON), Effort(1))
     areas = np.array(layout.metal_of(layout.sheets[0]), dtype=object)
     apart = [float(areas[i].distance(areas[j])) for i in range(6) for j in range(i)]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.nesting.defining_line import best_beside, turns_to_try, usable_area_mm2
+from kerfwise.nesting.blocks import best_beside, turns_to_try, usable_area_mm2
 
 HALF = shapely.Polygon([(0, 0), (40, 0), (0, 30)])
 ELL = shapely.Polygon([(0, 0), (30, 0), (30, 10), (10, 10), (10, 30), (0, 30)])

@@ -4,32 +4,28 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.jobs.nesting.run import Nested, nests_from
-from kerfwise.nesting.allot import Layout, Sheetful, allot
-from kerfwise.nesting.bound import least_worth
-from kerfwise.nesting.cover import Patterns
-from kerfwise.nesting.defining_line import sides_on_axes
-from kerfwise.nesting.fill import LEFT, put_best
-from kerfwise.nesting.pose import Placed, Pose
-from kerfwise.nesting.room import Room
-from kerfwise.nesting.rounds import Effort, best_layout, layouts
+from kerfwise.jobs.nesting.nests import Nested, nests_from
+from kerfwise.nesting.blocks import sides_on_axes
+from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
+from kerfwise.nesting.fill import LEFT, Room, put_best
+from kerfwise.nesting.layout import Layout, Sheetful, allot, squeeze_last_sheet
+from kerfwise.nesting.nofit import Placed, Pose
+from kerfwise.nesting.rounds import Effort, Patterns, best_layout, layouts, least_worth
 from kerfwise.nesting.shapes import Shapes
-from kerfwise.nesting.squeeze import squeezed
-from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.rules.case import circle, part, rect
 from kerfwise.tests.nesting.random_lists import random_order
 
 ONE = Effort(1)
 TOUCHING = Spacing(0.0, 0.0)
 
 
-def lay_out(asked: Wanted, spacing: Spacing, effort: Effort) -> Nested:
+def lay_out(asked: Demand, spacing: Spacing, effort: Effort) -> Nested:
     return nests_from(best_layout(asked, spacing, effort))
 
 
-def wanted(*types: PartType, stock: tuple[Stock, ...]) -> Wanted:
-    return Wanted(types, stock)
+def wanted(*types: PartType, stock: tuple[Stock, ...]) -> Demand:
+    return Demand(types, stock)
 
 
 def of(shape: Part, quantity: int, **more: object) -> PartType:
@@ -157,7 +153,7 @@ def test_the_last_sheet_is_squeezed_so_that_a_larger_rectangle_is_left() -> None
     shapes = Shapes(asked.types, 0.0)
     square = [Placed(0, Pose(), 100.0 * (k % 4), 100.0 * (k // 4)) for k in range(10)]
     first = Layout(asked, TOUCHING, (Sheetful(asked.stocks[0], 0, tuple(square)),))
-    made = squeezed(first, shapes, 8, 1)
+    made = squeeze_last_sheet(first, shapes, 8, 1)
     assert first.remnant_mm2 == 700_000
     assert made.remnant_mm2 == 900_000
     assert nests_from(made).faults == ()

@@ -6,20 +6,20 @@ import json
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.nesting.run import nests_from
+from kerfwise.jobs.nesting.nests import nests_from
 from kerfwise.nesting import sparrow
-from kerfwise.nesting.denser import denser
+from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
 from kerfwise.nesting.rounds import Effort, best_layout
 from kerfwise.nesting.shapes import Shapes
-from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.nesting.sparrow import compact_layout
+from kerfwise.rules.case import circle, part, rect
 
 ELL = part("L", [(0, 0), (60, 0), (60, 15), (15, 15), (15, 60), (0, 60)])
 RING = part("R", circle(0, 0, 50), [circle(0, 0, 38)])
 BAR = part("B", rect(0, 0, 30, 12))
 TYPES = (PartType("L", ELL, 6), PartType("R", RING, 2), PartType("B", BAR, 6))
-WANTED = Wanted(TYPES, (Stock("s", Sheet.rectangle(300, 200)),))
+WANTED = Demand(TYPES, (Stock("s", Sheet.rectangle(300, 200)),))
 SPACING = Spacing(4.0, 5.0)
 
 
@@ -27,7 +27,7 @@ SPACING = Spacing(4.0, 5.0)
 def test_what_sparrow_packs_passes_the_check_and_is_never_worse() -> None:
     first = best_layout(WANTED, SPACING, Effort(1))
     told: list[str] = []
-    made = denser(first, Shapes(WANTED.types, SPACING.gap_mm), 2.5, 1, told.append)
+    made = compact_layout(first, Shapes(WANTED.types, SPACING.gap_mm), 2.5, 1, told.append)
     assert told == []
     assert made.score <= first.score
     assert nests_from(made).faults == ()
@@ -44,7 +44,7 @@ def test_a_shape_that_ends_its_process_is_told_and_the_layout_stays(monkeypatch:
     monkeypatch.setattr(sparrow, "_asked", crossed)
     first = best_layout(WANTED, SPACING, Effort(1))
     told: list[str] = []
-    assert denser(first, Shapes(WANTED.types, SPACING.gap_mm), 2.5, 1, told.append) is first
+    assert compact_layout(first, Shapes(WANTED.types, SPACING.gap_mm), 2.5, 1, told.append) is first
     assert len(told) == 1
     assert told[0].startswith("sparrow: its process ended with")
 

@@ -6,16 +6,16 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.compare import SideAsked, compare, side_of
-from kerfwise.jobs.given import Given, drawn_nest, plant_of
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.page.page import compared_data, page_bytes, page_data
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.inputs import Inputs, drawn_nest, plant_of
+from kerfwise.jobs.page import compared_data, page_bytes, page_data
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.request import options_for
 from kerfwise.postproc.report import draw
-from kerfwise.rules.profile.one_rule import without_rule
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.overrides import without_rule
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.json"
@@ -23,10 +23,10 @@ EVIL = "<img src=x onerror='window.evil=1'></script><script>window.evil=1</scrip
 _LIMITS = {"work": 0.5, "seed": 1}
 
 
-def _example(without: str = "") -> Given:
+def _example(without: str = "") -> Inputs:
     profile = plant_of()
     profile = without_rule(profile, without) if without else profile
-    return Given(profile.as_cut(drawn_nest(EXAMPLE, profile)), profile)
+    return Inputs(profile.as_cut(drawn_nest(EXAMPLE, profile)), profile)
 
 
 def planned(folder: Path) -> bytes:

@@ -11,7 +11,7 @@ import pytest
 
 from kerfwise.postproc import report
 from kerfwise.postproc.report.page import bundled
-from kerfwise.serving.pages import ENTRY
+from kerfwise.serving.routes import ENTRY
 from kerfwise.tests.tools.typescript import compiler
 
 HERE = Path(__file__).parent

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.plans import KERF_MM
 

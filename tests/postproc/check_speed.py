@@ -34,8 +34,8 @@ MEASURED = """\
 import sys, time
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.postproc.check import check_program
-from kerfwise.postproc.check.reader.on_machine import read_on_machine
-from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.check.reader.read_program import read_on_machine
+from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.rules.profile.load import load_profile
 
 nest, profile = read_nest(sys.argv[1], ReadOptions()), load_profile()

@@ -9,12 +9,12 @@ from typing import Any
 
 import shapely
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.profile.load import load_profile

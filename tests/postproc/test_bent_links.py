@@ -7,16 +7,15 @@ from functools import cache
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.check import report
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.profile.cuts_section import Cuts, Links
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Cuts, Links
 from kerfwise.tests.metal.plant import plant as of_metal
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.models.solved import plant
@@ -42,7 +41,9 @@ def given() -> Profile:
 
 @cache
 def planned() -> Plan:
-    return produce(ask(facts_of(SHEET, given()), given()), given(), options_for(SHEET, given(), work=0.5)).plan
+    return solve_and_verify(
+        make_request(facts_of(SHEET, given()), given()), given(), options_for(SHEET, given(), work=0.5)
+    ).plan
 
 
 def bent(plan: Plan) -> list[PlannedCut]:

@@ -11,22 +11,21 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.compensation import compensated
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.check import CheckResult, Heating, check_cuts, report
-from kerfwise.postproc.clock.heat_path import path_of_plan
-from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program, time_job
+from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.postproc.nc.dxf_out import write_dxf
+from kerfwise.postproc.nc.ordered_drawings import write_dxf
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.profile.cuts_section import Common, Cuts
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Common, Cuts
 from kerfwise.tests.metal.plant import plant as of_metal
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.models.solved import plant
@@ -59,7 +58,9 @@ def given() -> Profile:
 
 @cache
 def planned() -> Plan:
-    return produce(ask(facts_of(SHEET, given()), given()), given(), options_for(SHEET, given(), work=0.5)).plan
+    return solve_and_verify(
+        make_request(facts_of(SHEET, given()), given()), given(), options_for(SHEET, given(), work=0.5)
+    ).plan
 
 
 def text() -> str:
@@ -100,7 +101,9 @@ def test_it_is_quicker_and_cuts_less_than_the_plain_plan_of_the_same_parts() -> 
         ),
     )
     plain = replace(given(), cuts=Cuts())
-    without = produce(ask(facts_of(apart, plain), plain), plain, options_for(apart, plain, work=0.5)).plan
+    without = solve_and_verify(
+        make_request(facts_of(apart, plain), plain), plain, options_for(apart, plain, work=0.5)
+    ).plan
     assert spans(without) == []
     assert planned().totals.cut_mm < without.totals.cut_mm - 230
     assert planned().totals.time_s < without.totals.time_s - 9
@@ -238,7 +241,7 @@ def test_without_the_option_such_a_program_is_refused() -> None:
 
 def test_where_a_machine_waits_at_every_start_each_way_costs_a_pierce() -> None:
     slow = replace(given(), machine=replace(given().machine, kerf_start=False))
-    made = produce(ask(facts_of(SHEET, slow), slow), slow, options_for(SHEET, slow, work=0.5))
+    made = solve_and_verify(make_request(facts_of(SHEET, slow), slow), slow, options_for(SHEET, slow, work=0.5))
     assert made.verdict.ok
     assert made.plan.totals.pierces == len(made.plan.cuts)
     assert len(spans(made.plan)) == 3

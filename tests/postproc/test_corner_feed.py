@@ -10,20 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.physics.timing.choose import machine_feeds
-from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
-from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program, time_job
-from kerfwise.postproc.nc.plan_paths import toolpaths
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.simulation import path_of_plan, path_of_program
+from kerfwise.models.physics.time_and_cost import machine_feeds
+from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.profile.corners_section import Corners
+from kerfwise.postproc.nc.toolpaths import toolpaths
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Corners
 from kerfwise.tests.commands.run_cli import kerfwise
 
 PLATE = nest(
@@ -41,8 +40,10 @@ def plant(**changes: object) -> Profile:
 
 
 @cache
-def made() -> Produced:
-    return produce(ask(facts_of(PLATE, plant()), plant()), plant(), options_for(PLATE, plant(), work=2))
+def made() -> VerifiedPlan:
+    return solve_and_verify(
+        make_request(facts_of(PLATE, plant()), plant()), plant(), options_for(PLATE, plant(), work=2)
+    )
 
 
 def wrong_feeds(program: str, profile: Profile, plate: Nest = PLATE) -> list[str]:

@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.postproc import files
-from kerfwise.postproc.files import expect_outputs, write_files
+from kerfwise.postproc import output_files
+from kerfwise.postproc.output_files import expect_outputs, write_files
 from kerfwise.tests.tools.killing import COUNTED
 
 NAMES = ("out.nc", "out.plan.json", "out.svg")
 WRITER = f"""
 {COUNTED}
 from pathlib import Path
-from kerfwise.postproc.files import write_files
+from kerfwise.postproc.output_files import write_files
 for name in ("open", "fsync", "chmod", "link", "replace", "unlink", "fdopen"):
     setattr(os, name, counted(getattr(os, name)))
 write_files({{Path(name): "new " + name for name in sys.argv[1:]}})
@@ -172,11 +172,11 @@ def test_a_name_as_long_as_the_system_allows(tmp_path: Path) -> None:
 
 
 def test_what_a_kill_left_is_cleared_away_a_day_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    left = tmp_path / f"{files.BESIDE}abc"
+    left = tmp_path / f"{output_files.BESIDE}abc"
     left.write_text("half")
     write_files({tmp_path / "a.nc": "new"})
     assert left.exists()
     now_s = time.time()
-    monkeypatch.setattr(files.time, "time", lambda: now_s + 2 * 86400)
+    monkeypatch.setattr(output_files.time, "time", lambda: now_s + 2 * 86400)
     write_files({tmp_path / "a.nc": "new"})
     assert not left.exists()

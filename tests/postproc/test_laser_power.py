@@ -11,7 +11,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import dialect_text, expect_words, fitting_dialect, load_dialect
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile

@@ -10,22 +10,20 @@ from itertools import pairwise
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.plan.plan import LINKED, Plan
 from kerfwise.postproc.check import CheckResult, report
-from kerfwise.postproc.clock.heat_path import path_of_plan
-from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program, time_job
+from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.postproc.nc.dxf_out import write_dxf
+from kerfwise.postproc.nc.ordered_drawings import write_dxf
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.profile.sections import Cuts, Links, RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.metal.plant import plant as of_metal
 from kerfwise.tests.metal.simulate import simulate
@@ -58,8 +56,8 @@ def given() -> Profile:
 
 @cache
 def planned() -> Plan:
-    asked = ask(facts_of(SHEET, given()), given())
-    return produce(asked, given(), options_for(SHEET, given(), work=0.5)).plan
+    asked = make_request(facts_of(SHEET, given()), given())
+    return solve_and_verify(asked, given(), options_for(SHEET, given(), work=0.5)).plan
 
 
 def linked(plan: Plan) -> list[str]:
@@ -94,7 +92,9 @@ def test_plan_and_program_pass_the_check() -> None:
 
 def test_it_is_quicker_than_the_plain_plan() -> None:
     plain = replace(given(), cuts=Cuts())
-    without = produce(ask(facts_of(SHEET, plain), plain), plain, options_for(SHEET, plain, work=0.5)).plan
+    without = solve_and_verify(
+        make_request(facts_of(SHEET, plain), plain), plain, options_for(SHEET, plain, work=0.5)
+    ).plan
     assert planned().totals.time_s < without.totals.time_s - 2
     assert linked(without) == []
 
@@ -105,7 +105,10 @@ def test_a_hard_lag_of_heat_leaves_no_links_between_near_parts() -> None:
     cool = RuleSetting("hard", None, HeatLagOptions(heat_radius_mm=13.0, lag_cuts=1))
     strict = replace(free, rules={**free.rules, "heat-lag": cool}, cuts=given().cuts, machine=given().machine)
     loose = replace(strict, rules=free.rules)
-    plans = [produce(ask(facts_of(SHEET, p), p), p, options_for(SHEET, p, work=0.5)).plan for p in (strict, loose)]
+    plans = [
+        solve_and_verify(make_request(facts_of(SHEET, p), p), p, options_for(SHEET, p, work=0.5)).plan
+        for p in (strict, loose)
+    ]
     near = {frozenset(pair) for pair in (("A", "B"), ("B", "C"), ("C", "D"), ("A", "E"), ("B", "E"))}
     assert not any(pair in near for pair in followed(plans[0]))
     assert any(pair in near for pair in followed(plans[1], linked_ones=True))

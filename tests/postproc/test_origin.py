@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.profile.machine_section import Machine
-from kerfwise.rules.profile.placing import placing_notes
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import part, rect
+from kerfwise.rules.profile.plant_sections import Machine
+from kerfwise.rules.profile.profile import Profile, placing_notes
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
 from kerfwise.tests.tools import canon
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program, time_job
+from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
-from kerfwise.rules.profile.machine_section import PierceDwell
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.profile.plant_sections import PierceDwell
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 

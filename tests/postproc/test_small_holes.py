@@ -10,13 +10,12 @@ from functools import cache
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.plan.reader import validator
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.plan.read_plan import validator
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 
@@ -37,11 +36,11 @@ def plant(under: str = "spot", least_mm: float = 6.0, **changes: object) -> Prof
 
 
 @cache
-def made(under: str = "spot", least_mm: float = 6.0) -> Produced:
+def made(under: str = "spot", least_mm: float = 6.0) -> VerifiedPlan:
     """The plate planned and written."""
     profile = plant(under, least_mm)
     options = options_for(PLATE, profile, work=2)
-    return produce(ask(facts_of(PLATE, profile), profile), profile, options)
+    return solve_and_verify(make_request(facts_of(PLATE, profile), profile), profile, options)
 
 
 def broken(program: str, profile: Profile, plate: Nest = PLATE) -> dict[str, list[str]]:

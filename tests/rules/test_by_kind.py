@@ -5,8 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.statements import About, Forbid, IdleTravel, Precede, Statement
+from kerfwise.rules.statements import About, Forbid, IdleTravel, Precede, Statement, by_kind
 
 ABOUT = About("r", (), "")
 ONE = st.one_of(

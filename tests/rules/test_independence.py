@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.rules import catalogue, judging
-from kerfwise.rules.own import criterion, measures
+from kerfwise.rules.own import criteria, selector
 from kerfwise.rules.registry import catalogue_modules
 
 
@@ -24,7 +24,7 @@ def imported(node: ast.AST) -> list[str]:
 
 
 JUDGING = [str(path) for path in sorted(Path(str(judging.__file__)).parent.glob("*.py"))]
-FILES = [*(m.__file__ for m in (*catalogue_modules(), catalogue, measures, criterion)), *JUDGING]
+FILES = [*(m.__file__ for m in (*catalogue_modules(), catalogue, selector, criteria)), *JUDGING]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: Path(str(f)).stem)

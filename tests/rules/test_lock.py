@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock, check_locks
 from kerfwise.rules.options.yaml_positions import Place
 

@@ -9,8 +9,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.case import Case
 from kerfwise.rules.flat.model_rule import read_model_rule
-from kerfwise.rules.model_cases import model_cases
-from kerfwise.rules.run_cases import run_cases
+from kerfwise.rules.run_cases import model_cases, run_cases
 from kerfwise.tests.rules.outside.written import NEST
 
 RULE = """\

@@ -21,29 +21,28 @@ PLAIN = {name for name in RULES if "-" not in name}
 IDS = re.compile(rf"(?<![\w-])({'|'.join(sorted(set(RULES) - PLAIN))})(?![\w-])|(?<=rules\.)({'|'.join(PLAIN)})\b")
 ALLOWED = {
     "rules/registry.py": "it collects the catalogue",
-    "rules/own/named_facts.py": "help text that says where a plant sets `long_ratio`",
+    "rules/own/selector.py": "help text that says where a plant sets `long_ratio`",
     "encoder/candidates/candidate.py": "what planners call options of leads: keys of a profile, in messages",
 }
 WORDS = {
     "locks": {
-        "jobs/nest_job/read.py",
+        "jobs/nest_job/job.py",
         "jobs/nest_job/schema.py",
-        "rules/profile/for_one_nest.py",
-        "rules/profile/checks.py",
-        "rules/profile/reader.py",
+        "rules/profile/profile_sections.py",
+        "rules/profile/load.py",
         "rules/profile/schema.py",
     },
     "pierce": {
-        "jobs/sheets/facts.py",
-        "jobs/summary.py",
-        "jobs/times.py",
-        "encoder/candidates/no_room.py",
-        "encoder/facts/write_json.py",
+        "jobs/work_sheet.py",
+        "jobs/display.py",
+        "jobs/programs.py",
+        "encoder/candidates/lead_errors.py",
+        "encoder/facts/export.py",
         "models/plan/plan.py",
-        "models/plan/reader.py",
+        "models/plan/read_plan.py",
         "postproc/report/legend.py",
         "postproc/report/picture.py",
-        "rules/own/direction_entry.py",
+        "rules/own/constraint.py",
     },
 }
 """Where a word that is an id besides means the key or the place."""

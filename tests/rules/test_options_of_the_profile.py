@@ -15,15 +15,15 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import check_cuts, check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat.model_rule import ModelRule, options_in_place
+from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
@@ -100,7 +100,7 @@ def _own(options: Any) -> list[Any]:
 def planned() -> tuple[CutSequence, str]:
     """Cuts of the plate and their program, under the default profile."""
     profile = load_profile()
-    made = produce(ask(facts_of(PLATE, profile), profile), profile, SolveOptions(work=0.5))
+    made = solve_and_verify(make_request(facts_of(PLATE, profile), profile), profile, SolveOptions(work=0.5))
     return made.plan.sequence(profile.machine.home), made.program
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import FactOptions, Facts
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.catalogue.zone_order import ZoneOrder, ZoneOrderOptions
 from kerfwise.rules.options.option import NoOptions

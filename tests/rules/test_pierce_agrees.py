@@ -7,13 +7,13 @@ from itertools import permutations
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.candidates.older_kerfs import older_kerfs
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
+from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rules.judging.pierces import leads_over_older_kerfs
 from kerfwise.tests.tools.amount import few
 
 KERF_MM, SPLASH_MM = 1.5, 0.5
@@ -55,7 +55,7 @@ def test_two_cuts_in_either_order(leads: str, sheet: str) -> None:
         if earlier.contour == later.contour or (k, e) in slack:
             continue
         cuts = CutSequence((cut_of(where, earlier), cut_of(where, later)))
-        found = list(over_older_kerfs(where, cuts, KERF_MM, SPLASH_MM))
+        found = list(leads_over_older_kerfs(where, cuts, KERF_MM, SPLASH_MM))
         assert bool(found) == ((k, earlier.contour) in rings or (k, e) in pairs), (e, k, found)
         compared += 1
     assert compared > 50
@@ -78,4 +78,4 @@ def test_a_lead_of_half_a_kerf_lies_wholly_beside_its_own_contour(length_mm: flo
         return Cut(name, (x, y), "cw", pierce, Curve.of([pierce, join], closed=False))
 
     cuts = CutSequence((entered("A.outer", 50, 20), entered("B.outer", 140, 30)))
-    assert list(over_older_kerfs(where, cuts, KERF_MM, SPLASH_MM)) == []
+    assert list(leads_over_older_kerfs(where, cuts, KERF_MM, SPLASH_MM)) == []

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidity, PartRigidityOptions
 from kerfwise.rules.statements import AtLeast, Before
 from kerfwise.tests.rules.test_statements_agree import sheets

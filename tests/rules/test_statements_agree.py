@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.nest import Nest, Part
-from kerfwise.rules.case import cut
+from kerfwise.rules.case import circle, cut, nest, part, rect
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions

@@ -19,10 +19,8 @@ import uvicorn
 
 import kerfwise
 from kerfwise.cli import main
-from kerfwise.serving.app import make_app
-from kerfwise.serving.folder import Folder
-from kerfwise.serving.run import config_of
-from kerfwise.serving.server import Server
+from kerfwise.serving.run_server import config_of, make_app
+from kerfwise.serving.server import Folder, Server
 
 TOKEN = "the-token-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"

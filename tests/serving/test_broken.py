@@ -15,10 +15,10 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from kerfwise.encoder.readers.read import BrokenNest
-from kerfwise.serving import problems
-from kerfwise.serving.child import as_told
-from kerfwise.serving.desk import Desk
-from kerfwise.serving.wanted import Wanted
+from kerfwise.serving import query_worker
+from kerfwise.serving.plan_request import PlanRequest
+from kerfwise.serving.query_worker import Desk
+from kerfwise.serving.worker import error_as_json
 from kerfwise.tests.serving.at_page import drop
 from kerfwise.tests.serving.conftest import TOUCH_FIRST
 from kerfwise.tests.serving.served import TOKEN, Served
@@ -42,9 +42,9 @@ MENDABLE = nest(square(20, 20), CROSSED)
 
 def told(path: Path, repair: bool = False) -> dict[str, Any]:
     try:
-        Desk().opened(Wanted(str(path), None, repair))
+        Desk().opened(PlanRequest(str(path), None, repair))
     except Exception as error:
-        wrong: dict[str, Any] = as_told(error)["problems"]
+        wrong: dict[str, Any] = error_as_json(error)["problems"]
         return wrong
     raise AssertionError("it was opened")
 
@@ -101,9 +101,9 @@ def test_thousands_of_open_lines_are_told_in_seconds(monkeypatch: pytest.MonkeyP
     details += ["open7: too short", "open12, and open door are odd", "open12.5 or reopen3"]
     contours = SimpleNamespace(contour=lines.__getitem__, file="open.dxf")
     broken = SimpleNamespace(nest=contours, wrong=tuple(lines), details=details, message="lines do not close")
-    monkeypatch.setattr(problems, "page_of", lambda *given: {})
+    monkeypatch.setattr(query_worker, "page_of", lambda *given: {})
     begun_s = time.process_time()
-    told = [one["contours"] for one in problems.problems_of(cast("BrokenNest", broken), None)["lines"]]
+    told = [one["contours"] for one in query_worker.problems_of(cast("BrokenNest", broken), None)["lines"]]
     assert time.process_time() - begun_s < 10  # half a second; minutes where each line looks at all others
     assert told == [*([f"open{k}"] for k in range(1, 3000)), ["open7"], ["open12", "open door"], []]
 

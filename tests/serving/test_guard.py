@@ -13,10 +13,9 @@ from pathlib import Path
 import httpx
 import pytest
 
-from kerfwise.serving.app import make_app
-from kerfwise.serving.folder import Folder, is_readable
 from kerfwise.serving.guard import MOST_BODY_BYTES
-from kerfwise.serving.server import Server
+from kerfwise.serving.run_server import make_app
+from kerfwise.serving.server import Folder, Server, is_readable
 from kerfwise.tests.serving.served import SMALL, TOKEN, Open, Served
 
 OWN = {"x-kerfwise-token": TOKEN}

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.lock_text import lines_of
-from kerfwise.serving.job_text import JobText
+from kerfwise.rules.profile.overrides import lines_of
+from kerfwise.serving.job_edits import JobText
 
 NAMES = st.one_of(
     st.text(st.characters(exclude_categories=("Cc", "Cs")), min_size=1, max_size=12),

@@ -7,18 +7,17 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.explaining import Explainer
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.moving import Mover
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.explainer import Explainer, Mover
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.request import options_for
 from kerfwise.models.engines.solution import Solution
-from kerfwise.models.plan.make import make_plan
-from kerfwise.postproc.clock.timed import with_times
-from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.postproc.clock import with_times
+from kerfwise.postproc.verdict.check_plan import check_plan
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 
@@ -34,7 +33,7 @@ HOOK = nest(
 
 def explainer(plate: Nest, *locks: Lock) -> Explainer:
     profile = load_profile()
-    given = Given(plate, replace(profile, locks=locks))
+    given = Inputs(plate, replace(profile, locks=locks))
     done = plan_nest(given, options_for(plate, given.profile, work=1.0))
     return Explainer(done.given, done.made.plan, done.facts)
 

@@ -8,7 +8,7 @@ import json
 import httpx
 import pytest
 
-from kerfwise.serving.news import News
+from kerfwise.serving.session import News
 from kerfwise.tests.serving.served import SMALL, Open, Tab
 
 pytestmark = pytest.mark.slow

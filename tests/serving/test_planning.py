@@ -14,11 +14,11 @@ import httpx
 import pytest
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.jobs import main_job
-from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs import plan_nest as main_job
+from kerfwise.jobs.request import NoPlan
 from kerfwise.serving import planner
-from kerfwise.serving.effect import Effects
-from kerfwise.serving.wanted import Wanted
+from kerfwise.serving.plan_request import PlanRequest
+from kerfwise.serving.planner import Effects
 from kerfwise.tests.serving.served import EXAMPLES, SMALL, Open, Served, Tab, wait_for
 
 pytestmark = pytest.mark.slow
@@ -146,9 +146,9 @@ def test_what_was_ended_early_is_no_measure_of_the_next_effect(tmp_path: Path, m
     going = [False]
     effects = Effects(lambda: lambda reached: going[0])
     values = [("heat-lag", "weight", "80 mm")]
-    ended = effects.effect(Wanted(str(nest)), values)["before"]
+    ended = effects.effect(PlanRequest(str(nest)), values)["before"]
     going[0] = True
-    assert effects.effect(Wanted(str(nest)), values)["before"]["objective_mm"] < ended["objective_mm"]
+    assert effects.effect(PlanRequest(str(nest)), values)["before"]["objective_mm"] < ended["objective_mm"]
 
 
 def test_little_work_that_finds_no_plan_is_followed_by_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -165,6 +165,6 @@ def test_little_work_that_finds_no_plan_is_followed_by_more(tmp_path: Path, monk
 
     monkeypatch.setattr(planner, "plan_nest", plan_nest)
     asking = SimpleNamespace(begin=lambda: None, tell=lambda **told: None, stopped=False)
-    told = planner.Planner(cast(Any, asking)).solve(Wanted(str(nest)), 0.25, memory_gb=1.5)
+    told = planner.Planner(cast(Any, asking)).solve(PlanRequest(str(nest)), 0.25, memory_gb=1.5)
     assert tried == [(0.25, 1.5), (1.0, 1.5), (4.0, 1.5)]
     assert (told["work"], told["memory_gb"], told["ok"]) == (4.0, 1.5, True)

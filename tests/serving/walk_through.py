@@ -15,7 +15,7 @@ from pathlib import Path
 from playwright.sync_api import Browser, Page
 
 import kerfwise
-from kerfwise.postproc.files import write_files
+from kerfwise.postproc.output_files import write_files
 from kerfwise.tests.serving.served import EXAMPLES, TOKEN, Served, serving
 from kerfwise.tests.tools.browser import launched
 

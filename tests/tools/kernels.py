@@ -6,10 +6,10 @@ of it; so it is done once before they start.
 
 from __future__ import annotations
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.models.engines.warm_up import load_kernels
+from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.models.physics.heat.simulate import simulate
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.tests.models.physics.heat.paths import along
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.batch import cluster
+from kerfwise.jobs.batch import run
 from kerfwise.tests.tools import browser, canon, typescript
 from kerfwise.tests.tools.outside import gcode_toolpath
 
@@ -26,7 +26,7 @@ def without_linuxcnc() -> str | None:
 
 def without_minizinc() -> str | None:
     """How to get MiniZinc, where it is missing."""
-    from kerfwise.models.engines.minizinc.installation import driver
+    from kerfwise.rules.minizinc.installation import driver
 
     try:
         driver()
@@ -65,7 +65,7 @@ def without_browser() -> str | None:
 def without_dask() -> str | None:
     """How to get Dask, where it is missing."""
     try:
-        cluster.dask()
+        run.dask()
     except InputError as missing:
         return f"{missing}; -m 'not dask' {LEFT_OUT}"
     return None
@@ -105,6 +105,6 @@ def keep_from(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
     elif marker == "linuxcnc":
         monkeypatch.setattr(canon, "find_rs274", lambda: Unmarked(marker).path)
     elif marker == "dask":
-        monkeypatch.setattr(cluster, "dask", lambda: Unmarked(marker).module)
+        monkeypatch.setattr(run, "dask", lambda: Unmarked(marker).module)
     else:
         monkeypatch.setattr(minizinc, "default_driver", Unmarked(marker))

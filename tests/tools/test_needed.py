@@ -8,13 +8,13 @@ from pathlib import Path
 import minizinc
 import pytest
 
-from kerfwise.jobs.batch import cluster
+from kerfwise.jobs.batch import run
 from kerfwise.tests.tools import browser, canon, typescript
 from kerfwise.tests.tools.needed import WITHOUT, keep_from, without_linuxcnc, without_minizinc
 from kerfwise.tests.tools.outside import gcode_toolpath
 
 FIND, DRIVER, MODULES = canon.find_rs274, minizinc.default_driver, gcode_toolpath.modules
-DASK, CHROMIUM, COMPILER = cluster.dask, browser.chromium, typescript.compiler
+DASK, CHROMIUM, COMPILER = run.dask, browser.chromium, typescript.compiler
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(typescript, "compiler", COMPILER)
     monkeypatch.setattr(typescript, "ROOT", Path("nowhere"))
     monkeypatch.setattr(browser, "chromium", CHROMIUM)
-    monkeypatch.setattr(cluster, "dask", DASK)
+    monkeypatch.setattr(run, "dask", DASK)
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.delenv("NODE_READERS", raising=False)
     monkeypatch.delenv("RS274", raising=False)

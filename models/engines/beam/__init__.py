@@ -1,6 +1,5 @@
 """A beam over ideals: the exact dynamic program cut short, as wide as time and memory allow."""
 
-from .applicability import unfit
-from .beam import BeamResult, beam
+from .beam_search import BeamResult, beam, unfit
 
 __all__ = ["BeamResult", "beam", "unfit"]

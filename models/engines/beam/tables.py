@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from kerfwise.arrays import Floats, Int32s, Ints
-from kerfwise.encoder.geometry.microns import cost_um
-from kerfwise.models.engines.ideals.local import OrderSets, StepTerms, localise
+from kerfwise.encoder.geometry.tolerances import cost_um
+from kerfwise.models.engines.ideals.stretch import OrderSets, StepTerms, localise
 from kerfwise.models.problem.crossings import FORBIDDEN, in_order
 from kerfwise.models.problem.problem import Problem
 

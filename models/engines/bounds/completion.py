@@ -17,14 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int16s, Ints
 from kerfwise.models.engines.solution import Progress
-from kerfwise.models.kernels import cores
+from kerfwise.models.jit import cores, jit
 from kerfwise.models.problem.problem import Problem
 
-from .kernels import look_back, walk_on
-from .moves import least_moves
-from .ng_paths import NgSets, ng_sets
+from .move_costs import least_moves
 
 ADDITIONS_PER_S = 6e8
 THREADS = cores()
@@ -175,3 +173,148 @@ def _additions(problem: Problem, near: NgSets, earliest: Ints, latest: Ints) -> 
     ways = np.where(problem.successors()[:-1, :-1], numbers, 0) * sites[:, None] * sites[None, :]
     places = np.minimum(latest[:, None], latest[None, :] - 1) - np.maximum(earliest[:, None], earliest[None, :] - 1) + 1
     return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * near.size * 4) + 1.0
+
+
+# The inner loops of the bound by walks, compiled by numba.
+
+
+@jit(nogil=True)
+def look_back(  # pragma: no cover - compiled
+    k: int, part: int, parts: int, back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints,
+    earliest: Ints, latest: Ints, carried: Int16s, to_go: Floats, least: Floats
+) -> None:  # fmt: skip
+    """Fill `to_go[k, M, s]` for every `parts`-th contour from `part` on, `to_go[k + 1]` given.
+
+    It is the least of all walks that go on from site s, the k-th, to the end and remember M.
+
+    `back[t, s]` is what coming to t from s costs (home last), `price[c]` what is paid out at contour c, which may be
+    the k-th for `earliest[c]` ≤ k ≤ `latest[c]`. Where remembering less costs no more, `to_go` is infinite.
+    `least[k, A, s]` is the least over all memories M within A.
+    """
+    n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
+    for a in range(part, n, parts):
+        if k < earliest[a] or k > latest[a]:
+            to_go[k, :, first[a] : first[a + 1]] = np.inf
+            least[k, :, first[a] : first[a + 1]] = np.inf
+            continue
+        to_go[k, :, first[a] : first[a + 1]] = np.inf
+        if k == n:
+            for s in range(first[a], first[a + 1]):  # numba takes seconds to compile what copies an array into another
+                to_go[k, 0, s] = back[m, s]
+        else:
+            ahead = np.empty(memories)
+            for b in range(n):
+                if not lawful[a, b] or k + 1 < earliest[b] or k + 1 > latest[b]:
+                    continue
+                for t in range(first[b], first[b + 1]):
+                    ahead[:] = np.inf
+                    for before in range(memories):
+                        after = carried[a, b, before]
+                        if after >= 0:
+                            ahead[after] = min(ahead[after], to_go[k + 1, before, t])
+                    row = back[t]
+                    for after in range(memories):
+                        if ahead[after] < np.inf:
+                            cost = ahead[after] - price[b]
+                            here = to_go[k, after]
+                            for s in range(first[a], first[a + 1]):
+                                total = row[s] + cost
+                                here[s] = min(here[s], total)
+        for s in range(first[a], first[a + 1]):
+            for memory in range(memories):
+                best = np.inf
+                bit = 1
+                while bit < memories:
+                    if memory & bit:
+                        best = min(best, least[k, memory ^ bit, s])
+                    bit <<= 1
+                if to_go[k, memory, s] < best:
+                    best = to_go[k, memory, s]
+                else:
+                    to_go[k, memory, s] = np.inf
+                least[k, memory, s] = best
+
+
+@jit(nogil=True)
+def walk_on(  # pragma: no cover - compiled
+    back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Int16s, to_go: Floats, walk: Ints
+) -> float:  # fmt: skip
+    """The cheapest walk from home, its contours in `walk`; its cost."""
+    n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
+    at, here, memory, cost = m, n, 0, np.inf
+    for k in range(1, n + 1):
+        best = np.inf
+        site, contour, remembered = -1, -1, 0
+        for b in range(n):
+            if not lawful[here, b]:
+                continue
+            for ahead in range(memories):
+                if here < n and carried[here, b, ahead] != memory:
+                    continue
+                for t in range(first[b], first[b + 1]):
+                    total = back[t, at] - price[b] + to_go[k, ahead, t]
+                    if total < best:
+                        best, site, contour, remembered = total, t, b, ahead
+        if site < 0:
+            return np.inf
+        if k == 1:
+            cost = best
+        walk[k - 1] = contour
+        at, here, memory = site, contour, remembered
+    return cost
+
+
+# What a walk remembers: at every contour, which of a few others near it come later.
+#
+# A walk that must keep clear of the contours it remembers takes short cycles no more (ng-routes: Baldacci, Mingozzi
+# and Roberti 2011). It remembers a contour as long as all contours on its way have it among their neighbours.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NgSets:
+    """`near[a, j]` is neighbour j of contour a, -1 for none; a memory at a is a set of bits j.
+
+    A walk at contour a that goes on to b, where it remembers M, remembers `carried[a, b, M]` at a; -1 where it may
+    not: a is in M, or something that must come before a is.
+    """
+
+    near: Ints
+    carried: Int16s
+
+    @property
+    def size(self) -> int:
+        """Number of memories at a contour."""
+        return int(self.carried.shape[2])
+
+
+def ng_sets(problem: Problem, move: Floats, most: int) -> NgSets:
+    """The `most` nearest neighbours of every contour among those that may be cut at about the same time."""
+    n = problem.n
+    near = _nearest(problem, move, min(most, n - 1))
+    memories = np.arange(1 << near.shape[1])
+    bit = np.full((n, n + 1), -1, dtype=np.int64)  # which neighbour of the row the column is
+    rows, columns = np.nonzero(near >= 0)
+    bit[rows, near[rows, columns]] = columns
+    own = np.where(bit[:, :n] >= 0, 1 << np.maximum(bit[:, :n], 0), 0)
+    carried = np.repeat(own[:, :, None], len(memories), axis=2)
+    never = problem.before.T | np.eye(n, dtype=np.bool_)  # never[a, c]: c may not come after a
+    for j in range(near.shape[1]):
+        has = (memories >> j & 1).astype(np.bool_)
+        there = near[:, j] >= 0
+        contour = np.where(there, near[:, j], 0)
+        kept = np.where(there[None, :], own[:, contour], 0)  # (a, b): what neighbour j of b is at a
+        broken = never[:, contour] & there[None, :]
+        carried |= np.where(has, kept[:, :, None], 0)
+        carried[broken[:, :, None] & has] = -1
+    return NgSets(near, carried.astype(np.int16))
+
+
+def _nearest(problem: Problem, move: Floats, most: int) -> Ints:
+    n, m = problem.n, problem.m
+    first = problem.first[:-1]
+    apart = np.minimum.reduceat(np.minimum.reduceat(move[:m, :m], first, axis=0), first, axis=1)
+    apart = np.minimum(apart, apart.T)
+    np.fill_diagonal(apart, np.inf)
+    order = np.argsort(apart, axis=1, kind="stable")[:, :most]
+    near: Ints = np.where(np.isfinite(np.take_along_axis(apart, order, axis=1)), order, -1).reshape(n, most)
+    return near

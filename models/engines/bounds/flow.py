@@ -13,26 +13,21 @@ import heapq
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
-from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.problem import Links, Problem
 
-from .between import Between
-from .branching import split
-from .costs import Stopped
-from .demands import DemandColumns
 from .flow_program import FlowProgram
 from .flow_work import sets_out_s
-from .inequalities import block_inequalities
-from .merged import merged
-from .network import Network, network_of
-from .passages import size_without_inner
-from .pricing import Multipliers
-from .separation import Separation
+from .inequalities import DemandColumns, Inequalities, block_inequalities
+from .move_costs import Stopped, size_without_inner, sure_crossings
+from .network import Multipliers, Network, network_of
+from .separation import Flow, Separation
 
 LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
@@ -92,7 +87,7 @@ def flow_bound(
     contours, sites = size_without_inner(problem)
     if sites > most_sites or sets_out_s(contours, sites) > SETTING_OUT * work:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
-        problem, sites = merged(problem), contours
+        problem, sites = contract_sites(problem), contours
 
     def in_time() -> bool:
         """Whether the clock leaves time; all work is counted afterwards."""
@@ -197,7 +192,9 @@ def branch(loop: CutLoop) -> float:
     cases: list[tuple[float, int, Bools]] = []
     number, reached, done = 0, loop.best, known
     while True:
-        parts = split(flow.allowed, flow.contours_used(), flow.sites_used(), flow.owner) if reached <= goal else []
+        parts = (
+            branch_cases(flow.allowed, flow.contours_used(), flow.sites_used(), flow.owner) if reached <= goal else []
+        )
         if reached <= goal and not parts:
             done = min(done, reached)
         for part in parts:
@@ -212,3 +209,128 @@ def branch(loop: CutLoop) -> float:
         reached = max(bound, loop.run(ROUNDS, GAIN))
         if not loop.stalled and reached <= goal:  # not looked at to its end
             return min(done, reached, *(case[0] for case in cases))
+
+
+# Branching on what a flow leaves open: which contour directly follows which, and by which site a contour is cut.
+#
+# Each case is the same linear program with fewer moves, solved on from the last basis; the cuts found in one hold in
+# all. Bounds are worked out from multipliers as everywhere, so a case is done with once its bound reaches the known
+# plan.
+
+WHOLE = 1e-3
+"""What is no further from a whole number is one."""
+
+
+def branch_cases(allowed: Bools, used: Floats, sites_used: Floats, owner: Ints) -> list[Bools]:
+    """Two cases that have every plan of the moves `allowed` (m + 1, m + 1) between them; none where all is whole.
+
+    `used` (n + 1, n + 1) goes from contour to contour, `sites_used` (m + 1,) to sites; `owner` is the contour of each.
+    """
+    open_ = np.minimum(used, 1.0 - used)
+    i, j = np.unravel_index(int(np.argmax(open_)), open_.shape)
+    without, only = allowed.copy(), allowed.copy()
+    if open_[i, j] > WHOLE:
+        leaves, reaches = owner == i, owner == j
+        without[np.ix_(leaves, reaches)] = False
+        only[np.ix_(leaves, ~reaches)] = False
+        only[np.ix_(~leaves, reaches)] = False
+        return [without, only]
+    open_sites = np.minimum(sites_used, 1.0 - sites_used)
+    site = int(np.argmax(open_sites))
+    if open_sites[site] <= WHOLE:
+        return []
+    without[site] = without[:, site] = False
+    others = (owner == owner[site]) & (np.arange(len(owner)) != site)
+    only[others] = only[:, others] = False
+    return [without, only]
+
+
+# Cuts for a flow between the cheapest one and those before it (Ben-Ameur and Neto 2007).
+#
+# The cheapest flow is a corner of what the program allows, and cuts chosen by a corner often cut off little else. A
+# flow inside breaks fewer inequalities; those that it does break, and the cheapest one as well, cut deep.
+
+STEP = 0.4
+"""How far it goes from where it was towards the cheapest flow each time."""
+LITTLE = 1e-3
+"""Less than so much along a move is none of it."""
+LEAST = 0.02
+"""What the cheapest flow must be missing of an inequality."""
+
+
+class Between:
+    """Looks for inequalities that a flow on the way to the cheapest one breaks.
+
+    Moves come behind those of before; where some are dropped, `keep` is told.
+    """
+
+    def __init__(self, separation: Separation) -> None:
+        self._separation = separation
+        self._amount: Floats | None = None
+        self._beside: Floats = np.zeros(0)
+
+    def uses(self, moves: int) -> Bools:
+        """Which of the first so many moves the flow inside has, (moves,)."""
+        used = np.zeros(moves, dtype=np.bool_)
+        if self._amount is not None:
+            used[: len(self._amount)] = self._amount >= LITTLE
+        return used
+
+    def keep(self, kept: Bools) -> None:
+        """Go on with these of the moves."""
+        if self._amount is not None:
+            self._amount = self._amount[kept[: len(self._amount)]]
+
+    def broken(self, cheapest: Flow, beside: Floats, go: Callable[[], bool]) -> Inequalities:
+        """Inequalities that the cheapest flow breaks; `beside` are the columns beside its moves."""
+        if self._amount is None:
+            self._amount, self._beside = cheapest.amount, beside
+            return self._separation.broken(cheapest, beside, go)
+        amount = np.zeros_like(cheapest.amount)
+        amount[: len(self._amount)] = (1 - STEP) * self._amount
+        self._amount, self._beside = amount + STEP * cheapest.amount, STEP * beside + (1 - STEP) * self._beside
+        inside = Flow(cheapest.leave, cheapest.reach, np.where(self._amount < LITTLE, 0.0, self._amount))
+        found = self._separation.broken(inside, self._beside, go)
+        some = np.flatnonzero(cheapest.amount)
+        comes_to = found.across(cheapest.leave[some], cheapest.reach[some]) @ cheapest.amount[some]
+        cuts = found.only(comes_to + found.beside @ beside < found.least - LEAST)
+        if len(cuts) or not go():
+            return cuts
+        self._amount = None
+        return self.broken(cheapest, beside, go)
+
+
+# A smaller problem that bounds a large one: contours stand for all their sites.
+
+FAR = 1e11
+"""What an unlawful move costs where moves are whole numbers."""
+
+
+def contract_sites(problem: Problem) -> Problem:
+    """A problem of one site a contour that no plan undercuts: to and from it by the cheapest move."""
+    n, m, first = problem.n, problem.m, np.append(problem.first, problem.m + 1)
+    charged = sure_crossings(problem) if len(problem.crossings) else None
+    least = np.empty((n + 1, n + 1))
+    for contour in range(n + 1):  # the table of all sites is too large to be made at once
+        sites = np.arange(first[contour], first[contour + 1])
+        move = problem.travel(sites, np.arange(m + 1)).astype(np.float64)
+        move[:, :m] += problem.site_cost
+        if charged is not None:
+            move += charged[sites].toarray()
+        least[contour] = np.minimum.reduceat(move.min(axis=0), first[:-1])
+    least[~problem.successors()] = np.inf
+    return replace(
+        problem,
+        first=np.arange(n + 1, dtype=np.int64),
+        site_contour=np.arange(n, dtype=np.int64),
+        site_candidate=problem.site_candidate[problem.first[:-1]],
+        pierce_um=problem.pierce_um[problem.first[:-1]],
+        end_um=problem.end_um[problem.first[:-1]],
+        site_cost=np.zeros(n, dtype=np.int64),
+        conditions=(),
+        soft_groups=(),
+        general=(),
+        crossings=Crossings(),
+        links=Links(),
+        matrix=np.minimum(least, FAR).astype(np.int64),
+    )

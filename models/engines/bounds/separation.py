@@ -1,25 +1,27 @@
-"""Which inequalities a flow breaks: what must lead from one place to another does so with too little, by maximum flows.
-
-From home to a contour no plan meets what comes after it, from a contour to home nothing that comes before it, and
-from one contour to a later one nothing before the one or after the other, nor home (Balas, Fischetti and Pulleyblank
-1995). The same holds of a site, as far as it is used (Fischetti, Salazar González and Toth 1997): without that a flow
-can come to a contour at one of its sites and go on in another cycle from the next.
-"""
+"""Which inequalities a flow breaks, found by least cuts in its graph."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from kerfwise.arrays import Floats
-from kerfwise.models.problem.closure import immediate
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.jit import jit
+from kerfwise.models.problem.precedence import immediate
 
-from .demands import DemandColumns, Order
-from .inequalities import Inequalities, of_covers, of_cuts
-from .least_cuts import LITTLE, Flow, Graph, Missing, Way
+from .inequalities import DemandColumns, Inequalities, Order, OrderCut, cover_inequalities, cut_inequalities
 from .network import Network
+
+# Which inequalities a flow breaks: what must lead from one place to another does so with too little, by maximum
+# flows.
+#
+# From home to a contour no plan meets what comes after it, from a contour to home nothing that comes before it, and
+# from one contour to a later one nothing before the one or after the other, nor home (Balas, Fischetti and
+# Pulleyblank 1995). The same holds of a site, as far as it is used (Fischetti, Salazar González and Toth 1997):
+# without that a flow can come to a contour at one of its sites and go on in another cycle from the next.
 
 MUCH = 0.2
 """What may be missing of a flow where there are cuts by more."""
@@ -77,7 +79,9 @@ class Separation:
         chosen = sorted(by_much or found.values(), key=lambda missing: -missing.amount)[: self._most]
         m, columns = self._problem.m, len(beside)
         covers = [cover for _, cover in self._demands.covers(graph.used, beside)]
-        return of_cuts([graph.lifted(missing) for missing in chosen], m, columns).joined(of_covers(covers, m, columns))
+        return cut_inequalities([graph.lifted(missing) for missing in chosen], m, columns).joined(
+            cover_inequalities(covers, m, columns)
+        )
 
     def _look(
         self, tasks: list[_Task], graph: Graph, beside: Floats, found: dict[bytes, Missing], go: Callable[[], bool]
@@ -155,3 +159,233 @@ class Separation:
                     if len(chosen) > 1:
                         found[_Sites(j, chosen)] = None
         return list(found)
+
+
+# The graph of a flow, and the least cuts on the ways across it.
+
+UNIT = 1_000_000
+"""Flows are whole millionths."""
+LITTLE = 0.05
+"""What may be missing of a flow without a cut."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Flow:
+    """How much goes along moves `leave[k]` → `reach[k]` between sites, home last; all (moves,)."""
+
+    leave: Ints
+    reach: Ints
+    amount: Floats
+
+
+class Way(NamedTuple):
+    """From contour to contour, or home, meeting no site that is `barred` (m + 1,); by some sites of either where those
+    are given, or as far as an order holds."""
+
+    start: int
+    end: int
+    barred: Bools
+    start_sites: Bools | None = None
+    end_sites: Bools | None = None
+    order: Order | None = None
+
+    @property
+    def through(self) -> Bools | None:
+        """The sites that count, None for all of the contour."""
+        return self.end_sites if self.start_sites is None else self.start_sites
+
+
+class Missing(NamedTuple):
+    """How much is missing of what should go a way, and which of the nodes of a graph are on its start's side."""
+
+    amount: float
+    way: Way
+    side: Bools
+
+    @property
+    def name(self) -> bytes:
+        """Equal for ways that are cut alike."""
+        way, sites = self.way, self.way.through
+        order = b"" if way.order is None else bytes(f"{way.order.column} {way.order.turned}", "ascii")
+        return self.side.tobytes() + way.barred.tobytes() + (b"" if sites is None else sites.tobytes()) + order
+
+
+class Graph:
+    """The moves of a flow, between the sites that it uses."""
+
+    def __init__(self, network: Network, flow: Flow) -> None:
+        problem = network.problem
+        room = np.rint(flow.amount * UNIT).astype(np.int64)
+        taken = room > 0
+        self._owner = np.append(problem.site_contour, problem.n)
+        self._sites, ends = np.unique(np.append(flow.leave[taken], flow.reach[taken]), return_inverse=True)
+        self._leave, self._reach = ends.reshape(2, -1)
+        self._room = room[taken]
+        ends = np.concatenate([self._leave, self._reach])
+        arcs = np.arange(len(self._leave))
+        self._first = np.searchsorted(np.sort(ends), np.arange(len(self._sites) + 1))
+        self._arcs = np.concatenate([arcs, ~arcs])[np.argsort(ends, kind="stable")]
+        self._contour = self._owner[self._sites]
+        self._n, self._before, self._first_site = problem.n, problem.before, problem.first[:-1]
+        self._wants_out, self._wants_in = network.sooner, network.later
+        self.size = int(taken.sum())
+        self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
+
+    def least_cut(self, way: Way, beside: Floats) -> Missing | None:
+        """The least cut on a way, if more than a little is missing of what should go across."""
+        through = way.through
+        need = 1.0 if through is None else float(self.used[through].sum())
+        if way.order is not None:
+            need = way.order.value(beside)
+        kept = self._kept(way)
+        start = (way.start_sites if way.start_sites is not None else self._owner == way.start)[self._sites]
+        end = (way.end_sites if way.end_sites is not None else self._owner == way.end)[self._sites]
+        side = np.empty(len(self._sites), dtype=np.bool_)
+        enough = round((need - LITTLE) * UNIT)
+        over = flow_up_to(
+            enough, start, end, kept[self._sites], self._leave, self._reach, self._room, self._first, self._arcs, side
+        )
+        amount = need - over / UNIT
+        return Missing(amount, way, side) if amount > LITTLE else None
+
+    def lifted(self, missing: Missing) -> OrderCut:
+        """What goes from one side to the other, meeting as little as can be."""
+        way = missing.way
+        tail, head = self._sides(missing.side, way)
+        kept = self._kept(way) & ~self._lifted(tail, head, way)
+        return OrderCut(tail & kept, head & kept, way.through, way.order)
+
+    def _kept(self, way: Way) -> Bools:
+        kept = ~way.barred
+        kept[-1] = self._n in (way.start, way.end)
+        return kept
+
+    def _lifted(self, tail: Bools, head: Bools, way: Way) -> Bools:
+        """Sites (m + 1,) that the move across meets as little as what the way bars, given all that is on its sides.
+
+        Of the contours that lie whole on the side of the tail, the last is no earlier than any of them; the move out of
+        it meets nothing that comes before one of them. On the way to home that is all of them, on the way to a contour
+        those that come before it. The same from the other end (Balas, Fischetti and Pulleyblank 1995).
+        """
+        before, i, j, n = self._before, way.start, way.end, self._n
+        first = self._first_site
+        left = np.logical_and.reduceat(tail[:-1], first)
+        right = np.logical_and.reduceat(head[:-1], first)
+        if j == n:
+            left[i] = True
+            return np.asarray(self._wants_in[:, left].any(axis=1))
+        if i == n:
+            right[j] = True
+            return np.asarray(self._wants_out[:, right].any(axis=1))
+        left &= before[:, j]
+        left[i] = True
+        right &= before[left].all(axis=0)
+        right[j] = True
+        return np.asarray(self._wants_in[:, left].any(axis=1) | self._wants_out[:, right].any(axis=1))
+
+    def _sides(self, side: Bools, way: Way) -> tuple[Bools, Bools]:
+        """All sites on either side; those not in use go with the contour's own, or to the end."""
+        before, after = (np.bincount(self._contour[which], minlength=self._n + 1) for which in (side, ~side))
+        tail = ((before > 0) & (after == 0))[self._owner]
+        tail[self._sites] = side
+        if way.start_sites is not None:
+            tail |= way.start_sites
+        elif way.start < self._n:
+            tail |= self._owner == way.start
+        tail &= ~way.end_sites if way.end_sites is not None else self._owner != way.end
+        return tail, ~tail
+
+
+# The inner loop of the search for broken inequalities, compiled by numba.
+
+
+@jit(nogil=True)
+def flow_up_to(  # pragma: no cover - compiled
+    enough: int, start: Bools, end: Bools, open_: Bools, leave: Ints, reach: Ints, room: Ints, first: Ints,
+    arcs: Ints, side: Bools
+) -> int:  # fmt: skip
+    """The most that flows from the `start` nodes to the `end` nodes over `open_` nodes, or more than `enough` of it.
+
+    By blocking flows in layers (Dinitz 1970). Arc a leads from node `leave[a]` to `reach[a]` and has `room[a]`; arcs
+    of node k are `arcs[first[k]:first[k + 1]]`, a where it leaves and ~a where it arrives. Where the most is no more
+    than enough, `side` says on return which nodes are on the starts' side of a least cut.
+    """
+    nodes = len(start)
+    left, back = room.copy(), np.zeros_like(room)
+    layer, queue, at = np.empty(nodes, np.int64), np.empty(nodes, np.int64), np.empty(nodes, np.int64)
+    path = np.empty(nodes, np.int64)
+    total = 0
+    while True:
+        side[:] = False
+        last, found = 0, -1
+        for k in range(nodes):
+            if start[k] and open_[k]:
+                side[k], queue[last], layer[k] = True, k, 0
+                last += 1
+        starts, looked = last, 0
+        while looked < last:
+            k = queue[looked]
+            looked += 1
+            if layer[k] == found:
+                break
+            for e in range(first[k], first[k + 1]):
+                arc = arcs[e]
+                to = reach[arc] if arc >= 0 else leave[~arc]
+                some = left[arc] if arc >= 0 else back[~arc]
+                if some > 0 and open_[to] and not side[to]:
+                    side[to], layer[to] = True, layer[k] + 1
+                    queue[last] = to
+                    last += 1
+                    if end[to] and found < 0:
+                        found = layer[to]
+        if found < 0:
+            return total
+        for x in range(last):
+            at[queue[x]] = first[queue[x]]
+        for x in range(starts):
+            k, depth = queue[x], 0
+            while True:
+                if end[k]:
+                    most = enough + 1
+                    for d in range(depth):
+                        arc = path[d]
+                        most = min(most, left[arc] if arc >= 0 else back[~arc])
+                    cut = depth
+                    for d in range(depth - 1, -1, -1):
+                        arc = path[d]
+                        if arc >= 0:
+                            left[arc] -= most
+                            back[arc] += most
+                            full = left[arc] == 0
+                        else:
+                            back[~arc] -= most
+                            left[~arc] += most
+                            full = back[~arc] == 0
+                        if full:
+                            cut = d
+                    total += most
+                    if total > enough:
+                        return total
+                    depth = cut
+                    arc = path[depth]
+                    k = leave[arc] if arc >= 0 else reach[~arc]
+                    continue
+                went = False
+                while at[k] < first[k + 1]:
+                    arc = arcs[at[k]]
+                    to = reach[arc] if arc >= 0 else leave[~arc]
+                    some = left[arc] if arc >= 0 else back[~arc]
+                    if some > 0 and side[to] and layer[to] == layer[k] + 1 and (end[to] or layer[to] < found):
+                        path[depth] = arc
+                        depth += 1
+                        k, went = to, True
+                        break
+                    at[k] += 1
+                if went:
+                    continue
+                if depth == 0:
+                    break
+                depth -= 1
+                arc = path[depth]
+                k = leave[arc] if arc >= 0 else reach[~arc]
+                at[k] += 1

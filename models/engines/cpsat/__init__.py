@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .outcome import CpsatOutcome
+    from .model import CpsatOutcome
     from .solve import solve_cpsat
 
 __all__ = ["CpsatOutcome", "solve_cpsat"]
@@ -17,6 +17,6 @@ __all__ = ["CpsatOutcome", "solve_cpsat"]
 def __getattr__(name: str) -> object:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import outcome, solve
+    from . import model, solve
 
-    return getattr(solve if name == "solve_cpsat" else outcome, name)
+    return getattr(solve if name == "solve_cpsat" else model, name)

@@ -12,11 +12,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before, Enough, Literal, Pick
 
-from .arcs import ArcLiterals
-from .in_time import GoOn, always
-from .positions import distances, windows, windows_of_steps
-from .times import cuts_ms, moves_ms
-from .variables import Variables
+from .variables import ArcLiterals, GoOn, Variables, always, cuts_ms, distances, moves_ms, windows, windows_of_steps
 
 
 def add_constraints(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables, go_on: GoOn = always) -> None:

@@ -1,20 +1,22 @@
-"""The decisions as CP-SAT variables."""
+"""The decisions as CP-SAT variables: the arcs of the route, positions, times, and moves over parts that may be out."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 
+import numpy as np
+from numpy.typing import NDArray
 from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
+from kerfwise.arrays import Bools, Int32s, Ints
+from kerfwise.models.engines.solution import Progress
+from kerfwise.models.jit import running_s
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before, plain
-
-from .arcs import ArcLiterals
-from .crossed import OpenCrossing, open_crossings
-from .positions import windows
-from .times import counts_seconds, linked_ms, longest_ms
 
 Pair = tuple[int, int]
 
@@ -130,3 +132,234 @@ def _asked(problem: Problem, crossings: Sequence[OpenCrossing]) -> Iterator[Pair
     for i, j in pairs:
         if i != j and not problem.before[i, j] and not problem.before[j, i]:
             yield min(i, j), max(i, j)
+
+
+# Moves over parts that may be out: what the hard orders decide of them, and what stays open.
+
+
+class OutByThen(IntEnum):
+    """Whether the contour that a move crosses is out by the time of the move."""
+
+    NO = 0
+    YES = 1
+    OPEN = 2
+
+
+def out_by_then(problem: Problem) -> Ints:
+    """For every row of the problem's crossings an `OutByThen`."""
+    rows, n = problem.crossings, problem.n
+    contour = np.append(problem.site_contour, n)
+    leave, reach, over = contour[rows.leave], contour[rows.reach], rows.over
+    before = np.zeros((n + 1, n + 1), dtype=np.bool_)
+    before[:n, :n] = problem.before
+    no = (leave == n) | (over == reach) | before[leave, over]
+    yes = (reach == n) | (over == leave) | before[over, leave]
+    return np.where(no, OutByThen.NO, np.where(yes, OutByThen.YES, OutByThen.OPEN)).astype(np.int64)
+
+
+def arc_of_move(m: int, tail: Ints, head: Ints, leave: Ints | Int32s, reach: Ints | Int32s) -> Ints:
+    """The arc of every move from a site to a site, -1 where there is none."""
+    past_all = (m + 1) ** 2
+    keys, wanted = np.append(tail * (m + 1) + head, past_all), leave.astype(np.int64) * (m + 1) + reach
+    order = np.argsort(keys, kind="stable")
+    found = order[np.searchsorted(keys, wanted, sorter=order)]
+    return np.where(keys[found] == wanted, found, -1)
+
+
+# Crossings that the hard orders leave open, gathered: of the moves that leave one contour only one is made.
+
+
+@dataclass(frozen=True, slots=True)
+class OpenCrossing:
+    """Leaving contour `leave` by one of `arcs` costs `cost` µm (or is `FORBIDDEN`) if contour `over` is out."""
+
+    leave: int
+    over: int
+    cost: int
+    arcs: tuple[int, ...]
+
+
+def open_crossings(problem: Problem, arcs: ArcLiterals) -> tuple[OpenCrossing, ...]:
+    """All of them; an arc that crosses several areas of the same contour is in as many."""
+    rows = problem.crossings
+    arc = arc_of_move(problem.m, arcs.tail, arcs.head, rows.leave, rows.reach)
+    left = np.flatnonzero((out_by_then(problem) == OutByThen.OPEN) & (arc >= 0) & (rows.cost != 0))
+    leave = problem.site_contour[rows.leave[left]]
+    columns = (arc[left].tolist(), leave.tolist(), rows.over[left].tolist(), rows.cost[left].tolist())
+    times: Counter[tuple[int, int, int]] = Counter()
+    gathered: dict[tuple[int, int, int, int], list[int]] = defaultdict(list)
+    for a, i, over, cost in zip(*columns, strict=True):
+        gathered[i, over, cost, times[a, over, cost]].append(a)
+        times[a, over, cost] += 1
+    return tuple(OpenCrossing(i, over, cost, tuple(found)) for (i, over, cost, _), found in gathered.items())
+
+
+# Where in the order a contour can stand, by what must come before and after it.
+
+
+def windows(problem: Problem) -> tuple[Ints, Ints]:
+    """The first and the last position (from 0) of every contour."""
+    return problem.before.sum(axis=0), problem.n - 1 - problem.before.sum(axis=1)
+
+
+def windows_of_steps(problem: Problem) -> tuple[Ints, Ints]:
+    """Matrices (n, n): the first position of i, and the last of j, if j directly follows i.
+
+    Before i comes what must precede i or j, and the whole block of i if the route leaves it; after j likewise.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> zero_before_two = np.array([[0, 0, 1], [0, 0, 0], [0, 0, 0]], dtype=bool)
+    >>> first, last = windows_of_steps(SimpleNamespace(n=3, before=zero_before_two, block=np.arange(3)))
+    >>> int(first[1, 2]), int(last[0, 1])
+    (1, 1)
+    """
+    n, before = problem.n, problem.before
+    together = problem.block[:, None] == problem.block[None, :]
+    itself = np.eye(n, dtype=np.bool_)
+    within = (_united(before.T | itself, before.T), _united(before, before | itself))
+    across = (_united(before.T | together, before.T), _united(before, before | together))
+    ahead, behind = (np.where(together, one, other) for one, other in zip(within, across, strict=True))
+    return ahead - 1, n - behind
+
+
+def distances(problem: Problem) -> Ints:
+    """Matrix (n, n): by how much the position of j exceeds that of i at least, where i must come before j; else 0."""
+    steps = problem.before.astype(np.float32)  # whole numbers well below 2^24: exact, and fast to multiply
+    return np.where(problem.before, (steps @ steps).astype(np.int64) + 1, 0)
+
+
+def _united(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> Ints:
+    """How many there are in row i of the one or in row j of the other."""
+    common = (one.astype(np.float32) @ other.T.astype(np.float32)).astype(np.int64)
+    return np.asarray(one.sum(axis=1)[:, None] + other.sum(axis=1)[None, :] - common, dtype=np.int64)
+
+
+# How long cuts and moves take, for the clock of a model.
+
+
+def counts_seconds(problem: Problem) -> bool:
+    """Whether a statement counts seconds, so that a clock is needed."""
+    return any(lag.seconds > 0 for lag in problem.lags)
+
+
+def cuts_ms(problem: Problem) -> Ints:
+    """Time of the cut of every site."""
+    return problem.pace.cut_ms if len(problem.pace.cut_ms) else np.zeros(problem.m, dtype=np.int64)
+
+
+def moves_ms(problem: Problem, arcs: ArcLiterals) -> Ints:
+    """Time of the idle travel along every arc; along a link there is none."""
+    idle = problem.pace.move_ms(problem.ends()[arcs.tail], problem.pierces()[arcs.head])
+    return np.where(problem.links.rows_of(arcs.tail, arcs.head) >= 0, 0, idle)
+
+
+def linked_ms(problem: Problem, arcs: ArcLiterals) -> list[list[tuple[int, int]]]:
+    """For every contour the links that lead to it, as arcs, and by how much each makes its cut longer."""
+    row = problem.links.rows_of(arcs.tail, arcs.head)
+    found: list[list[tuple[int, int]]] = [[] for _ in range(problem.n)]
+    for arc in np.flatnonzero(row >= 0).tolist():
+        found[int(problem.site_contour[arcs.head[arc]])].append((arc, int(problem.links.ms[row[arc]])))
+    return found
+
+
+def longest_ms(problem: Problem, arcs: ArcLiterals) -> int:
+    """No plan takes longer than the longest cuts and the longest moves together."""
+    cuts = np.maximum.reduceat(cuts_ms(problem), problem.first[:-1])
+    burnt = problem.n * int(problem.links.ms.max(initial=0))
+    return int(cuts.sum()) + burnt + (problem.n + 1) * int(moves_ms(problem, arcs).max(initial=0))
+
+
+# Whether CP-SAT may go on: its arcs, prices and model take seconds on large nests before it runs at all.
+
+GoOn = Callable[[], None]
+"""Asked again and again by what takes long; raises `Stopped` where it may not go on."""
+
+
+class Stopped(Exception):
+    """There is no time left for what was begun, or somebody said stop."""
+
+
+def always() -> None:
+    """There is no limit."""
+
+
+def stop_at(progress: Progress | None, deadline: float | None) -> Progress:
+    """Asks `progress`, and says stop from the deadline on, a moment by `running_s`."""
+
+    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        heard = progress is None or progress(engine, cost_um, bound_um)
+        return heard and (deadline is None or running_s() < deadline)
+
+    return going
+
+
+def report_progress(engine: str, progress: Progress, cost_um: int | None, bound_um: int) -> GoOn:
+    """Asks `progress` with what is known already."""
+
+    def go_on() -> None:
+        if not progress(engine, cost_um, bound_um):
+            raise Stopped
+
+    return go_on
+
+
+# The arcs of the route: which contour may directly follow which, by which sites, and at what cost.
+
+LOOKS = 1000
+"""Pairs of contours from one question whether to go on to the next."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ArcLiterals:
+    """Arcs between sites, in groups of the same two contours; the machine's home is site m and contour n.
+
+    Group g leads from contour `groups[g, 0]` to `groups[g, 1]` and holds arcs `first[g]` … `first[g + 1] - 1`; arc a
+    leads from site `tail[a]` to `head[a]` and costs `cost[a]` µm.
+    """
+
+    groups: Ints
+    first: Ints
+    tail: Ints
+    head: Ints
+    cost: Ints
+
+    def spans(self) -> Iterator[tuple[int, int, slice]]:
+        """Contours i and j, and the arcs between them, for every group."""
+        for (i, j), a, b in zip(self.groups.tolist(), self.first[:-1].tolist(), self.first[1:].tolist(), strict=True):
+            yield i, j, slice(a, b)
+
+
+def site_arcs(problem: Problem, lawful: Bools, go_on: GoOn = always) -> ArcLiterals:
+    """Every lawful arc between sites, at the cost of its idle travel and of what it crosses in any lawful order.
+
+    `go_on` is asked now and then.
+    """
+    groups = np.argwhere(lawful).astype(np.int64)
+    first = np.append(problem.first, problem.m + 1)
+    sites = np.arange(problem.m + 1)
+    tails, heads, costs = [], [], []
+    for k, (i, j) in enumerate(groups.tolist()):
+        if k % LOOKS == 0:
+            go_on()
+        leave, reach = sites[first[i] : first[i + 1]], sites[first[j] : first[j + 1]]
+        tails.append(np.repeat(leave, len(reach)))
+        heads.append(np.tile(reach, len(leave)))
+        costs.append(problem.travel(leave, reach).ravel())
+    sizes = np.array([len(cost) for cost in costs])
+    return _crossed(problem, groups, sizes, *(np.concatenate(column) for column in (tails, heads, costs)))
+
+
+def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints, cost: Ints) -> ArcLiterals:
+    """Arcs with the crossings that the hard orders decide: forbidden ones are left out."""
+    rows = problem.crossings
+    always = out_by_then(problem) == OutByThen.YES
+    arc = arc_of_move(problem.m, tail, head, rows.leave, rows.reach)
+    paid = always & (arc >= 0) & (rows.cost != FORBIDDEN)
+    np.add.at(cost, arc[paid], rows.cost[paid])
+    kept = np.ones(len(cost), dtype=np.bool_)
+    kept[arc[always & (arc >= 0) & (rows.cost == FORBIDDEN)]] = False
+    left = np.add.reduceat(kept, np.cumsum(sizes) - sizes, dtype=np.int64)
+    first = np.concatenate([[0], np.cumsum(left[left > 0])])
+    return ArcLiterals(groups[left > 0], first, tail[kept], head[kept], cost[kept])

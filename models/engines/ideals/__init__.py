@@ -1,7 +1,7 @@
 """An exact dynamic program over ideals: the set already cut and the last site (Held and Karp 1962; Salii 2019)."""
 
-from .count import Count, count_sets
 from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, sets_out, unfit
+from .sets import Count, count_sets
 
 __all__ = [
     "STAGES",

@@ -16,17 +16,13 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
-from kerfwise.models.engines.bounds.reduced import Reduced
+from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 
-from .alone import FAR
-from .budget import SweepBudget, TooLarge
-from .lattice import THREADS, SweptStretch, sweep_layers
-from .local import localise
-from .over import nothing_over
-from .rest_bound import RestBound
-from .stretches import entrance_of, never, table_of
+from .lattice import THREADS, SweepBudget, SweptStretch, TooLarge, sweep_layers
+from .stretch import RestBound, localise, nothing_over
+from .stretch_tables import FAR, entrance_of, never, table_of
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
@@ -41,7 +37,7 @@ MOST_NEIGHBOURS = 3
 """What a walk remembers at the most."""
 
 
-def turned(problem: Problem) -> Problem:
+def reverse_problem(problem: Problem) -> Problem:
     """A problem whose plans are those of another from their end to their beginning, at the same cost.
 
     Its moves are in a table, and its conditions ask of sets and last sites.
@@ -77,7 +73,9 @@ class Settled:
     work: float = 0.0
 
 
-def settle(posed: Problem, relaxed: Reduced, entry: Ints, begun: Settled, known: int, budget: SweepBudget) -> Settled:
+def settle(
+    posed: Problem, relaxed: ReducedCosts, entry: Ints, begun: Settled, known: int, budget: SweepBudget
+) -> Settled:
     """Find out what plans cost from every way into a stretch on, as far as the budget goes, from what is known on.
 
     `posed` is its network, with no cost of sites, `entry` (ways, sites) what it costs to come to each of its sites; a
@@ -101,17 +99,17 @@ def settle(posed: Problem, relaxed: Reduced, entry: Ints, begun: Settled, known:
     return Settled(onward, limit, whole - max(0.0, budget.work.left))
 
 
-def _rest(posed: Problem, relaxed: Reduced) -> Completion:
+def _rest(posed: Problem, relaxed: ReducedCosts) -> Completion:
     """What is still to come of what multipliers leave, from the end to the beginning."""
-    walked = turned(replace(posed, matrix=relaxed.dear, conditions=()))
+    walked = reverse_problem(replace(posed, matrix=relaxed.dear, conditions=()))
     return bounds.complete(walked, None, 0.0, None, MOST_NEIGHBOURS)
 
 
 class Backward:
     """A stretch under its multipliers from its end to its beginning."""
 
-    def __init__(self, posed: Problem, relaxed: Reduced, entry: Ints, rest: Completion) -> None:
-        problem = turned(posed)
+    def __init__(self, posed: Problem, relaxed: ReducedCosts, entry: Ints, rest: Completion) -> None:
+        problem = reverse_problem(posed)
         assert problem.matrix is not None
         self._entry, self._rest, self._bound = entry, rest, relaxed.bound
         self._local = localise(problem, tuple(range(problem.n)), frozenset())

@@ -16,12 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Int16s, Int32s, Ints
-from kerfwise.models.kernels import inner, kept
-from kerfwise.models.problem.bits import Masks, has, missing
+from kerfwise.models.jit import inner, jit
+from kerfwise.models.problem.bitsets import Masks, has, missing
 
-from .local import HARD, StepTerms
-from .over import Over, cheapest_way
-from .rest_bound import RestBound, near_left, still_to_come
+from .stretch import HARD, CrossingAlternatives, RestBound, StepTerms, cheapest_way, near_left, still_to_come
 
 Costs = NDArray[Any]  # int32 or int64
 TOGETHER = 4
@@ -51,7 +49,7 @@ class Steps(NamedTuple):
 
     moves: MoveTable
     low_moves: MoveTable
-    over: Over
+    over: CrossingAlternatives
     terms: StepTerms
     rest: RestBound
     first: Ints
@@ -90,7 +88,7 @@ class LayerTo(NamedTuple):
     living: Bools
 
 
-@kept(nogil=True)
+@jit(nogil=True)
 def arrange(  # pragma: no cover - compiled
     contour: Int16s, target: Int32s, entry_from: Ints, alive: Ints, sets: int, size: Ints
 ) -> tuple[Ints, Int16s, Int32s, Ints, Ints]:
@@ -140,7 +138,7 @@ def most_columns(moves: MoveTable) -> int:  # pragma: no cover - compiled
     return most
 
 
-@kept(nogil=True)
+@jit(nogil=True)
 def sweep(steps: Steps, came: LayerFrom, goes: LayerTo, start: int, stop: int) -> None:  # pragma: no cover - compiled
     """The least cost to every state that grows from the sets `alive[start:stop]`.
 
@@ -371,7 +369,7 @@ def _least_of_each(  # pragma: no cover - compiled
                 lowest[d] = min(np.int64(lowest[d]), least + more)
 
 
-@kept(nogil=True)
+@jit(nogil=True)
 def leaving(terms: StepTerms, mask: Masks, j: int, i: int) -> int:  # pragma: no cover - compiled
     """What leaving soft groups before they are whole costs when contour i follows j, and `mask` is out."""
     cost = 0

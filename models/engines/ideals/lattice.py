@@ -10,15 +10,15 @@ from functools import partial
 import numpy as np
 
 from kerfwise.arrays import Int16s, Int32s, Ints
-from kerfwise.models.kernels import cores, suited
-from kerfwise.models.problem.bits import masks_of
+from kerfwise.models.engines.solution import MEMORY_GB, Budget, Incumbent, table_bytes
+from kerfwise.models.jit import cores, suited
+from kerfwise.models.problem.bitsets import masks_of
+from kerfwise.models.problem.problem import Problem
 
-from .budget import SweepBudget
 from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Steps, arrange, leaving, sweep
-from .local import Local
-from .over import Over, over_in_set
-from .rest_bound import RestBound
-from .sets import Sets, grow, growth
+from .sets import ADDITIONS_PER_S, BYTES_AN_ENTRY, Growth, Sets, additions_of, grow, growth
+from .stretch import ConditionsByContour, CrossingAlternatives, Local, RestBound, crossing_extra_cost, localise, series
+from .stretch_tables import HOME, NARROW, dearest, entrance_of, home_from, make_moves, never
 
 THREADS = cores()
 A_SHARE = 3e7
@@ -58,7 +58,7 @@ class SweptStretch:
 
     local: Local
     moves: MoveTable
-    over: Over
+    over: CrossingAlternatives
     rests: Callable[[int], RestBound]
     limit: int
     never: int
@@ -148,7 +148,7 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             costs = back.values[begin[s] : begin[s + 1]].astype(np.int64)
             costs += moves.table[moves.base[i] + rows * moves.pad[i] + offset]
             if len(stretch.over.extra):
-                more = suited(over_in_set, 20 * len(rows))
+                more = suited(crossing_extra_cost, 20 * len(rows))
                 costs += [more(stretch.over, out, row, columns[-1]) for row in rows]
             if j >= 0:
                 costs += suited(leaving, 2 * len(local.terms.soft_cost))(local.terms, out, j, i)
@@ -156,3 +156,108 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             if best is None or costs[k] < best:
                 best, state = int(costs[k]), int(begin[s]) + k
     return columns[::-1], state
+
+
+BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
+"""What an entry, and a set, take on top while their layer is being made; sets of one word, 16 more for each other."""
+NEW_SETS_PER_SET = 4
+"""How many new sets a set leads to at the most, where there are many."""
+
+
+TABLE_BYTES = table_bytes(MEMORY_GB)
+
+
+class TooLarge(Exception):
+    """There are more ideals than the budget allows; nothing is proven."""
+
+
+@dataclass(slots=True)
+class SweepBudget:
+    """What sweeps may spend: `work` in additions, and of the memory the `bytes` that are free."""
+
+    work: Budget
+    bytes: float
+    go: Callable[[], bool]
+
+    @staticmethod
+    def of(work: float, go: Callable[[], bool], most_bytes: float = TABLE_BYTES) -> SweepBudget:
+        """So many deterministic seconds, and bytes, as long as `go` says so."""
+        return SweepBudget(Budget(work, per_s=ADDITIONS_PER_S), most_bytes, go)
+
+    def expect(self, ahead: Growth, sets: int, words: int, width: int, times: int = 1) -> None:
+        """Pay for the layer after one of so many sets before it is made; a state has `times` values of `width` bytes.
+
+        Raises
+        ------
+        TooLarge
+            If it is more than is left of either, or it is time to stop.
+        """
+        self.work.spend(additions_of(times * ahead.additions, ahead.entries, times * ahead.states))
+        new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
+        taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width * times
+        taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
+        if self.work.left < 0 or taken > self.bytes or not self.go():
+            raise TooLarge
+
+    def keep(self, entries: int, states: int, width: int) -> None:
+        """A layer is made, and kept."""
+        self.bytes -= entries * BYTES_AN_ENTRY + states * width
+
+    def check(self) -> None:
+        """`TooLarge` if it is time to stop."""
+        if not self.go():
+            raise TooLarge
+
+
+# One sweep through all stretches, and the way back.
+
+Rests = Callable[[int, Local, frozenset[int]], Callable[[int], RestBound]]
+"""Of a stretch, by its number, what it is and what comes before it: what plans still cost after so many cuts of it."""
+
+
+def sweep_through(
+    problem: Problem, known: int | None, rests: Rests, budget: SweepBudget, threads: Executor
+) -> Incumbent | None:
+    """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget.
+
+    Where nothing is known, routes whose costs fit in narrow numbers are looked for first: most plans need no excuse.
+    """
+    most = dearest(problem) if known is None else known
+    if known is None and most >= NARROW:
+        found = _sweep(problem, NARROW - 1, rests, budget, threads)
+        if found is not None:
+            return found
+    return _sweep(problem, most, rests, budget, threads)
+
+
+def _sweep(problem: Problem, limit: int, rests: Rests, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+    swept: list[tuple[SweptStretch, list[SweptLayer]]] = []
+    ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
+    total = None
+    parts = ConditionsByContour(problem)
+    for number, group in enumerate(series(problem)):
+        inside = parts.of(group)
+        local = localise(inside, group, earlier)
+        moves, over = make_moves(inside, local, earlier, ways, limit)
+        stretch = SweptStretch(local, moves, over, rests(number, local, earlier), limit, never(limit))
+        layers = sweep_layers(stretch, costs, budget, threads)
+        swept.append((stretch, layers))
+        earlier |= frozenset(group)
+        last, costs = layers[-1].contour, layers[-1].values
+        if not (costs < stretch.never).any():
+            break
+        ways = local.sites_of(last)
+    else:
+        total = costs + home_from(problem, ways)
+    if total is None or total.min() > limit:
+        return None
+    best = int(np.argmin(total))
+    return Incumbent(_route(swept, best), int(total[best]))
+
+
+def _route(swept: list[tuple[SweptStretch, list[SweptLayer]]], state: int) -> tuple[int, ...]:
+    route: list[int] = []
+    for stretch, layers in reversed(swept):
+        columns, state = walk_back(stretch, layers, state)
+        route = [int(stretch.local.sites[c]) for c in columns] + route
+    return tuple(route)

@@ -6,32 +6,26 @@ out, and charges what moves cost for that.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.engines.bounds.moves import Moves, open_crossings
-from kerfwise.models.engines.bounds.passages import best_way, passages_of
-from kerfwise.models.engines.bounds.reduced import Proving, Reduced
+from kerfwise.models.engines.bounds.move_costs import Moves, best_way, open_crossings, passages_of
+from kerfwise.models.engines.bounds.reduced_costs import Proving, ReducedCosts
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .alone import FAR
 from .backward import Settled
-from .budget import SweepBudget, TooLarge
-from .crossed import HOME, crossing_price
-from .held import held
 from .kernels import Costs
-from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
-from .local import Local, localise
-from .over import Over
-from .rest_bound import RestBound
-from .stretches import entrance_of, home_from, never, table_of
+from .lattice import SweepBudget, SweptLayer, SweptStretch, TooLarge, sweep_layers, walk_back
+from .stretch import CrossingAlternatives, Local, RestBound, localise
+from .stretch_tables import FAR, HOME, crossing_price, entrance_of, home_from, never, table_of
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
@@ -42,7 +36,7 @@ UNSURE = 0.01
 """By what share of a plan an end must be better from which plans may cost more than is known."""
 
 
-class Found(NamedTuple):
+class StretchPrices(NamedTuple):
     """What was found out of a stretch: multipliers, and what plans cost from its ways in on, come to at `entry`."""
 
     by: Proving
@@ -62,7 +56,7 @@ class Priced:
 
     apart: Problem
     own: Ints
-    relaxed: Reduced
+    relaxed: ReducedCosts
     posed: Problem
     sites: Ints
     ways: Ints
@@ -71,7 +65,7 @@ class Priced:
     lows: Ints
     settled: Settled
     rest: Completion
-    over: Over
+    over: CrossingAlternatives
 
     @property
     def onward(self) -> Ints:
@@ -84,7 +78,7 @@ class Priced:
         apart, posed, relaxed, network = self.apart, self.posed, self.relaxed, self.relaxed.network
         problems = [(some.before, some.matrix, some.site_cost) for some in (apart, posed)]
         programs = relaxed.dear, network.cost, network.sooner, network.later, relaxed.by.multipliers, relaxed.by.beside
-        return held((problems, programs, self.travel, self.entry, self.lows, self.onward, self.rest, self.over))
+        return nbytes((problems, programs, self.travel, self.entry, self.lows, self.onward, self.rest, self.over))
 
     def rests(self, depth: int) -> RestBound:
         """What is still to come after so many contours of the network."""
@@ -120,9 +114,9 @@ class PricedStretches:
         return float(self.stretches[0].onward.min())
 
     @property
-    def found(self) -> tuple[Found, ...]:
+    def found(self) -> tuple[StretchPrices, ...]:
         """All that a later proof takes over of every stretch."""
-        return tuple(Found(stretch.relaxed.by, stretch.entry, stretch.settled) for stretch in self.stretches)
+        return tuple(StretchPrices(stretch.relaxed.by, stretch.entry, stretch.settled) for stretch in self.stretches)
 
     @property
     def nbytes(self) -> int:
@@ -268,3 +262,42 @@ def _crossed(apart: Problem, route: Sequence[int], inner: Ints) -> Ints:
     rows = rows.only((rows.leave == route[-1]) & is_out[rows.over])
     rows = rows.only(open_crossings(replace(apart, crossings=rows)))
     return np.bincount(rows.reach, minlength=apart.m)[inner]
+
+
+# Bytes of the arrays that something holds.
+
+
+def nbytes(thing: object) -> int:
+    """Bytes of all arrays that a thing of named fields holds, each counted once.
+
+    Examples
+    --------
+    >>> some = np.zeros(10)
+    >>> nbytes((some, [some[2:], np.zeros(2, np.int8)]))
+    82
+    """
+    seen: dict[int, int] = {}
+    for array in _arrays(thing, set()):
+        whole = array
+        while isinstance(whole.base, np.ndarray):
+            whole = whole.base
+        seen[id(whole)] = whole.nbytes
+    return sum(seen.values())
+
+
+def _arrays(thing: object, known: set[int]) -> Iterator[np.ndarray]:
+    if isinstance(thing, np.ndarray):
+        yield thing
+    elif isinstance(thing, csr_matrix):
+        yield from (thing.data, thing.indices, thing.indptr)
+    elif id(thing) not in known:
+        known.add(id(thing))
+        inner: list[object] = []
+        if is_dataclass(thing):
+            inner = [getattr(thing, field.name) for field in fields(thing)]
+        elif isinstance(thing, list | tuple):
+            inner = list(thing)
+        elif hasattr(thing, "__dict__"):
+            inner = list(vars(thing).values())
+        for one in inner:
+            yield from _arrays(one, known)

@@ -19,26 +19,28 @@ import numpy as np
 
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.solution import Incumbent, Progress
-from kerfwise.models.kernels import running_s
+from kerfwise.models.jit import running_s
 from kerfwise.models.problem.problem import Problem
 
-from .ahead import Ahead, look_ahead
-from .alone import FAR
-from .budget import TABLE_BYTES, SweepBudget, TooLarge
-from .crossed import one_price
-from .lattice import THREADS
-from .local import Local
-from .missed import missed_in
-from .prune import LeastIn, least_rest, walked_rest
-from .rest_bound import RestBound
-from .rising import WIDER, ending, rising
-from .series import series
-from .sweep import Rests, sweep_through
+from .lattice import TABLE_BYTES, THREADS, Rests, SweepBudget, TooLarge, sweep_through
+from .stretch import Local, RestBound, series
+from .stretch_bounds import (
+    WIDER,
+    Ahead,
+    LeastIn,
+    least_rest,
+    limits_within_work,
+    look_ahead,
+    missed_in,
+    rising_limits,
+    walked_rest,
+)
+from .stretch_tables import FAR, one_price
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
 
-    from .priced_stretches import Found
+    from .priced_stretches import StretchPrices
 
 _Sweep = Callable[[int | None], Incumbent | None]
 STAGES = (0.03, 0.1, 0.4)
@@ -70,7 +72,7 @@ class Proof:
     incumbent: Incumbent | None
     work: float = field(default=0.0, compare=False)
     least: int | None = None
-    priced: tuple[Found, ...] = field(default=(), compare=False, repr=False)
+    priced: tuple[StretchPrices, ...] = field(default=(), compare=False, repr=False)
     better: Incumbent | None = None
 
 
@@ -142,7 +144,7 @@ def prove(
     stages: tuple[float, ...] = STAGES,
     time_s: float | None = None,
     most_bytes: float = TABLE_BYTES,
-    earlier: tuple[Found, ...] = (),
+    earlier: tuple[StretchPrices, ...] = (),
 ) -> Proof | None:
     """Solve exactly, or say what is proven if the budget does not suffice; None if nothing is.
 
@@ -265,7 +267,11 @@ class _Rounds:
         return self._rise(sweeps, _held(bound), most)
 
     def priced(
-        self, incumbent: Incumbent, earlier: tuple[Found, ...], part: float = PRICED, time_s: float | None = None
+        self,
+        incumbent: Incumbent,
+        earlier: tuple[StretchPrices, ...],
+        part: float = PRICED,
+        time_s: float | None = None,
     ) -> Proof | None:
         """What sweeps prove by linear programs of all stretches, which take so much at the most; None for nothing."""
         from . import priced  # its programs take long to load
@@ -326,8 +332,8 @@ class _Rounds:
             return budget.work.left
 
         if wider is None and self.known is not None:
-            return ending(least, self.known, left)
-        return rising(least, self.known, left, WIDER if wider is None else wider)
+            return limits_within_work(least, self.known, left)
+        return rising_limits(least, self.known, left, WIDER if wider is None else wider)
 
     def _rests(self, bound: Completion | _Apart | None, budget: SweepBudget, threads: Executor) -> tuple[Rests, float]:
         if isinstance(bound, _Apart):

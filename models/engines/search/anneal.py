@@ -1,21 +1,154 @@
-"""The walk: ruin and recreate or swap, choose sites, go on from there or go back, while the temperature falls."""
+"""Annealing: ruin and recreate or exchange, choose sites, go on from there or back, while the temperature falls."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .chance import below, share
-from .compiled import compiled, entry
-from .greedy import nearest_first
-from .literals import lean_on_sites
-from .price import span_price
-from .recreate import recreate
-from .ruin import ruin
-from .sites import choose_sites, refresh_sites
-from .sop_exchange import swap_towards
-from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, YES, State
-from .tables import SearchTables
-from .three_opt import PER_TRIAL, three_opt
+from kerfwise.arrays import Ints
+
+from .conditions import lean_on_sites, literals_unmet, pieces_begun, too_close_within, too_soon, unmet
+from .exchanges import PER_TRIAL, swap_towards, three_opt
+from .insertion import choose_sites, nearest_first, refresh_sites
+from .jit_tools import below, compiled, draw_share, entry, kernel_argument
+from .route_state import (
+    BEST,
+    BROKEN,
+    CLIMBS,
+    COST,
+    LAWLESS,
+    LENGTH,
+    PRICE,
+    START,
+    TAKEN,
+    TRADED,
+    TRADES,
+    TRIES,
+    WORK,
+    YES,
+    SearchTables,
+    State,
+    new_state,
+)
+from .ruin_recreate import recreate, ruin
+from .travel import cell_of, crossing, leg
+from .walker import Walker
+
+# A walker that anneals by ruins and exchanges: for every problem.
+
+HOT, COLD = 1.0, 0.01  # temperatures, in typical rises of the cost
+LIVELY = 0.01  # share of exchanges taken at the first temperature, on plain problems
+FALL = 25.0  # by what the temperature falls there
+LOOK = 200_000  # operations for a look at how many are taken
+LOOKS = 40
+STEP = 1.4  # between the temperatures looked at
+
+
+class AnnealingWalker(Walker):
+    """See `Walker`; `tables` is the problem as kernels take it, random numbers come from `seed`."""
+
+    def __init__(
+        self, tables: SearchTables, fields: SearchTables, seed: tuple[int, ...], like: Walker | None = None
+    ) -> None:
+        self.arrays = new_state(fields, seed)
+        super().__init__(fields, self.arrays, like)
+        self._tables = tables
+        self._state = kernel_argument(self.arrays)
+        self.arrays.number[PRICE] = 1
+
+    def stands_on(self) -> Ints:
+        return self.arrays.site_now[self.arrays.order_now]
+
+    def start(self) -> None:
+        number = self.arrays.number
+        if number[LENGTH] == 0:
+            first_route(self._tables, self._state, True)
+        number[PRICE] = 1 + 10 * int(number[COST]) // self._fields.legs.n
+
+    def descend(self, chunk: int) -> None:
+        self.go(chunk, 1.0, 1.0)
+
+    def measure(self, most: int) -> None:
+        if self._fields.arcs.plain:
+            self._hot = self._lively(max(1, min(LOOK, most // LOOKS)))
+            self._cold = self._hot / FALL
+            return
+        rises = self.arrays.climb[: self.arrays.number[CLIMBS]]
+        rise = max(1.0, float(np.median(rises))) if len(rises) else 1.0
+        self._hot, self._cold = HOT * rise, COLD * rise
+
+    def stand_on(self, sites: NDArray[np.int64]) -> None:
+        self.arrays.order[:] = self._fields.legs.contour[sites]
+        self.arrays.position[self.arrays.order] = np.arange(len(sites))
+        self.arrays.site[self.arrays.order] = sites
+        first_route(self._tables, self._state, False)
+
+    def go(self, chunk: int, hot: float, cold: float) -> None:
+        on = walk_plain if self._fields.arcs.plain else walk
+        on(self._tables, self._state, self.work + chunk, hot, cold)
+
+    def _lively(self, look: int) -> float:
+        """The temperature at which `LIVELY` of the exchanges are taken and change the cost, by looks of that length."""
+        number, arcs = self.arrays.number, self._fields.arcs
+        near = np.take_along_axis(arcs.cost, arcs.near, axis=1)
+        temperature = 1.0 + 4.0 * float(np.median(near))
+        for _ in range(LOOKS):
+            tried, taken = int(number[TRADES]), int(number[TRADED])
+            self.go(look, temperature, temperature)
+            if number[TRADED] - taken < LIVELY * (number[TRADES] - tried):
+                break
+            temperature /= STEP
+        return temperature
+
+
+# What a stretch of a full sequence costs, to the µm as `evaluate.route_cost` has it.
+
+
+@compiled
+def span_price(
+    tables: SearchTables, order: Ints, position: Ints, site: Ints, lo: int, hi: int, room: Ints
+) -> tuple[int, int]:
+    """Cost, and number of hard statements broken, of all that positions `lo` … `hi - 1` have a part in.
+
+    Two sequences that differ in this span alone differ in cost by what this differs. `room` is for a number a contour.
+    """
+    legs, demands, crossed, groups, lags = tables.legs, tables.demands, tables.crossed, tables.groups, tables.lags
+    conditional, crossable = len(demands.contour) > 0, len(crossed.over) > 0
+    cost, broken = 0, 0
+    last = legs.m if lo == 0 else site[order[lo - 1]]
+    for p in range(lo, hi + 1):
+        s = legs.m if p == legs.n else site[order[p]]
+        cost += leg(legs, last, s)
+        if crossable:
+            cell = cell_of(crossed, last * (legs.n + 1) + legs.contour[s])
+            if cell >= 0:
+                more, worse = crossing(crossed, cell + s - legs.first[legs.contour[s]], position, p)
+                cost, broken = cost + more, broken + worse
+        last = s
+        if p == hi:
+            break
+        cost += legs.site_cost[s]
+        if conditional:
+            c = order[p]
+            more, worse = unmet(demands, demands.of_contour[c], demands.of_contour[c + 1], position, p)
+            cost, broken = cost + more, broken + worse
+            more, worse = unmet(demands, demands.of_site[s], demands.of_site[s + 1], position, p)
+            cost, broken = cost + more, broken + worse
+    if len(groups.of) > 0:
+        for p in range(lo, min(hi + 1, legs.n)):
+            cost += pieces_begun(groups, order[p], order[p - 1] if p > 0 else -1)
+    if len(lags.other) > 0:
+        for p in range(lo, hi):
+            more, worse = too_close_within(lags, order[p], position, hi)
+            cost, broken = cost + more, broken + worse
+    if len(lags.a) > 0:
+        more, worse = too_soon(lags, legs, order, position, site, room)
+        cost, broken = cost + more, broken + worse
+    if len(tables.literals.bound) > 0:
+        more, worse = literals_unmet(tables.literals, legs.contour, position, site)
+        cost, broken = cost + more, broken + worse
+    return cost, broken
+
 
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
 EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick
@@ -27,7 +160,7 @@ JUDGE = 128  # trials between two looks at how many of them were lawful
 
 
 @entry
-def begin(tables: SearchTables, state: State, make: bool) -> None:
+def first_route(tables: SearchTables, state: State, make: bool) -> None:
     """Make a first route to stand on, or stand on the route that is the trial."""
     if make:
         nearest_first(tables, state)
@@ -41,8 +174,8 @@ def walk(tables: SearchTables, state: State, until: int, hot: float, cold: float
     start = state.number[WORK]
     while state.number[WORK] < until:
         temperature = _temperature(state, start, until, hot, cold)
-        limit = -temperature * np.log(1.0 - share(state.random))
-        if share(state.random) < swaps:
+        limit = -temperature * np.log(1.0 - draw_share(state.random))
+        if draw_share(state.random) < swaps:
             state.number[WORK] += 60
             if swap_towards(tables, state, limit):
                 _settle(tables, state, YES, limit)
@@ -60,7 +193,7 @@ def walk_plain(tables: SearchTables, state: State, until: int, hot: float, cold:
     start = state.number[WORK]
     while state.number[WORK] < until:
         temperature = _temperature(state, start, until, hot, cold)
-        limit = -temperature * np.log(1.0 - share(state.random))
+        limit = -temperature * np.log(1.0 - draw_share(state.random))
         before = state.number[WORK]
         _settle(tables, state, _shuffle(tables, state), limit)
         three_opt(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
@@ -83,9 +216,9 @@ def _shuffle(tables: SearchTables, state: State) -> bool:
     ruin(tables.orders, state, kind, min(MOST, tables.legs.n))
     free = True
     if len(tables.literals.bound) > 0 or len(tables.lags.a) > 0:
-        free = share(state.random) > FORCED
+        free = draw_share(state.random) > FORCED
         _force_a_site(tables, state, not free)
-    chance = share(state.random)
+    chance = draw_share(state.random)
     apart = not free and len(tables.lags.a) > 0
     recreate(tables, state, MUCH if apart or chance >= 0.95 else 0.1 if chance >= 0.8 else 0.01)
     return free

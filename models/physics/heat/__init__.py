@@ -1,6 +1,6 @@
 """Heat in the sheet: simulated temperatures of a timed torch path, by two models, and what they mean."""
 
-from .result import HeatResult, PartHeat
+from .grid import HeatResult, PartHeat
 from .simulate import simulate
 from .timed_path import TimedPath, TorchOn
 

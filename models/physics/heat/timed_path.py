@@ -1,15 +1,28 @@
-"""Where the torch burns, and when: all that a simulation of heat needs to know of a program."""
+"""Where the torch burns, and when, as what it does to the grid in order of time."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.torch_path import compensated, torch_way
+from kerfwise.models.jit import inner, jit
+from kerfwise.models.physics.motion import Feeds
+
+from .grid import Grid
+
+# Where the torch burns, and when: all that a simulation of heat needs to know of a program.
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,13 +96,13 @@ def torch_on(
     return TorchOn(contour, xy, times)
 
 
-def without(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tuple[TorchOn, ...]:
+def without_tabs(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tuple[TorchOn, ...]:
     """The stretch without those parts of its way, mm from its start, that the torch makes unlit, over tabs.
 
     Examples
     --------
     >>> burn = torch_on("P.outer", np.array([[0.0, 0.0], [10.0, 0.0]]), 0.0, 10.0)
-    >>> [lit.xy[:, 0].tolist() for lit in without(burn, [(4.0, 6.0)])]
+    >>> [lit.xy[:, 0].tolist() for lit in without_tabs(burn, [(4.0, 6.0)])]
     [[0.0, 0.0, 4.0], [6.0, 10.0]]
     """
     if not unlit_mm:
@@ -122,3 +135,203 @@ def in_order(burns: Sequence[TorchOn], end_s: float) -> TimedPath:
                 f"{before.at_s[-1]:.2f} s: times must follow each other for heat to be simulated"
             )
     return TimedPath(tuple(burns), max([end_s, *(float(b.at_s[-1]) for b in burns)]))
+
+
+# A route of candidates as a timed path: what a simulation needs, without a plan or a program having been made.
+
+CHORD_MM = 0.2
+
+
+class RoutePaths:
+    """The torch's paths of the candidates of a nest; each is made once.
+
+    Parameters
+    ----------
+    facts
+        The nest and its candidates.
+    kerf_mm
+        Width of the kerf.
+    feeds
+        How fast everything goes.
+    home
+        Where the torch starts.
+    """
+
+    def __init__(self, facts: Facts, kerf_mm: float, feeds: Feeds, home: Point) -> None:
+        self._facts, self._kerf_mm, self._feeds, self._home = facts, kerf_mm, feeds, home
+        self._made: dict[int, Floats] = {}
+
+    def of(self, route: Sequence[int]) -> TimedPath:
+        """The path of candidates cut in this order."""
+        now_s, at = 0.0, self._home
+        burns = []
+        for number in route:
+            burn, now_s = self.burn(number, now_s, at)
+            at = self._facts.candidates[number].end
+            if burn is not None:
+                burns.append(burn)
+        return in_order(burns, now_s)
+
+    def burn(self, number: int, now_s: float, at: Point) -> tuple[TorchOn | None, float]:
+        """One candidate cut next, the torch being at a point at a time; None for a mark. And when it is done."""
+        candidate, feeds = self._facts.candidates[number], self._feeds
+        begin_s = now_s + math.dist(at, candidate.pierce) / feeds.travel_mm_s
+        contour = self._facts.nest.contours[candidate.contour]
+        if contour.kind == "mark":
+            return None, begin_s + feeds.mark_start_s + candidate.cut_mm / feeds.mark_mm_s
+        pierce_s = feeds.edge_s if candidate.unpierced else feeds.pierce_s
+        run_mm = candidate.cut_mm + candidate.at_corners_mm(contour)
+        end_s = begin_s + pierce_s + run_mm / (feeds.cut_mm_s * contour.feed_share)
+        return torch_on(contour.id, self._points(number, candidate), begin_s, end_s, pierce_s), end_s
+
+    def _points(self, number: int, candidate: Candidate) -> Floats:
+        if number not in self._made:
+            contour = self._facts.nest.contours[candidate.contour]
+            if contour.curve.closed:
+                ring = compensated(contour, self._kerf_mm).towards(candidate.direction)
+                joins = candidate.pierce if candidate.lead_in is None else candidate.lead_in.vertices[-1, :2].tolist()
+                x, y = joins
+                way, _ = torch_way(ring, (x, y), candidate.span, candidate.tabs, self._kerf_mm)
+            else:
+                way = contour.curve if candidate.direction == "ccw" else contour.curve.reversed()
+            paths = (candidate.lead_in, way, candidate.lead_out)
+            self._made[number] = np.concatenate([path.flatten(CHORD_MM) for path in paths if path is not None])
+        return self._made[number]
+
+
+# How the kernels of the simulation are compiled: machine code that is kept on disk between runs.
+
+F = TypeVar("F", bound=Callable[..., object])
+
+# Sums may be taken in any order, so that rows are added up several numbers at a time.
+_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
+
+
+def compiled(function: F) -> F:
+    """Compile a function that other compiled functions call."""
+    return inner(**_OPTIONS)(function)
+
+
+def entry(function: F) -> F:
+    """Compile a function that Python calls, and keep the machine code beside its file."""
+    return jit(**_OPTIONS)(function)
+
+
+# What the torch does to the grid, in order of time: energy put in on both sides of the kerf, and links cut.
+
+SIDE = 0.7072
+"""How far beside the kerf its heat goes in, grid steps: just over half a diagonal, so that it stays on its side."""
+SPACING = 0.25
+"""Longest stretch of path, grid steps, whose heat goes in at one point."""
+
+
+class Events(NamedTuple):
+    """Sorted by time. Of every dose: when, its two points (flat index, -1 for none) and share of the power's time, s.
+
+    Of every link cut: when, its lower point (flat index), and whether it runs along y.
+    """
+
+    dose_s: Floats
+    left: Ints
+    right: Ints
+    seconds: Floats
+    cut_s: Floats
+    link: Ints
+    along_y: NDArray[np.bool_]
+
+
+def events_of(path: TimedPath, grid: Grid) -> Events:
+    """The events of a path on a grid.
+
+    A link between two neighbouring points is cut when the torch crosses the line between them. A closed contour
+    crosses every way from inside to outside, so that no heat passes it afterwards.
+    """
+    rows = [_of_burn(burn.xy, burn.at_s, grid) for burn in path.burns]
+    columns = [np.concatenate(c) for c in zip(*rows, strict=True)] if rows else [np.zeros(0)] * 7
+    dose = np.argsort(columns[0], kind="stable")
+    cut = np.argsort(columns[4], kind="stable")
+    left, right, link = (columns[k].astype(np.int64) for k in (1, 2, 5))
+    return Events(
+        columns[0][dose], left[dose], right[dose], columns[3][dose], columns[4][cut], link[cut],
+        columns[6][cut].astype(np.bool_),
+    )  # fmt: skip
+
+
+def _of_burn(xy: Floats, at_s: Floats, grid: Grid) -> tuple[NDArray[np.generic], ...]:
+    nx, ny = grid.shape
+    scaled = np.ascontiguousarray((xy - (grid.x0_mm, grid.y0_mm)) / grid.step_mm)
+    steps = np.abs(np.diff(scaled, axis=0))
+    doses = int(np.ceil(np.hypot(steps[:, 0], steps[:, 1]) / SPACING).sum()) + 4 * len(xy)
+    cuts = int(np.ceil(steps.sum())) + 2 * len(xy)
+    dose, point = np.zeros((doses, 2)), np.full((doses, 2), -1, dtype=np.int64)
+    cut, link = np.zeros(cuts), np.zeros((cuts, 2), dtype=np.int64)
+    made, broken = _fill(scaled, at_s, nx, ny, dose, point, cut, link)
+    return (
+        dose[:made, 0], point[:made, 0], point[:made, 1], dose[:made, 1], cut[:broken], link[:broken, 0],
+        link[:broken, 1],
+    )  # fmt: skip
+
+
+@compiled
+def _flat(x: float, y: float, nx: int, ny: int) -> int:
+    i, j = int(np.floor(x + 0.5)), int(np.floor(y + 0.5))
+    return i * ny + j if 0 <= i < nx and 0 <= j < ny else -1
+
+
+@compiled
+def _stand(
+    x: float, y: float, when_s: float, took_s: float, nx: int, ny: int, dose: Floats, point: Ints, made: int
+) -> int:
+    """A torch that stands heats the four points around it, the nearer the more: a pierce has no sides yet."""
+    i, j = int(np.floor(x)), int(np.floor(y))
+    for di in range(2):
+        for dj in range(2):
+            share = (x - i if di else 1 - x + i) * (y - j if dj else 1 - y + j)
+            dose[made, 0], dose[made, 1] = when_s, took_s * share
+            point[made, 0] = _flat(float(i + di), float(j + dj), nx, ny)
+            made += 1
+    return made
+
+
+@entry
+def _fill(
+    xy: Floats, at_s: Floats, nx: int, ny: int, dose: Floats, point: Ints, cut: Floats, link: Ints
+) -> tuple[int, int]:
+    """Fill in the doses and the cuts of one burn; `xy` in grid steps from the first point."""
+    made, broken = 0, 0
+    tx, ty = 1.0, 0.0
+    for k in range(len(xy) - 1):
+        x0, y0, x1, y1 = xy[k, 0], xy[k, 1], xy[k + 1, 0], xy[k + 1, 1]
+        dx, dy, took = x1 - x0, y1 - y0, at_s[k + 1] - at_s[k]
+        length = np.sqrt(dx * dx + dy * dy)
+        if length > 0:
+            tx, ty = dx / length, dy / length
+        pieces = max(1, int(np.ceil(length / SPACING)))
+        if took > 0 and length == 0:
+            made = _stand(x0, y0, at_s[k] + 0.5 * took, took, nx, ny, dose, point, made)
+        elif took > 0:
+            for p in range(pieces):
+                f = (p + 0.5) / pieces
+                x, y = x0 + f * dx, y0 + f * dy
+                dose[made, 0], dose[made, 1] = at_s[k] + f * took, took / pieces
+                point[made, 0] = _flat(x - SIDE * ty, y + SIDE * tx, nx, ny)
+                point[made, 1] = _flat(x + SIDE * ty, y - SIDE * tx, nx, ny)
+                made += 1
+        # Lines through the points, at whole numbers: a line is crossed if the ends lie on different sides of it.
+        low, high = min(x0, x1), max(x0, x1)
+        for i in range(max(0, int(np.floor(low)) + 1), min(nx - 1, int(np.floor(high))) + 1):
+            if (x0 < i) != (x1 < i):
+                f = (i - x0) / dx
+                j = int(np.floor(y0 + f * dy))
+                if 0 <= j < ny - 1:
+                    cut[broken], link[broken, 0], link[broken, 1] = at_s[k] + f * took, i * ny + j, 1
+                    broken += 1
+        low, high = min(y0, y1), max(y0, y1)
+        for j in range(max(0, int(np.floor(low)) + 1), min(ny - 1, int(np.floor(high))) + 1):
+            if (y0 < j) != (y1 < j):
+                f = (j - y0) / dy
+                i = int(np.floor(x0 + f * dx))
+                if 0 <= i < nx - 1:
+                    cut[broken], link[broken, 0], link[broken, 1] = at_s[k] + f * took, i * ny + j, 0
+                    broken += 1
+    return made, broken

@@ -1,37 +1,34 @@
-"""Why the hard rules cannot all hold, the cheapest way out of it, and the statements once that way is taken."""
+"""Why the hard rules cannot all hold, what must give way at the least cost, and the statements once it does."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations, islice
+from math import comb
+from typing import Any
+
+from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.listed import listed
-from kerfwise.models.engines.budget import Budget
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.encoder.text import join_names
+from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.solution import Budget, SolveOptions, Watch
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import RELAXED
-from kerfwise.rules.by_kind import by_kind
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import About, Statement
-from kerfwise.rules.stating.state_rules import (
-    HOPELESS,
-    DroppedStatement,
-    Stated,
-    every_statement,
-    hopeless,
-    resolve,
-)
+from kerfwise.rules.rule import Rule
+from kerfwise.rules.statements import RELAXED_MM, About, Statement, by_kind
+from kerfwise.rules.stating.state_rules import HOPELESS, DroppedStatement, Stated, every_statement, hopeless, resolve
 
-from .at_once import opposites
-from .cheapest import cheapest
-from .core import Core, find_core
-from .group import Group, hard_groups, moves_or_seconds, on_order
-from .orders import orders_of
-from .relax import find_relaxation, may_give_way, soften
-from .solver import DEFAULT_WORK, NotAnswered
-from .whole import Engines, find_whole_core
+from .core import Core, Engines, find_core, find_whole_core
+from .groups import DEFAULT_WORK, LAST, Group, NotAnswered, hard_groups, moves_or_seconds, order_groups, solver_within
+from .order_conflicts import opposites, orders_of
 
 MOST, MOST_NAMED = 20, 8
 CORE = 0.6
@@ -93,7 +90,7 @@ class Conflict:
         for rule, abouts in by_rule.items():
             count = f"{len(abouts)} statement" + ("s" if len(abouts) > 1 else "")
             names = tuple(dict.fromkeys(name for about in abouts for name in about.contours))
-            yield f"  relax {rule}: {count}" + (f" about {listed(names, MOST_NAMED)}" if names else "")
+            yield f"  relax {rule}: {count}" + (f" about {join_names(names, MOST_NAMED)}" if names else "")
 
 
 def find_conflict(facts: Facts, profile: Profile, budget: Budget | None = None) -> Conflict | None:
@@ -170,7 +167,7 @@ class _Finder:
         """
         left = part.left if part else 0.0
         try:
-            found = find_core(self.facts, on_order(groups), self.gives_way, part or self.budget)
+            found = find_core(self.facts, order_groups(groups), self.gives_way, part or self.budget)
         finally:
             if part is not None:
                 self.budget.spend(left - part.left)
@@ -262,3 +259,200 @@ def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:
 def _times(abouts: Sequence[About]) -> str:
     counts = Counter(about.rule for about in abouts)
     return ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
+
+
+WORK = 20.0
+"""CP-SAT's deterministic seconds for one choice of the lightest groups."""
+MOST_ASKED = 12_000
+"""How many groups are asked about in all: each contradiction that is looked for asks about every group once."""
+SOON = 0.01
+"""What asking about a group counts for where a contradiction was found soon."""
+
+
+@dataclass(frozen=True, slots=True)
+class Relaxation:
+    """Groups that give way; no fewer would do. `clashes` are what of every contradiction found may give way."""
+
+    groups: tuple[Group, ...]
+    clashes: tuple[frozenset[About], ...] = ()
+
+
+def find_relaxation(
+    groups: Sequence[Group],
+    book: Mapping[str, Rule[Any]],
+    core_of: Callable[[Sequence[Group]], Core | None],
+    budget: Budget | None = None,
+    known: Iterable[Sequence[int]] = (),
+) -> Relaxation | None:
+    """The fewest groups without which the others can hold; None if no rule that may be soft helps.
+
+    `core_of` finds a contradiction among groups, None where there is none; `known` are some, by numbers of groups.
+
+    Each counts the same, as in the objective of the plan that is made then; what is relaxed last, such as locks, weighs
+    more than everything else together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are
+    gathered, the fewest groups that hit each of them taken out, until no contradiction is left.
+
+    Raises
+    ------
+    NotAnswered
+        If no answer was found within the work, or the time, allowed.
+    """
+    budget = budget or Budget(DEFAULT_WORK)
+    weights = _weights(groups, book)
+    clashes = [[k for k in clash if weights[k] is not None] for clash in known]
+    if not all(clashes):
+        return None
+    asked = 0.0
+    while True:
+        out = _lightest(clashes, weights, budget)
+        left = [k for k in range(len(groups)) if k not in out]
+        whole = True
+        if asked > MOST_ASKED:
+            raise NotAnswered
+        while (core := core_of([groups[k] for k in left])) is not None:
+            named = {group.about for group in core.groups}
+            soft = [k for k in left if groups[k].about in named and weights[k] is not None]
+            if not soft:
+                return None
+            if budget.timed and budget.left <= 0:
+                raise NotAnswered  # a contradiction that is shown without a solver takes time as well
+            clashes.append(soft)
+            asked += len(groups) * (SOON if core.soon else 1.0)
+            left = [k for k in left if k not in soft]
+            whole = False
+        if whole:
+            hit = tuple(frozenset(groups[k].about for k in clash) for clash in clashes)
+            return Relaxation(tuple(groups[k] for k in sorted(out)), hit)
+
+
+def may_give_way(rule: Rule[Any]) -> bool:
+    """Whether single statements of a rule, hard as they are, may be relaxed."""
+    return not rule.of_fallen_metal and ("soft" in rule.strengths or rule.relaxable)
+
+
+def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], budget: Budget) -> set[int]:
+    """The groups of least total weight that hit every clash."""
+    model = CpModel()
+    taken = {k: model.new_bool_var("") for clash in clashes for k in clash}
+    for clash in clashes:
+        model.add_bool_or(taken[k] for k in clash)
+    model.minimize(sum((weights[k] or 0) * literal for k, literal in taken.items()))
+    solver = solver_within(budget, WORK)
+    status = solver.solve(model)
+    budget.spend(solver.response_proto.deterministic_time)
+    if status != OPTIMAL:
+        raise NotAnswered
+    return {k for k, literal in taken.items() if solver.boolean_value(literal)}
+
+
+def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int | None]:
+    """What relaxing each group costs; None where it may not be."""
+    weights: list[int | None] = []
+    for group in groups:
+        rule = book.get(group.about.rule)  # what is of no rule, such as which ways common cuts leave, stays
+        weights.append(1 if rule is not None and may_give_way(rule) else None)
+    heavy = 1 + sum(w for w in weights if w is not None)
+    return [heavy if group.about.rule in LAST else w for group, w in zip(groups, weights, strict=True)]
+
+
+def soften(statements: Iterable[Statement], relaxed: Iterable[About]) -> list[Statement]:
+    """The statements, those about which `relaxed` speaks at a price that no plan pays without need."""
+    abouts = set(relaxed)
+    return [replace(s, weight=RELAXED_MM) if s.weight is None and s.about in abouts else s for s in statements]
+
+
+# Of several ways out of a contradiction that are equally few, the one whose plan costs least by its own objective.
+#
+# Which of them leaves the best plan only a plan can tell, so one is made for each. Contradictions that have been
+# found say which sets there are: one of the fewest statements never has a statement that is in none of them.
+
+MOST_SETS, MOST_PLANS = 20_000, 60
+"""How many sets are looked through, and how many plans are made; past them the best found so far is taken."""
+MOST_CONTOURS = 200
+"""Of a nest with more, ways out are not compared: getting ready for each plan would take longer than the rest."""
+CHEAPEST_WORK = 2.0
+"""Work for one plan, or half of what is left, so that at least two can be compared."""
+SHARE, MOVES = 0.25, 0.2
+"""Where seconds are counted, share of them for one plan at the most; share of that for looking at moves over parts that
+are out."""
+
+
+def cheapest(
+    engines: Engines,
+    statements: Sequence[Statement],
+    found: Sequence[About],
+    clashes: Collection[frozenset[About]],
+    gives_way: Mapping[str, int],
+) -> tuple[tuple[About, ...], bool]:
+    """What should give way in place of `found`: as many statements, no more of them locks, and one of each clash.
+
+    And whether all such sets were compared.
+    """
+    ways, whole = _sets(found, clashes)
+    sets = [given for given in ways if set(given) != set(found)]
+    if not sets or engines.facts.n > MOST_CONTOURS:
+        return tuple(found), whole and not sets
+    budget, began = engines.budget, engines.budget.left
+    best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
+    took = began - budget.left
+    for given in sets:
+        if budget.left <= 0 or (budget.timed and budget.left < took):
+            return best, False
+        other, problem = _cost(engines, statements, given, gives_way, first)
+        alike = first is None or problem is None or first.left_out == problem.left_out
+        if other is not None and alike and (cost is None or other < cost):
+            best, cost, first = given, other, problem
+    return best, whole
+
+
+def _sets(found: Sequence[About], clashes: Collection[frozenset[About]]) -> tuple[list[tuple[About, ...]], bool]:
+    """Sets that may give way, and whether they are all there are."""
+    pool = sorted(set().union(*clashes), key=lambda about: (about.rule, about.sentence))
+    if comb(len(pool), len(found)) > MOST_SETS:
+        return [], False
+    locks = _locks(found)
+    hitting = (
+        given
+        for given in combinations(pool, len(found))
+        if _locks(given) <= locks and all(not clash.isdisjoint(given) for clash in clashes)
+    )
+    sets = list(islice(hitting, MOST_PLANS + 1))
+    return sets[:MOST_PLANS], len(sets) <= MOST_PLANS
+
+
+def _locks(abouts: Collection[About]) -> int:
+    return sum(about.rule in LAST for about in abouts)
+
+
+def _cost(
+    engines: Engines,
+    statements: Sequence[Statement],
+    given: Sequence[About],
+    gives_way: Mapping[str, int],
+    earlier: Problem | None = None,
+) -> tuple[int | None, Problem | None]:
+    """The cost of the best plan that was found once these have given way, µm, and the problem that it solves.
+
+    With a budget that counts seconds no plan takes much more than its share of them: moves over parts that are out have
+    no price where looking at them takes longer, or had none in an `earlier` problem.
+    """
+    budget = engines.budget
+    work = min(CHEAPEST_WORK, 0.5 * max(budget.left, 0.0))
+    most_s = min(CHEAPEST_WORK, SHARE * max(budget.left, 0.0))
+    until = budget.left - MOVES * most_s
+    try:
+        stated = resolve(soften(statements, given), engines.facts.n, gives_way).statements
+        problem = make_problem(
+            engines.facts,
+            stated,
+            engines.home_mm,
+            engines.feeds,
+            earlier,
+            lambda share: not budget.timed or budget.left > until,
+        )
+    except RulesConflict:
+        return None, None
+    options = SolveOptions(work=work, time_s=most_s if budget.timed else None)
+    known = run_portfolio(simplify(problem), options, Watch(options))
+    budget.spend(known.work)
+    return None if known.incumbent is None else known.incumbent.cost, problem

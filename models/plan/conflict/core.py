@@ -2,21 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
+from typing import assert_never
 
+from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.engines.budget import Budget
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.graphs import Link
+from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.solution import Budget, SolveOptions, Watch
+from kerfwise.models.physics.motion import Feeds
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.simplify import simplify
+from kerfwise.rules.statements import (
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Enough,
+    Forbid,
+    Lag,
+    Literal,
+    NoGood,
+    Pick,
+    Precede,
+    by_kind,
+    candidates_named,
+)
+from kerfwise.rules.stating.feasible_order import order_in_runs
 
-from .at_once import clash_of_orders, exactly
-from .group import Group
+from .groups import DEFAULT_WORK, CanClash, Group, NotAnswered, drop_unneeded_rules, shrink, suspects
+from .order_conflicts import Orders, bounds, clash_of_orders, forced, is_exact, orders_of
 from .order_model import clash, clash_at_once
-from .orders import orders_of
-from .shrinking import shrink, without_rules
-from .solver import DEFAULT_WORK, NotAnswered
-from .suspects import suspects
-from .whole_order import whole_order
 
 FIRM = 1.0
 """Work, or seconds where they count, for a look whether rules that do not give way contradict each other as well."""
@@ -67,7 +87,7 @@ def find_core(
         shown = False
     else:
         shown = True
-        ranked, _ = shrink(without_rules(ranked, gives_way, at_once), at_once)
+        ranked, _ = shrink(drop_unneeded_rules(ranked, gives_way, at_once), at_once)
     try:
         left = clash(facts, ranked, budget)
     except NotAnswered:
@@ -83,7 +103,7 @@ def find_core(
 def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], budget: Budget) -> Core:
     """The core among groups whose orders clash, none of which the orders can do without."""
     minimal = True
-    if not exactly(orders_of(facts, clashing)):
+    if not is_exact(orders_of(facts, clashing)):
         clashing, minimal = shrink(clashing, partial(clash, facts, budget=budget))
     return in_order(groups, clashing, minimal, soon=True)
 
@@ -119,3 +139,189 @@ def in_order(groups: Sequence[Group], core: Sequence[Group], minimal: bool, soon
     """The core with its groups as they stand among all."""
     place = {group.about: k for k, group in enumerate(groups)}
     return Core(tuple(sorted(core, key=lambda group: place[group.about])), minimal, soon)
+
+
+# Contradictions over moves and seconds: the engines themselves are asked whether statements can all hold.
+#
+# Every question is a plan of the whole nest to be found or proven impossible, so that this is for small nests.
+
+QUESTION = 3.0
+"""Work, as `SolveOptions` counts it, for one question; past it the question counts as not answered."""
+ALL_QUESTIONS = 45.0
+"""Work for all questions together; past it a contradiction is told as far as it has been shrunk."""
+
+
+class Engines:
+    """What the engines answer, as long as their work and the budget last."""
+
+    def __init__(
+        self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS, budget: Budget | None = None
+    ) -> None:
+        self.facts, self.home_mm, self.feeds, self.left = facts, home_mm, feeds, work
+        self.budget = budget or Budget(DEFAULT_WORK)
+
+    def clash(self, groups: Sequence[Group]) -> list[int] | None:
+        """All the groups by number if they cannot all hold, None if they can.
+
+        Raises
+        ------
+        NotAnswered
+            If neither was shown, or all work is done.
+        """
+        if self.left <= 0 or self.budget.left <= 0:
+            raise NotAnswered
+        statements = tuple(s for group in groups for s in group.statements)
+        try:
+            problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds, going=self._going))
+        except RulesConflict:
+            return list(range(len(groups)))
+        options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.budget.left) if self.budget.timed else None)
+        known = run_portfolio(problem, options, Watch(options, lambda engine, cost_um, bound_um: cost_um is None))
+        self.left -= known.work
+        self.budget.spend(known.work)
+        if known.incumbent is not None:
+            return None
+        if not known.infeasible:
+            raise NotAnswered
+        return list(range(len(groups)))
+
+    def _going(self, share: float) -> bool:
+        """Asked while moves are looked at, as many as there are; there is no answer once nothing is left."""
+        if self.budget.timed and self.budget.left <= 0:
+            raise NotAnswered
+        return True
+
+
+def find_whole_core(engines: Engines, groups: Sequence[Group], gives_way: Mapping[str, int]) -> Core | None:
+    """A contradiction among the groups, minimal unless the work runs out before; None if there is none.
+
+    Whole rules are left out first, then halves, quarters, … and at last single groups.
+
+    Raises
+    ------
+    NotAnswered
+        If it was not shown whether all can hold.
+    """
+    core = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
+    if engines.clash(core) is None:
+        return None
+    core, minimal = shrink(drop_unneeded_rules(core, gives_way, engines.clash), engines.clash)
+    return in_order(groups, core, minimal)
+
+
+# An order and entries that keep all groups, put together step by step: where one is found, nothing contradicts.
+#
+# It need not be found where there is one. What is found is held against every statement before it counts.
+
+TRIES = 20
+"""So often an order is made anew, with what the entries that were left had asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Places of contours, from 0 on, and the candidates that are used; all but those of `entered` contours are open."""
+
+    place: Sequence[int]
+    contour_of: Sequence[int]
+    picked: set[int] = field(default_factory=set)
+    entered: set[int] = field(default_factory=set)
+
+    def keeps(self, s: CanClash) -> bool:
+        """Whether the statement holds, or may hold still where entries are open; moves and seconds are not asked."""
+        match s:
+            case Precede(i, j):
+                return self.place[i] < self.place[j]
+            case Forbid(c):
+                return c not in self.picked
+            case AtLeast():
+                if s.when is not None and s.when not in self.picked:
+                    return True
+                return self._span(s.literals, s.weights)[1] >= s.bound
+            case Contiguous(contours):
+                places = [self.place[k] for k in contours]
+                return not places or max(places) - min(places) < len(set(contours))
+            case Lag(i, j):
+                return abs(self.place[i] - self.place[j]) > s.cuts
+            case NoGood(out, left):
+                return any(self.place[k] < max((self.place[m] for m in out), default=0) for k in left)
+            case Crossing():
+                return True
+            case _:
+                assert_never(s)
+
+    def _span(self, literals: Sequence[Literal], weights: Sequence[int]) -> tuple[int, int]:
+        """The least and the most that the literals which are true may weigh."""
+        least = most = 0
+        for literal, weight in zip(literals, weights, strict=True):
+            true = self._value(literal)
+            may_be = (0, weight) if true is None else (weight * true,)
+            least, most = least + min(may_be), most + max(may_be)
+        return least, most
+
+    def _value(self, literal: Literal) -> bool | None:
+        """Whether a literal is true, None where that is open."""
+        match literal:
+            case Before(i, j):
+                return self.place[i] < self.place[j]
+            case Pick(c):
+                return None if self.contour_of[c] not in self.entered else c in self.picked
+            case Enough(literals, weights, bound):
+                least, most = self._span(literals, weights)
+                return True if least >= bound else False if most < bound else None
+            case _:
+                assert_never(literal)
+
+
+def whole_order(facts: Facts, groups: Sequence[Group], said: Sequence[Orders]) -> Way | None:
+    """An order of all contours, and entries, that keep every group; None if none was found.
+
+    `said` is what each group says of orders. Moves and seconds are not asked.
+    """
+    runs = [run for of in said for run in of.runs]
+    links = [link for of in said for link in of.links]
+    earliest, latest = bounds(said)
+    contour_of = [c.contour for c in facts.candidates]
+    asked: dict[int, list[CanClash]] = defaultdict(list)
+    for group, of in zip(groups, said, strict=True):
+        for s in () if of.whole else group.statements:
+            for contour in dict.fromkeys(contour_of[c] for c in candidates_named(s)):
+                asked[contour].append(s)
+    for _ in range(TRIES):
+        place = order_in_runs(facts.n, links, runs, earliest, latest)
+        if place is None:
+            return None
+        way = Way(place, contour_of)
+        wanted: list[Link] = []
+        for contour, statements in asked.items():
+            wants = _enter(way, facts.candidates_of(contour), statements)
+            if wants is None:
+                return None
+            wanted += wants
+            way.entered.add(contour)
+        if not wanted:
+            return way if all(way.keeps(s) for group in groups for s in group.statements) else None
+        links = [*links, *wanted]
+    return None
+
+
+def _enter(way: Way, candidates: Iterable[int], statements: Sequence[CanClash]) -> list[Link] | None:
+    """Use one of the candidates; the orders that it still needs, as few as can be. None if no order would help it."""
+    found: tuple[list[Link], int] | None = None
+    for c in candidates:
+        way.picked.add(c)
+        needs = [_needs(s) for s in statements if not way.keeps(s)]
+        way.picked.discard(c)
+        wants = [link for links in needs for link in links]
+        if all(needs) and (found is None or len(wants) < len(found[0])):
+            found = wants, c
+            if not wants:
+                break
+    if found is None:
+        return None
+    way.picked.add(found[1])
+    return found[0]
+
+
+def _needs(s: CanClash) -> list[Link]:
+    """The orders that a statement forces."""
+    return [link for s in by_kind([s]).at_least for link, _ in forced(s)]

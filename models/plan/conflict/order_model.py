@@ -24,8 +24,7 @@ from ortools.sat.python.cp_model import (
 )
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.engines.budget import Budget
-from kerfwise.rules.by_kind import by_kind
+from kerfwise.models.engines.solution import Budget
 from kerfwise.rules.statements import (
     AtLeast,
     Before,
@@ -38,13 +37,12 @@ from kerfwise.rules.statements import (
     NoGood,
     Pick,
     Precede,
+    by_kind,
     plain,
 )
-from kerfwise.rules.stating.likely_order import likely_order
-from kerfwise.rules.stating.places import ends_of
+from kerfwise.rules.stating.feasible_order import ends_of, likely_order
 
-from .group import CanClash, Group, contours_of
-from .solver import WORK_PER_STATEMENT, NotAnswered, solver_within
+from .groups import WORK_PER_STATEMENT, CanClash, Group, NotAnswered, contours_of, solver_within
 
 WORK = 20.0
 """CP-SAT's deterministic seconds for one question; past them it counts as not answered."""

@@ -1,12 +1,99 @@
-"""The controls whose programs the check reads, and how each spells them: written apart from the dialects."""
+"""The controls whose programs the check reads, and how each splits them into lines, words and comments."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from .rows import LONGEST
+from kerfwise.encoder.errors import InputError
+
+# The rows of a program as its control splits them: at LF and CRLF, and nowhere else.
+
+LONGEST = 252
+"""Bytes of a row without its LF: LinuxCNC stops at a longer one, in the middle of a sheet (`LINELEN` in its source)."""
+_NEVER_SHOWN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+"""Unicode categories of controls, of marks that turn or join text, of halves of characters, and of separators."""
+
+
+@contextmanager
+def in_file(file: str) -> Iterator[None]:
+    """What is refused meanwhile is refused with the file's name, where it has one."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
+
+
+def rows_of(text: str, longest: int = LONGEST, obeyed: str = "") -> Iterator[tuple[int, str]]:
+    """The rows, numbered from 1, without their line ends; none is over `longest` bytes.
+
+    `obeyed` are characters that the control takes for commands wherever they stand.
+
+    Raises
+    ------
+    InputError
+        With line and column, for a row that is too long, and for characters that programs treat differently.
+
+    Examples
+    --------
+    >>> list(rows_of("G21\\r\\nM2\\n"))
+    [(1, 'G21'), (2, 'M2')]
+    """
+    rows = text.split("\n")
+    if text.isascii() and "".join(rows).isprintable() and len(max(rows, key=len)) <= longest and not obeyed:
+        yield from enumerate(rows if rows[-1] else rows[:-1], 1)  # most programs
+        return
+    for line, row in enumerate(rows, 1):
+        if line == len(rows):  # what follows the last LF
+            if row:
+                yield line, _plain(row, line, 0, longest, obeyed)
+        else:
+            bare = row.removesuffix("\r")
+            yield line, _plain(bare, line, len(row) - len(bare), longest, obeyed)
+
+
+def _plain(row: str, line: int, cr: int, longest: int, obeyed: str) -> str:
+    for column, char in enumerate(row, 1) if obeyed else ():
+        if char in obeyed or not char.isascii():
+            raise InputError(
+                f"'{char}' (U+{ord(char):04X}), which the control takes for a command wherever it stands, comments "
+                "included: not supported here; delete it",
+                line=line,
+                column=column,
+            )
+    if row.isascii() and row.isprintable() and len(row) + cr <= longest:
+        return row
+    for column, char in enumerate(row, 1):
+        if char != "\t" and unicodedata.category(char) in _NEVER_SHOWN:
+            raise InputError(_found(char), line=line, column=column)
+    if (size := len(row.encode()) + cr) > longest:
+        raise InputError(
+            f"the line has {size} bytes: more than {longest} are not supported here, nor by controls; write it shorter",
+            line=line,
+            column=longest + 1,
+        )
+    return row
+
+
+def _found(char: str) -> str:
+    if char == "\r":
+        return (
+            "a carriage return (CR) in the middle of a line: some programs end the line there, the control does not; "
+            "not supported here; save the program with line ends LF or CRLF"
+        )
+    if char == "\ufeff":
+        return "a byte order mark (U+FEFF), not supported here; save the program as UTF-8 without it"
+    return (
+        f"the character U+{ord(char):04X}, which is not shown and which programs treat differently; not supported "
+        "here; delete it"
+    )
+
+
+# The controls whose programs the check reads, and how each spells them: written apart from the dialects.
 
 _LINUXCNC_G = frozenset(
     {0.0, 1.0, 2.0, 3.0, 4.0, 17.0, 20.0, 21.0, 40.0, 49.0, 54.0, 61.0, 61.1, 64.0, 80.0, 90.0, 90.1, 91.0, 91.1, 92.1}
@@ -146,3 +233,111 @@ CONTROLS: Mapping[str, Control] = {
 }
 """By the name that a dialect gives as its `control`."""
 QTPLASMAC = CONTROLS["linuxcnc-qtplasmac"]
+
+
+# Comments of a row apart from its words; those that a control obeys are refused.
+
+_OBEYED = re.compile(
+    r"\s*(?P<word>abort,|debug,|print,|log,|logopen,|logappend,|logclose\s*$|py,|pyrun,|pyreload|probeopen|probeclose)",
+    re.IGNORECASE,
+)
+"""What LinuxCNC's interpreter and its machine do not pass over; `msg,` only shows its text."""
+_COMMENTED = re.compile(r"[();]")
+_NO_BLANKS = str.maketrans("", "", " \t")
+COMMENT = " "
+"""Stands for a comment between words: no number goes on behind it."""
+
+
+class Row(NamedTuple):
+    """A row of a program: `code` are its characters outside comments, without blanks, in capitals; a comment between
+    words is one `COMMENT`.
+
+    `columns` are the places of these characters, from 1, `comment_at` that of the first comment, if any.
+    """
+
+    code: str
+    columns: tuple[int, ...]
+    comments: tuple[str, ...]
+    comment_at: int | None = None
+
+    @property
+    def trailing(self) -> bool:
+        """Whether a comment stands behind words."""
+        return self.comment_at is not None and bool(self.columns) and self.columns[0] < self.comment_at
+
+
+def row_of(text: str, line: int) -> Row:
+    """Take the comments off a row.
+
+    Raises
+    ------
+    InputError
+        With line and column, for a comment that is not closed, is in another, or that the control obeys; for
+        characters that are not ASCII outside comments.
+
+    Examples
+    --------
+    >>> row_of("g1 x 10.5 (to the corner)", 1).code
+    'G1X10.5'
+    """
+    if text.isascii() and not _COMMENTED.search(text):  # most rows
+        solid = [k for k, char in enumerate(text, 1) if char not in " \t"]
+        return Row(text.translate(_NO_BLANKS).upper(), tuple(solid), ())
+    code: list[str] = []
+    columns: list[int] = []
+    comments: list[str] = []
+    at, comment_at = 0, None
+    while at < len(text):
+        char, start = text[at], at
+        at += 1
+        if char in "(;":
+            at = _end(text, start, line)
+            body = text[start + 1 : at - 1] if char == "(" else text[start + 1 :]
+            _harmless(body, line, start + 1)
+            if char == "(" or body.strip():
+                comments.append(body.strip())
+            comment_at = comment_at or start + 1
+            code.append(COMMENT)
+            columns.append(start + 1)
+        elif char == ")":
+            raise InputError("a ')' that closes no comment: not supported here; delete it", line=line, column=at)
+        elif char not in " \t":
+            if not char.isascii():
+                raise InputError(
+                    f"'{char}' (U+{ord(char):04X}) outside a comment: not supported here; write it in ASCII",
+                    line=line,
+                    column=at,
+                )
+            code.append(char.upper())
+            columns.append(at)
+    kept = len("".join(code).rstrip(COMMENT))
+    begin = kept - len("".join(code[:kept]).lstrip(COMMENT))
+    return Row("".join(code[begin:kept]), tuple(columns[begin:kept]), tuple(comments), comment_at)
+
+
+def _end(text: str, start: int, line: int) -> int:
+    """Where the comment that begins at `start` has ended."""
+    if text[start] == ";":
+        return len(text)
+    end, inner = text.find(")", start), text.find("(", start + 1)
+    if 0 <= inner < end or (end < 0 and inner >= 0):
+        raise InputError(
+            "a comment inside a comment: not supported here; take the inner ( and ) out",
+            line=line,
+            column=inner + 1,
+        )
+    if end < 0:
+        raise InputError(
+            "the comment is not closed: not supported here; write ) at its end", line=line, column=start + 1
+        )
+    return end + 1
+
+
+def _harmless(body: str, line: int, column: int) -> None:
+    if found := _OBEYED.match(body):
+        raise InputError(
+            f"the comment '{body.strip()[:40]}' is a command to the control ({found['word'].strip(' ,').upper()}), not "
+            "supported here; take it out, or begin the comment with another word",
+            line=line,
+            column=column,
+        )

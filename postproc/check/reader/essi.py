@@ -27,14 +27,10 @@ from dataclasses import dataclass, field
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point, Segment
 
-from .arcs import arc_by_centre, arc_by_radius
-from .controls import Control
-from .program import NcProgram
-from .rows import in_file, rows_of
-from .tools_on import ToolsOn, what_was_done
-from .traced import State, Traced
-from .track import Track
-from .words import Block
+from .controls import Control, in_file, rows_of
+from .program import LineEffect, NcProgram, State, Track
+from .tools import ToolsOn, finish_program
+from .words import Block, arc_by_centre, arc_by_radius
 
 _AUXILIARY = re.compile(r"(?P<code>[0-9]{1,5})(?:(?P<sign>[+-])(?P<value>[0-9]{0,8}))?")
 _MOVE = re.compile(r"(?:[+-][0-9]{0,8})+")
@@ -188,7 +184,7 @@ def read_essi(
     home: Point,
     control: Control,
     held_s: tuple[float, float],
-    traced: list[Traced] | None = None,
+    traced: list[LineEffect] | None = None,
 ) -> NcProgram:
     """Read a program; as `read_nc`, for controls that read ESSI. What each of its lines changes goes into `traced`.
 
@@ -221,9 +217,9 @@ def read_essi(
                 state = state_after({} if not traced else traced[-1].state, block)
                 travels = block[0] in "+-" and track.open is None
                 waits, halts = track.wait_s > before, block == "0"
-                traced.append(Traced(line, len(track.burns), travels, waits, halts, state))
+                traced.append(LineEffect(line, len(track.burns), travels, waits, halts, state))
         line = blocks[-1][0]
-        return what_was_done(track, program.tools, line, [], program.blocks + 1, control.step_mm)
+        return finish_program(track, program.tools, line, [], program.blocks + 1, control.step_mm)
 
 
 def state_after(state: State, block: str) -> State:

@@ -1,11 +1,92 @@
-"""What the M words of a block switch: the torch, the tool that marks, and the speed."""
+"""What M words switch: the torch, the tool that marks, the laser's beam; and what halts and ends make of them."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from .tools_on import ALL, ToolsOn
+from .controls import Control
+from .grammar import DWELL
+from .program import NcProgram, Track
 from .words import Block, Word
+
+# The tools that are on, and what a program's halts and its end make of them.
+
+ALL = -1
+HALTS = frozenset({0.0, 1.0})
+ENDS = frozenset({2.0, 30.0})
+
+
+@dataclass(slots=True)
+class ToolsOn(ABC):
+    """The tools that are on; the control holds the torch for `held_s` where it starts to cut, and to mark."""
+
+    track: Track
+    control: Control
+    held_s: tuple[float, float]
+    on: list[int] = field(default_factory=list)
+    ended: bool = False
+
+    @abstractmethod
+    def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
+        """Do what comes before a block's wait and motion.
+
+        `motion` is the motion that it makes, None for none, and `modal` the one in force from this block on.
+        """
+
+    def halt(self, block: Block) -> None:
+        """Do what comes after its motion: halts and the program's end."""
+        for word in block.m:
+            if word.value in HALTS and self.on:
+                self.track.fault(
+                    block.line, "torch-off-travel", f"{word.text} halts the program while tool ${self.on[0]} is on"
+                )
+            self.ended = self.ended or word.value in ENDS
+
+    def start(self, tool: int, line: int) -> None:
+        """Start a tool where the torch stands."""
+        if self.on:
+            self.track.fault(line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
+        if tool not in self.on:
+            self.on.append(tool)
+        if self.track.open is None:
+            self.track.begin(tool, line, self.held_s[0] if tool == 0 else self.held_s[1])
+
+    def stop(self, tool: int) -> None:
+        """Stop a tool, or all."""
+        self.on = [] if tool == ALL else [t for t in self.on if t != tool]
+        if self.track.open is not None and self.track.open.tool not in self.on:
+            self.track.close()
+
+
+def finish_program(
+    track: Track, tools: ToolsOn, line: int, comments: Sequence[str], blocks: int, step_mm: float = 0.0
+) -> NcProgram:
+    """The whole program, once its last line has been run."""
+    track.close()
+    if tools.on:
+        track.fault(line, "torch-off-travel", "the program ends with the torch on")
+    if track.torches:
+        text = f"the program ends with torch {track.torches[0]} selected: it would burn in the next program, too"
+        track.fault(line, "program-state", text)
+    if track.wait_s > 0:
+        track.fault(line, "pierce-delay", f"the torch stands still for {track.wait_s:g} s after the last cut")
+    return NcProgram(
+        tuple(track.burns),
+        tuple(track.hot_rapids),
+        tuple(track.slow_travel),
+        tuple(track.faults),
+        tuple(comments),
+        track.idle_mm,
+        tuple(track.travels_mm),
+        track.at,
+        blocks,
+        track.moving_s,
+        tuple(track.rapids),
+        step_mm=step_mm,
+    )
+
 
 _SET_BIT, _CLEAR_BIT, _START, _STOP = 64.0, 65.0, 3.0, 5.0
 _OUTPUTS = frozenset({67.0, 68.0})
@@ -150,3 +231,48 @@ class Tools(ToolsOn):
         if share not in (0.0, 100.0):
             text = f"{word.text} E3 Q{share:g} has the torch move at {share:g} % of its feed"
             self.track.fault(block.line, "feeds", text)
+
+
+# The beam of a laser under GRBL: lit in moves at a feed alone, and by M3 also at rest between them.
+#
+# GRBL in laser mode ($32=1) has the beam off in each G0. M3 burns at rest too, where G1, G2 or G3 is the motion in
+# force, so that a pierce needs it. M4 scales the power with the speed: at rest it is off. S0 is off, and S stays in
+# force (https://github.com/gnea/grbl/blob/master/doc/markdown/laser_mode.md).
+
+_CONSTANT, _SCALED, _OFF = 3.0, 4.0, 5.0
+_CUTTING = frozenset({1.0, 2.0, 3.0})
+
+
+@dataclass(slots=True)
+class Beam(ToolsOn):
+    """Whether the beam is lit: by which of M3 and M4, and with which power S."""
+
+    mode: float = _OFF
+    power: float = 0.0
+
+    def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
+        """Take note of M3, M4, M5 and S, and light the beam or put it out, as the block's motion asks for it."""
+        self.power = block.of("S", self.power)
+        for word in block.m:
+            if word.value in (_CONSTANT, _SCALED, _OFF):
+                self.mode = word.value
+                if word.value != _OFF and self.power <= 0:
+                    text = f"{word.text} lights nothing: no S word has given the beam a power"
+                    self.track.fault(block.line, "program-state", text)
+        ready = self.mode != _OFF and self.power > 0
+        tool = 0 if self.power > self.control.marks_up_to else 1
+        self.on = [tool] if ready else []
+        moves = motion is not None and any(letter in block.words for letter in "XYIJR")
+        if moves:
+            lit = ready and motion in _CUTTING
+        elif self.mode == _SCALED and not block.has_g(DWELL):
+            lit = ready and self.track.open is not None and modal in _CUTTING
+        else:
+            lit = ready and self.mode == _CONSTANT and modal in _CUTTING
+        burning = self.track.open
+        if burning is not None and (not lit or burning.tool != tool):
+            self.track.close()
+        if lit and self.track.open is None:
+            self.track.begin(tool, block.line, self.held_s[0] if tool == 0 else self.held_s[1])
+        if self.track.open is not None and (moves or block.has_g(DWELL)):
+            (self.track.open.powers if moves else self.track.open.pierce_powers).add(self.power)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
-from kerfwise.rules.minizinc.dzn import Fields, flags
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags
 
 
 class CutDirectionTwin(Twin[CutDirectionOptions]):

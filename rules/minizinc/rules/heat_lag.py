@@ -10,8 +10,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file
+from kerfwise.rules.minizinc.twin import Fields, Further, Twin, TwinCase, numbers, rule_file
 
 
 class HeatLagTwin(Twin[HeatLagOptions]):

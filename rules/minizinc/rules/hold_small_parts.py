@@ -5,8 +5,7 @@ from __future__ import annotations
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallParts, HoldSmallPartsOptions, unheld
-from kerfwise.rules.minizinc.dzn import Fields, flags
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags
 
 
 class HoldSmallPartsTwin(Twin[HoldSmallPartsOptions]):

@@ -8,8 +8,7 @@ from dataclasses import replace
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.minizinc.dzn import Fields
-from kerfwise.rules.minizinc.twin import Twin, pairs_without
+from kerfwise.rules.minizinc.twin import Fields, Twin, pairs_without
 from kerfwise.rules.options.option import NoOptions
 
 

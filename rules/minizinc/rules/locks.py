@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
-from kerfwise.rules.minizinc.dzn import Fields, number_set, numbers
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, number_set, numbers
 
 
 class LocksTwin(Twin[LocksOptions]):

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.graphs import weak_components
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.judging.holding import clusters as together
 from kerfwise.rules.judging.holding import holding
-from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags, numbers
 
 
 class NoIslandsTwin(Twin[NoIslandsOptions]):

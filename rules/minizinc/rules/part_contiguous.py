@@ -5,8 +5,7 @@ from __future__ import annotations
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
-from kerfwise.rules.minizinc.dzn import Fields, flag
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flag
 
 
 class PartContiguousTwin(Twin[PartContiguousOptions]):

@@ -12,9 +12,8 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts, Stretch
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.judging.stretches import faced_by_cuts
-from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file
+from kerfwise.rules.judging.facing import faced_by_cuts
+from kerfwise.rules.minizinc.twin import Fields, Further, Twin, TwinCase, numbers, rule_file
 
 PER_MM = 100
 ALLOWANCE = 0.02

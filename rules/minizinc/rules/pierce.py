@@ -9,8 +9,7 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, numbers
 
 
 class PierceTwin(Twin[PierceOptions]):

@@ -5,9 +5,8 @@ from __future__ import annotations
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.scrap_last import ScrapLastOptions
-from kerfwise.rules.judging.skeleton import bounding
-from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.judging.holding import bounding
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags, numbers
 
 
 class ScrapLastTwin(Twin[ScrapLastOptions]):

@@ -6,11 +6,9 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.microns import UM_PER_MM
-from kerfwise.encoder.tolerance import tolerance_mm
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM, tolerance_mm
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
-from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Twin, TwinCase
+from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, numbers
 
 FINE_MM = 0.002
 """Chords lie this close to contours whose gaps are measured."""

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import kerfwise
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
-from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Sheet
 from kerfwise.encoder.readers import read_nest
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.rules.case import circle, nest, part, rect
 
 REACH = (-100.0, -100.0, 3000.0, 1500.0)
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
 from kerfwise.encoder.candidates.common_edges import CommonEdges, common_edges
-from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Nest, Part
-from kerfwise.encoder.tolerance import tolerance_mm
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.metal.common_nests import grid
 
 KERF_MM = 1.5

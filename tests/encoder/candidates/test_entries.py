@@ -8,12 +8,11 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import Rows, circle, rect
-from kerfwise.encoder.candidates.entries import CORNER, MIDDLE, choose, choose_each, places
-from kerfwise.encoder.candidates.joints import Outline, joints_at
-from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.candidates.entries import CORNER, MIDDLE, Outline, choose, choose_each, joints_at, places
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.rules.case import Rows, circle, rect
 from kerfwise.tests.tools.amount import examples
 
 ELL: Rows = [(0, 0), (20, 0), (20, 10), (10, 10), (10, 20), (0, 20)]

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.candidates import Candidate
-from kerfwise.encoder.candidates.keep_apart import keep_apart
-from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
+from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, resolve_lead_conflicts
 
 
 def ways(*contours: int) -> list[Candidate]:
@@ -24,7 +23,7 @@ def meetings(leads: Sequence[tuple[int, int]], rings: Sequence[tuple[int, int]] 
 
 
 def kept(contours: Sequence[int], met: OlderKerfs, locked: Sequence[int] = ()) -> list[int]:
-    return list(keep_apart(ways(*contours), met, locked))
+    return list(resolve_lead_conflicts(ways(*contours), met, locked))
 
 
 def test_what_meets_nothing_stays() -> None:

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.candidates.joints import Joints
-from kerfwise.encoder.candidates.lead_shapes import Leads, LeadShape, shaped
+from kerfwise.encoder.candidates.entries import Joints, Leads, LeadShape, shaped
 from kerfwise.encoder.geometry.segment import Segment
 
 NORTH = Joints(*(np.array(a) for a in ([0], [0.0], [[0.0, 0.0]], [0.0], [[3.0, 4.0]], [[0.0, 1.0]])))

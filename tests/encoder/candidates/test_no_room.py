@@ -8,13 +8,13 @@ import re
 import pytest
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.candidates import LeadOptions, build_candidates, remedies
-from kerfwise.encoder.candidates.profile_keys import IN_PROFILE
-from kerfwise.encoder.candidates.surroundings import Surroundings
-from kerfwise.encoder.candidates.tried import TriedLeads
+from kerfwise.encoder.candidates import LeadOptions, build_candidates, lead_errors
+from kerfwise.encoder.candidates.entries import IN_PROFILE
+from kerfwise.encoder.candidates.lead_search import LeadAttempt
+from kerfwise.encoder.candidates.obstacles import Surroundings
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part, rect
 
 
 def told(plate: Nest, options: LeadOptions) -> str:
@@ -137,13 +137,13 @@ def test_no_lead_and_no_kerf_is_tried_where_the_kerf_alone_is_at_fault(
 ) -> None:
     """Each look at a contour of 20,000 vertices takes seconds."""
     tried: list[tuple[list[int], LeadOptions]] = []
-    plain = remedies.try_options
+    plain = lead_errors.try_leads
 
-    def noted(plate: Nest, contours: list[int], around: Surroundings, options: LeadOptions) -> TriedLeads:
+    def noted(plate: Nest, contours: list[int], around: Surroundings, options: LeadOptions) -> LeadAttempt:
         tried.append((contours, options))
         return plain(plate, contours, around, options)
 
-    monkeypatch.setattr(remedies, "try_options", noted)
+    monkeypatch.setattr(lead_errors, "try_leads", noted)
     slots = [point for x in (140, 110, 80) for point in ((x, 120), (x, 60), (x - 1, 60), (x - 1, 120))]
     plate = nest(300, 200, part("A", [(20, 20), (200, 20), (200, 120), *slots, (20, 120)]))
     options = LeadOptions(lead_in_min_mm=0.5)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates, build_with_older_kerfs
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part, rect
 
 TWO = nest(
     400, 200, part("A", rect(50, 50, 100, 100), marks=[[(60, 60), (90, 60)]]), part("B", rect(160, 50, 100, 100))

@@ -9,12 +9,12 @@ import pytest
 import shapely
 from hypothesis import assume, given
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
-from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.narrow import lost_features
+from kerfwise.encoder.narrow_features import lost_features
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
 from kerfwise.tests.tools.amount import examples
 

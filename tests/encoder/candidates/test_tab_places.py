@@ -11,13 +11,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.tabs import TabOptions, tips
+from kerfwise.encoder.torch_path import TabOptions, tips
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.tools.amount import examples

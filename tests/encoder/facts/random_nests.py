@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.rules.case import Rows, circle, nest, part, rect
 
 PITCH = 120
 

@@ -7,13 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
-from kerfwise.encoder.facts.outlines import ROUNDING_MM
-from kerfwise.encoder.facts.sides import OPPOSITE
+from kerfwise.encoder.facts.outlines import OPPOSITE, ROUNDING_MM
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
 from kerfwise.tests.tools.amount import examples
 

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.facts.containment import closure_of, outermost_of, parents_of
 from kerfwise.encoder.facts.outlines import outlines_of
+from kerfwise.encoder.facts.relations import closure_of, outermost_of, parents_of
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part, rect
 
 FRAME = part("A", rect(0, 0, 300, 300), [rect(50, 50, 200, 200)])
 

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.facts.heat import heat
 from kerfwise.encoder.facts.outlines import outlines_of
+from kerfwise.encoder.facts.relations import heat
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part, rect
 
 
 def heat_of(given: Nest) -> tuple[list[float], list[int]]:

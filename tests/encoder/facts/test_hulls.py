@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.facts.containment import parents_of
-from kerfwise.encoder.facts.hulls import in_hull
 from kerfwise.encoder.facts.outlines import outlines_of
+from kerfwise.encoder.facts.relations import hull_pairs as hull_pairs_hulls
+from kerfwise.encoder.facts.relations import parents_of
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part, rect
 
 BRACKET = part("L", [(0, 0), (200, 0), (200, 40), (40, 40), (40, 200), (0, 200)])
 
@@ -14,7 +14,7 @@ BRACKET = part("L", [(0, 0), (200, 0), (200, 40), (40, 40), (40, 200), (0, 200)]
 def hull_pairs(given: Nest) -> set[tuple[str, str]]:
     outlines = outlines_of(given)
     parts = [c.part for c in given.contours]
-    return {(parts[j], parts[i]) for j, i in in_hull(outlines, parents_of(outlines)).tolist()}
+    return {(parts[j], parts[i]) for j, i in hull_pairs_hulls(outlines, parents_of(outlines)).tolist()}
 
 
 @pytest.mark.parametrize(

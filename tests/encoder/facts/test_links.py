@@ -13,7 +13,6 @@ import pytest
 import shapely
 from shapely.ops import substring
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.facts import FactOptions, compute_facts, links
@@ -24,6 +23,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.rules.case import circle, nest, part, rect
 
 KERF_MM = 1.5
 A, B = part("A", rect(10, 10, 40, 40)), part("B", rect(62, 10, 40, 40))

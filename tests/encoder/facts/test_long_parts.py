@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from kerfwise.encoder.by_hand import Rows, nest, part, rect
-from kerfwise.encoder.facts.long_parts import long_parts
 from kerfwise.encoder.facts.outlines import outlines_of
+from kerfwise.encoder.facts.relations import long_parts
+from kerfwise.rules.case import Rows, nest, part, rect
 
 
 def turned(rows: Rows, degrees: float) -> Rows:

@@ -6,16 +6,14 @@ import shapely
 from hypothesis import given
 
 from kerfwise.arrays import Bools, Floats
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.facts import FactOptions, compute_facts, rays
-from kerfwise.encoder.facts.cells import CELLS_MIN, SPACING_MM, cells_of
-from kerfwise.encoder.facts.containment import parents_of
+from kerfwise.encoder.facts import FactOptions, compute_facts, neighbours
 from kerfwise.encoder.facts.facts import SIDES, Facts
-from kerfwise.encoder.facts.neighbours import outlook_of
+from kerfwise.encoder.facts.neighbours import CELLS_MIN, NOTHING, SPACING_MM, cells_of, outlook_of
 from kerfwise.encoder.facts.outlines import outlines_of
-from kerfwise.encoder.facts.rays import NOTHING
+from kerfwise.encoder.facts.relations import parents_of
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.tools.amount import examples
 
@@ -154,14 +152,14 @@ def test_rays_are_intersected_a_few_boxes_at_once(monkeypatch: pytest.MonkeyPatc
     asked = (outlines, parents_of(outlines), plate.sheet, cells_of(outlines), FactOptions())
     whole = outlook_of(*asked)
     pairs: list[int] = []
-    plain = rays._crossings
+    plain = neighbours._crossings
 
     def counted(*given: object) -> tuple[Bools, Floats]:
         pairs.append(len(given[2]))  # type: ignore[arg-type]
         return plain(*given)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(rays, "_crossings", counted)
-    monkeypatch.setattr(rays, "PAIRS_AT_ONCE", 200)
+    monkeypatch.setattr(neighbours, "_crossings", counted)
+    monkeypatch.setattr(neighbours, "PAIRS_AT_ONCE", 200)
     assert outlook_of(*asked).faces.tolist() == whole.faces.tolist()
     assert len(pairs) > 10
     assert max(pairs) <= 200

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.facts.offcut import edge_gaps, offcuts
 from kerfwise.encoder.facts.outlines import outlines_of
+from kerfwise.encoder.facts.relations import edge_gaps, offcuts
+from kerfwise.rules.case import nest, part, rect
 
 
 def test_gaps_are_to_left_right_bottom_top() -> None:

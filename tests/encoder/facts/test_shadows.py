@@ -5,13 +5,12 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
-from kerfwise.encoder.facts.containment import parents_of
 from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.facts.outlines import outlines_of
-from kerfwise.encoder.facts.shadows import level_ahead
+from kerfwise.encoder.facts.relations import level_ahead, parents_of
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.tools.amount import examples
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from kerfwise.encoder.by_hand import Rows, nest, part, rect
-from kerfwise.encoder.facts.skeleton import skeleton_of
-from kerfwise.rules.judging.skeleton import bounding
+from kerfwise.encoder.facts.compute import skeleton_of
+from kerfwise.rules.case import Rows, nest, part, rect
+from kerfwise.rules.judging.holding import bounding
 
 A = part("A", rect(400, 50, 100, 100))
 

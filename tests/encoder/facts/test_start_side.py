@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.nest import Nest, Part
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import mirrored
 
 EVEN = part("E1", rect(30, 30, 200, 200)), part("E2", rect(770, 30, 200, 200))

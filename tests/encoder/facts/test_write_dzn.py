@@ -4,10 +4,10 @@ import re
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.facts import FactOptions, compute_facts, facts_dzn, write_dzn
+from kerfwise.encoder.facts import FactOptions, compute_facts, export, facts_dzn
+from kerfwise.rules.case import nest, part, rect
 
 FIELDS = """\
 n_contours = 3;
@@ -76,11 +76,11 @@ def small_dzn() -> str:
 
 
 def test_the_whole_text() -> None:
-    assert small_dzn() == write_dzn.HEADER + FIELDS
+    assert small_dzn() == export.HEADER + FIELDS
 
 
 def test_the_header_explains_every_field() -> None:
-    explained = set(re.findall(r"\b[a-z]+(?:_[a-z]+)*\b", write_dzn.HEADER))
+    explained = set(re.findall(r"\b[a-z]+(?:_[a-z]+)*\b", export.HEADER))
     for field in re.findall(r"^(\w+) = ", FIELDS, re.MULTILINE):
         assert field in explained
 
@@ -92,6 +92,6 @@ def test_a_nest_without_parts_keeps_the_shape_of_its_arrays() -> None:
 
 
 def test_a_nest_too_large_for_square_arrays_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(write_dzn, "CONTOURS_MAX", 2)
+    monkeypatch.setattr(export, "CONTOURS_MAX", 2)
     with pytest.raises(InputError, match=r"3 contours are too many.*\.json"):
         small_dzn()

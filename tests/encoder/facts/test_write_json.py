@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
 from kerfwise.encoder.facts.facts import LinkPath
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.small_holes import HoleLimits, as_cut
+from kerfwise.encoder.small_holes import HoleLimits, with_small_holes
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.tools.amount import examples
 
@@ -162,7 +162,7 @@ def test_the_same_facts_give_the_same_text() -> None:
 def test_small_holes_are_told_and_slow_ones_have_their_share() -> None:
     plate = nest(300, 200, part("A", rect(20, 20, 150, 150), [circle(60, 60, 2), circle(110, 110, 6)]))
     limits = HoleLimits(least_mm=6, under="spot", full_feed_mm=30, feed_share=0.6)
-    data = json.loads(facts_json(compute_facts(as_cut(plate, limits), FactOptions())))
+    data = json.loads(facts_json(compute_facts(with_small_holes(plate, limits), FactOptions())))
     jsonschema.Draft202012Validator(SCHEMA).validate(data)
     assert data["small_holes"] == {"marked": ["A.hole1"], "left_out": []}
     assert [(c["id"], c["kind"], c.get("feed_share")) for c in data["contours"]] == [

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats, Ints
-from kerfwise.encoder.facts.zone_borders import divisions
+from kerfwise.encoder.facts.zones import divisions
 from kerfwise.tests.tools.amount import examples
 
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.tools.amount import examples
 

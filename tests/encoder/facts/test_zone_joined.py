@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.facts.zone_joined import joined
-from kerfwise.encoder.facts.zone_sets import sets_within, units_of
+from kerfwise.encoder.facts.zones import merge_zones, sets_within, units_of
 from kerfwise.tests.tools.amount import examples
 
 
@@ -21,7 +20,7 @@ def test_as_large_as_they_may_be(given_zones: list[int], seed: int, most: float)
     pairs = [(a, b) for a in range(n) for b in range(a) if zone[a] <= zone[b] and random.random() < 0.2]
     pairs += [(a, b) for b in range(n) for a in range(b) if random.random() < 0.2]
     units = units_of(np.arange(n), np.zeros(n, bool), np.array(pairs, dtype=np.int64).reshape(-1, 2), True)
-    found = joined(zone, units, most, np.zeros(zone.max()))
+    found = merge_zones(zone, units, most, np.zeros(zone.max()))
 
     def sets(*names: int) -> float:
         return sets_within(np.flatnonzero(np.isin(found, names)), units, 1e9)
@@ -38,5 +37,5 @@ def test_as_large_as_they_may_be(given_zones: list[int], seed: int, most: float)
 def test_no_more_than_the_budget_of_heat_is_joined() -> None:
     four = units_of(np.arange(4), np.zeros(4, bool), np.empty((0, 2), dtype=np.int64), True)
     zone = np.arange(1, 5)
-    assert joined(zone, four, 1e9, np.full(4, 2.0), 4.0).tolist() == [1, 1, 2, 2]
-    assert joined(zone, four, 1e9, np.array([9.0, 1.0, 1.0, 1.0]), 3.0).tolist() == [1, 2, 2, 2]
+    assert merge_zones(zone, four, 1e9, np.full(4, 2.0), 4.0).tolist() == [1, 1, 2, 2]
+    assert merge_zones(zone, four, 1e9, np.array([9.0, 1.0, 1.0, 1.0]), 3.0).tolist() == [1, 2, 2, 2]

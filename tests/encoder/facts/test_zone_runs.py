@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zone_runs, zones
-from kerfwise.encoder.facts.zone_runs import movable, zones_along
+from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zones, zones_along_route
+from kerfwise.encoder.facts.zones_along_route import movable, zones_along
+from kerfwise.rules.case import nest, part, rect
 
 
 @pytest.fixture(autouse=True)
@@ -62,7 +62,7 @@ def test_large_zones_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
     order = to_and_fro(facts, 3)
     by_size = {}
     for sizes in ((18,), (9,), (18, 9)):
-        monkeypatch.setattr(zone_runs, "MOST_CONTOURS", sizes)
+        monkeypatch.setattr(zones_along_route, "MOST_CONTOURS", sizes)
         by_size[sizes] = [found.tolist() for found in zones_along(facts, order)]
     large, small = by_size[18,], by_size[9,]
     assert large
@@ -161,8 +161,8 @@ def test_in_a_large_nest_a_part_that_is_gone_back_to_lies_where_it_is_cut_last(
     most: int, beside: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its hole is cut first of all, and the part with the sixth column: half-way there is nothing of it."""
-    monkeypatch.setattr(zone_runs, "MIDDLES", most)
-    monkeypatch.setattr(zone_runs, "LESS_TOGETHER", 100.0)
+    monkeypatch.setattr(zones_along_route, "MIDDLES", most)
+    monkeypatch.setattr(zones_along_route, "LESS_TOGETHER", 100.0)
     facts = grid(12, 3, zone_respects=frozenset({"contains"}), square_ratio=10.0)
     outer = facts.nest.index["00.outer"]
     order = [k for k in to_and_fro(facts, 3) if k != outer]

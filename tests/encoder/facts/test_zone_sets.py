@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.facts.zone_sets import MOST_UNITS, sets_within, units_of
+from kerfwise.encoder.facts.zones import MOST_UNITS, sets_within, units_of
 from kerfwise.tests.tools.amount import examples
 
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.tools.amount import examples
 

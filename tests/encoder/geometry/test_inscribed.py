@@ -9,9 +9,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, narrower_than, wider_than
+from kerfwise.encoder.geometry.measures import largest_circle, middle_of, narrower_than, wider_than
+from kerfwise.rules.case import circle, rect
 from kerfwise.tests.tools.amount import examples
 
 

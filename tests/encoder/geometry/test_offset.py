@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.geometry import offset
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
+from kerfwise.rules.case import circle, rect
 
 QUARTER = math.tan(math.pi / 8)
 

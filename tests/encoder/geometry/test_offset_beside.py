@@ -11,7 +11,7 @@ import shapely
 from kerfwise.encoder.geometry import offset
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve, offset_together
-from kerfwise.encoder.geometry.offset_beside import offsets_beside
+from kerfwise.encoder.geometry.offset_batch import offset_curves
 from kerfwise.tests.encoder.geometry.rings import hausdorff_mm, true_offset
 
 DISTANCES_MM = (0.75, -0.75, 2.0, -2.0)
@@ -47,12 +47,12 @@ def test_what_neighbours_tell_is_what_areas_give(monkeypatch: pytest.MonkeyPatch
     for seed in range(30):
         curve = angular(seed)
         for distance_mm in DISTANCES_MM:
-            beside = offsets_beside([curve], [distance_mm])[0]
+            beside = offset_curves([curve], [distance_mm])[0]
             if beside is None or len(curve.vertices) < 6:  # of convex curves areas may begin elsewhere
                 continue
             told += 1
             with monkeypatch.context() as areas:
-                areas.setattr(offset, "offsets_beside", lambda curves, _: [None] * len(curves))
+                areas.setattr(offset, "offset_curves", lambda curves, _: [None] * len(curves))
                 assert made(Curve(curve.vertices), distance_mm) == beside.vertices.tobytes()
             wanted = max(shapely.get_parts(true_offset(curve, distance_mm)), key=lambda p: float(p.area)).exterior
             assert hausdorff_mm(beside.line(0.0005), wanted) < 0.01
@@ -70,7 +70,7 @@ def test_many_together_are_as_one_by_one() -> None:
 
 @pytest.mark.parametrize(("mouth_mm", "told"), [(1.0, False), (1.4999, False), (1.5001, False), (1.6, True)])
 def test_a_neck_about_as_wide_as_the_kerf_is_left_to_areas(mouth_mm: float, told: bool) -> None:
-    assert (offsets_beside([comb(mouth_mm)], [0.75])[0] is not None) == told
+    assert (offset_curves([comb(mouth_mm)], [0.75])[0] is not None) == told
 
 
 def test_curves_without_area_or_offset_are_passed_over() -> None:
@@ -78,4 +78,4 @@ def test_curves_without_area_or_offset_are_passed_over() -> None:
     offset_together([flat, square], [1.0, 0.0])
     assert not flat.beside
     assert not square.beside
-    assert offsets_beside([], []) == []
+    assert offset_curves([], []) == []

@@ -8,7 +8,7 @@ from shapely import LineString, hausdorff_distance
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.readers.arcs import FIT_MM, fit_arcs, fitted
+from kerfwise.encoder.readers.fit_arcs import FIT_MM, fit_arcs, fit_curve
 from kerfwise.tests.tools.amount import examples
 
 
@@ -38,7 +38,7 @@ def test_the_corners_of_a_square_are_no_circle() -> None:
 
 
 def test_a_closed_row_gives_a_closed_curve() -> None:
-    circle = fitted(arc(20, 0, math.tau))
+    circle = fit_curve(arc(20, 0, math.tau))
     assert circle is not None
     assert circle.closed
     assert len(circle.segments) <= 3
@@ -46,7 +46,7 @@ def test_a_closed_row_gives_a_closed_curve() -> None:
 
 
 def test_one_point_is_no_curve() -> None:
-    assert fitted(np.array([[1.0, 2.0]])) is None
+    assert fit_curve(np.array([[1.0, 2.0]])) is None
 
 
 @examples(60)

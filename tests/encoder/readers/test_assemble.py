@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.readers.assemble import assemble
 from kerfwise.encoder.readers.drawing import DrawnCurve
+from kerfwise.encoder.readers.nest_from_drawing import assemble
 from kerfwise.tests.encoder.readers.drawings import pieces, square, texts
 
 

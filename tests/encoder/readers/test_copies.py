@@ -5,7 +5,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
-from kerfwise.encoder.readers.copies import DEEPEST, MOST_COPIES, check_copies
+from kerfwise.encoder.readers.drawing import DEEPEST, MOST_COPIES, check_copies
 
 LEVELS = 24
 

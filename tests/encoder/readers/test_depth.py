@@ -2,7 +2,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.readers.depth import surrounding
+from kerfwise.encoder.readers.sheet import surrounding
 
 
 def test_depth_and_the_ring_around() -> None:

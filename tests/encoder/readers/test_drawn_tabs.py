@@ -12,7 +12,7 @@ from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.layers import Layers
-from kerfwise.encoder.tabs import TabOptions
+from kerfwise.encoder.torch_path import TabOptions
 from kerfwise.tests.encoder.readers.drawings import lines, read_dxf, sheet, square
 
 SVG = """\

@@ -9,8 +9,8 @@ from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, json_schema, read_nest
-from kerfwise.encoder.readers.json_schema import validator
+from kerfwise.encoder.readers import ReadOptions, json_nest, read_nest
+from kerfwise.encoder.readers.json_nest import validator
 from kerfwise.tests.encoder.readers.drawings import areas, texts
 
 Document = dict[str, Any]
@@ -230,23 +230,23 @@ def test_an_arc_wider_than_the_world_names_its_contour(tmp_path: Path) -> None:
 def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """It takes a tenth of a second for a thousand of them."""
     shown: list[Any] = []
-    checked = json_schema.validator()
+    checked = json_nest.validator()
 
     class Noted:
         def iter_errors(self, document: Any) -> Any:
             shown.append(document)
             return checked.iter_errors(document)
 
-    monkeypatch.setattr(json_schema, "validator", Noted)
+    monkeypatch.setattr(json_nest, "validator", Noted)
     ring = [[100 + 50 * math.cos(k / 500), 100 + 50 * math.sin(k / 500)] for k in range(3000)]
     part = {"id": "A", "outer": ring, "holes": [ring], "marks": [ring]}
     sheet = {"width": 200, "height": 200}
     document: dict[str, Any] = {"format": "kerfwise-nest/1", "units": "mm", "sheet": sheet, "parts": [part]}
-    json_schema.check_schema(document, json.dumps(document))
+    json_nest.check_schema(document, json.dumps(document))
     assert not shown  # as plain as that it needs no schema at all
     document["scrap"] = []
-    json_schema.check_schema(document, json.dumps(document))
-    assert len(shown[0]["parts"][0]["outer"]) == json_schema.FEW
+    json_nest.check_schema(document, json.dumps(document))
+    assert len(shown[0]["parts"][0]["outer"]) == json_nest.FEW
     assert len(json.dumps(shown)) < 1000
     assert part["holes"] == [ring]
 
@@ -270,6 +270,6 @@ def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyP
 )
 def test_a_file_that_the_schema_refuses_is_never_taken_for_plain(change: dict[str, Any]) -> None:
     given = {"format": "kerfwise-nest/1", "sheet": {"width": 100, "height": 100}, "parts": []} | change
-    assert list(json_schema.validator().iter_errors(given))
+    assert list(json_nest.validator().iter_errors(given))
     with pytest.raises(InputError):
-        json_schema.check_schema(given, json.dumps(given))
+        json_nest.check_schema(given, json.dumps(given))

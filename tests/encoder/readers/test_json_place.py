@@ -1,7 +1,7 @@
 import pytest
 import yaml
 
-from kerfwise.encoder.readers.json_place import places, spoken
+from kerfwise.encoder.files import places, spoken
 
 TEXT = """{"format": "kerfwise-nest/1",
  "parts": [

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
+from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
 
 
 def test_repeated_vertices_go_and_the_arc_stays() -> None:

@@ -3,11 +3,11 @@ import itertools
 import numpy as np
 import pytest
 
-from kerfwise.encoder.readers.nodes import meeting_points
+from kerfwise.encoder.readers.join import endpoint_clusters
 
 
 def numbers(ends: list[tuple[float, float]], lengths: list[float], tolerance: float = 0.1) -> list[int]:
-    return meeting_points(np.array(ends, dtype=float), np.array(lengths), tolerance).tolist()
+    return endpoint_clusters(np.array(ends, dtype=float), np.array(lengths), tolerance).tolist()
 
 
 def test_ends_a_rounding_apart_are_one_point_however_many() -> None:

@@ -1,5 +1,5 @@
 from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.open_ends import open_end_problems
+from kerfwise.encoder.readers.open_lines import open_end_problems
 from kerfwise.tests.encoder.readers.drawings import pieces
 
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.readers import read_nest
+from kerfwise.encoder.readers.fit_arcs import CORNER_DEG, refitted
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.readers.refit import CORNER_DEG, refitted
 from kerfwise.tests.nest_file import nest_file
 
 ROUNDED = Curve.of(

@@ -1,6 +1,6 @@
 import numpy as np
 
-from kerfwise.encoder.readers.trace import Trail, trace
+from kerfwise.encoder.readers.join import Trail, trace
 
 
 def traced(nodes: list[tuple[int, int]], twin: dict[int, int] | None = None) -> list[Trail]:

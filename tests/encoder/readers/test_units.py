@@ -1,7 +1,7 @@
 import pytest
 
 from kerfwise.encoder.nest import Sheet
-from kerfwise.encoder.readers.units import doubts
+from kerfwise.encoder.readers.options import doubts
 
 
 @pytest.mark.parametrize("size", [(20, 5), (6000, 1500), (50_000, 3000)])

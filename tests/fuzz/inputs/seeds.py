@@ -15,7 +15,7 @@ import ezdxf
 import yaml
 
 import kerfwise as package
-from kerfwise.rules.pages.new_rule import new_outside_rule
+from kerfwise.rules.pages import new_outside_rule
 
 ROOT = Path(package.__file__).parent
 PLASMA = "linuxcnc-qtplasmac"

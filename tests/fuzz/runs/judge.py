@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import PurePath
 from unicodedata import category
 
-from kerfwise.encoder.shown import OBEYED, shown
+from kerfwise.encoder.text import OBEYED, escape_text
 from kerfwise.tests.fuzz.inputs.case import Case
 
 from .run import Ended
@@ -61,7 +61,7 @@ def _refusal(case: Case, ended: Ended) -> Iterator[str]:
         *case.words,
         *(PurePath(word).stem for word in case.words),
     }  # outputs are named after the nest
-    names = {name for word in words for name in (shown(word), repr(word)[1:-1])}
+    names = {name for word in words for name in (escape_text(word), repr(word)[1:-1])}
     if not any(name in lines[0] if name.strip() else f"'{name}'" in lines[0] for name in names):
         yield f"refusal: no place: {lines[0]}"
 

@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.jobs import bench
-from kerfwise.jobs.bench import child
+from kerfwise.jobs import bench, bench_child
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.fuzz.inputs.case import Case
 
@@ -87,7 +86,7 @@ def _found(folder: Path) -> dict[str, bytes]:
 def _bench_here() -> Iterator[None]:
     """`bench` starts a process for each run, which takes seconds; here the run's code is called in its place."""
     real = bench.measure
-    bench.measure = child.run_in_child
+    bench.measure = bench_child.run_in_child
     try:
         yield
     finally:

@@ -12,16 +12,13 @@ from pathlib import Path
 import pytest
 
 from kerfwise.benchmarks.dask_here import cluster
-from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.batch.cluster import Cluster
-from kerfwise.jobs.batch.machines import Machines, machine_of
-from kerfwise.jobs.batch.piece import Options, Piece
-from kerfwise.jobs.batch.row import Row
-from kerfwise.jobs.batch.run import Watcher, plan_task, run_batch
-from kerfwise.jobs.batch.sources import sources_in
+from kerfwise.encoder.files import read_limited
+from kerfwise.jobs.batch.result import Row
+from kerfwise.jobs.batch.run import Cluster, Watcher, plan_task, run_batch
 from kerfwise.jobs.batch.store import Store
-from kerfwise.jobs.processes import in_turn
+from kerfwise.jobs.batch.tasks import Machines, NestTask, Options, machine_of, sources_in
+from kerfwise.jobs.process_pool import run_in_process
 from kerfwise.tests.jobs.batch.nests import write_nests
 
 pytestmark = [pytest.mark.dask, pytest.mark.slow]
@@ -48,7 +45,7 @@ class Killing(Watcher):
         self.worker, self.ends = worker, Counter[str]()
         self.begun: list[str] = []
 
-    def began(self, piece: Piece) -> None:
+    def began(self, piece: NestTask) -> None:
         self.begun.append(piece.name)
 
     def ended(self, row: Row) -> None:
@@ -71,17 +68,17 @@ def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> No
     assert sorted(watcher.begun) == sorted(NAMES)
     assert told == []
     alone = Store(tmp_path / "alone")
-    run_batch(sources_in([given], alone.out), machines, alone, options, "1", in_turn(plan_task))
+    run_batch(sources_in([given], alone.out), machines, alone, options, "1", run_in_process(plan_task))
     assert files(alone.out) == files(store.out)
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): contents(path) for path in folder.rglob("*") if path.is_file()}
+    return {str(path.relative_to(folder)): read_limited(path) for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.full
 def test_a_scheduler_that_is_lost_or_never_was_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.jobs.batch.cluster.ANSWER_S", 3.0)
+    monkeypatch.setattr("kerfwise.jobs.batch.run.ANSWER_S", 3.0)
     address = "tcp://127.0.0.1:1"  # nobody listens there
     with pytest.raises(InputError, match=rf"--scheduler {address}: no Dask scheduler answers"):
         Cluster(plan_task, address, print)

@@ -10,10 +10,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.commands.batch_progress import printed
-from kerfwise.jobs.batch.compared import cheapest, quickest, totals
-from kerfwise.jobs.batch.groups import groups_of
-from kerfwise.jobs.batch.index import index_files
-from kerfwise.jobs.batch.row import Figures, Row
+from kerfwise.jobs.batch.reports import index_files
+from kerfwise.jobs.batch.result import Figures, Row, cheapest, groups_of, quickest, totals
 from kerfwise.jobs.batch.run import Batch
 
 

@@ -9,12 +9,10 @@ from pathlib import Path
 import pytest
 
 from kerfwise.commands.batch_progress import printed
-from kerfwise.jobs.batch.machines import Machines, machine_of
-from kerfwise.jobs.batch.piece import Options
-from kerfwise.jobs.batch.row import Figures, Row
+from kerfwise.jobs.batch.result import Figures, Row
 from kerfwise.jobs.batch.run import Batch, run_batch
-from kerfwise.jobs.batch.sources import sources_in
 from kerfwise.jobs.batch.store import Store
+from kerfwise.jobs.batch.tasks import Machines, Options, machine_of, sources_in
 from kerfwise.tests.jobs.batch.nests import write_nests
 
 FIGURES = Figures(1, 1, 100.0, 10.0, 5.0, None)

@@ -8,15 +8,13 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.jobs.batch import papers
-from kerfwise.jobs.batch.machines import Machines, machine_of
-from kerfwise.jobs.batch.piece import Options
+from kerfwise.encoder.files import read_limited
+from kerfwise.jobs.batch import reports
 from kerfwise.jobs.batch.run import Batch, plan_task, run_batch
-from kerfwise.jobs.batch.sources import sources_in
 from kerfwise.jobs.batch.store import Store
-from kerfwise.jobs.processes import in_turn
+from kerfwise.jobs.batch.tasks import Machines, Options, machine_of, sources_in
+from kerfwise.jobs.process_pool import run_in_process
 from kerfwise.tests.jobs.batch.nests import write_nests
 from kerfwise.tests.paper import pages_of
 
@@ -35,7 +33,7 @@ class Folder:
         machines = Machines((machine_of("plasma", "plasma-carbon-steel", False),))
         options = Options(work=0.2, seed=seed)
         found = sources_in([self.given], self.out)
-        return run_batch(found, machines, Store(self.out), options, "1", in_turn(plan_task), sheets=sheets)
+        return run_batch(found, machines, Store(self.out), options, "1", run_in_process(plan_task), sheets=sheets)
 
     def index(self) -> str:
         return (self.out / "index.html").read_text(encoding="utf-8")
@@ -65,18 +63,18 @@ def test_it_is_kept_while_the_plans_are_the_same_and_the_same_bytes(
     folder: Folder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder.run()
-    before = contents(folder.pdf)
+    before = read_limited(folder.pdf)
     folder.pdf.unlink()
     folder.run()
-    assert contents(folder.pdf) == before
+    assert read_limited(folder.pdf) == before
     with monkeypatch.context() as patched:
-        patched.setattr(papers, "work_sheet", None)  # whoever would make a sheet now fails
+        patched.setattr(reports, "work_sheet", None)  # whoever would make a sheet now fails
         folder.run()
         assert folder.run(sheets=False).papers.files == {"plasma": "plasma.pdf"}
-    assert contents(folder.pdf) == before
+    assert read_limited(folder.pdf) == before
     folder.pdf.write_bytes(b"not this")
     folder.run()
-    assert contents(folder.pdf) == before
+    assert read_limited(folder.pdf) == before
 
 
 def test_an_old_one_is_made_again_or_removed(folder: Folder) -> None:
@@ -92,7 +90,7 @@ def test_an_old_one_is_made_again_or_removed(folder: Folder) -> None:
 
 def test_a_nest_without_a_sheet_is_said_and_tried_again(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     write_nests(folder.given, ("two",))
-    real = papers.work_sheet
+    real = reports.work_sheet
 
     def refused(given: Any, *more: Any, **named: Any) -> Any:
         if Path(given.nest.file).stem == "two":
@@ -100,7 +98,7 @@ def test_a_nest_without_a_sheet_is_said_and_tried_again(folder: Folder, monkeypa
         return real(given, *more, **named)
 
     with monkeypatch.context() as patched:
-        patched.setattr(papers, "work_sheet", refused)
+        patched.setattr(reports, "work_sheet", refused)
         assert folder.run().papers.told == ("no work sheet for two on plasma: the check refuses the plan",)
     assert len(folder.text()) == 1
     assert folder.run().papers.told == ()

@@ -11,15 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.contents import contents
-from kerfwise.jobs.batch import reading
-from kerfwise.jobs.batch.machines import Machine, Machines, machine_of
-from kerfwise.jobs.batch.piece import Options, Piece
-from kerfwise.jobs.batch.planning import plan_piece
-from kerfwise.jobs.batch.run import Batch, Watcher, plan_task, run_batch
-from kerfwise.jobs.batch.sources import sources_in
+from kerfwise.encoder.files import read_limited
+from kerfwise.jobs.batch import tasks as reading
+from kerfwise.jobs.batch.run import Batch, Watcher, plan_task, plan_task_inputs, run_batch
 from kerfwise.jobs.batch.store import Store
-from kerfwise.jobs.processes import in_turn
+from kerfwise.jobs.batch.tasks import Machine, Machines, NestTask, Options, machine_of, sources_in
+from kerfwise.jobs.process_pool import run_in_process
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.jobs.batch.nests import BROKEN, NESTS, plate, write_nests
 
@@ -34,7 +31,7 @@ class Noted(Watcher):
     def __init__(self) -> None:
         self.names: list[tuple[str, str]] = []
 
-    def began(self, piece: Piece) -> None:
+    def began(self, piece: NestTask) -> None:
         self.names.append((piece.name, piece.machine.name))
 
 
@@ -49,14 +46,14 @@ class Batches:
 
     def run(self, options: Options = Options(work=WORK), **more: object) -> Batch:  # noqa: B008 - frozen
         noted, sources = Noted(), sources_in([self.given], self.out)
-        run = more.pop("run", in_turn(plan_task))
+        run = more.pop("run", run_in_process(plan_task))
         store = Store(self.out)
         batch = run_batch(sources, Machines(tuple(self.machines)), store, options, "1", run, noted, **more)  # type: ignore[arg-type]
         self.begun = noted.names
         return batch
 
     def bytes(self) -> dict[str, bytes]:
-        return {str(path.relative_to(self.out)): contents(path) for path in self.out.rglob("*") if path.is_file()}
+        return {str(path.relative_to(self.out)): read_limited(path) for path in self.out.rglob("*") if path.is_file()}
 
 
 @pytest.fixture
@@ -90,7 +87,7 @@ def test_the_same_bytes_as_a_single_solve(batches: Batches, tmp_path: Path, monk
     assert kerfwise("solve", batches.given / "three with holes.json", "--work", WORK).code == 0
     for ending in (".nc", ".plan.json", ".svg"):
         name = f"three with holes{ending}"
-        assert contents(tmp_path / name) == contents(batches.out / "plasma" / name)
+        assert read_limited(tmp_path / name) == read_limited(batches.out / "plasma" / name)
 
 
 @pytest.mark.slow
@@ -138,13 +135,13 @@ def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monk
 
 def test_a_nest_that_changes_while_it_is_planned_is_not_taken(batches: Batches) -> None:
     write_nests(batches.given, ("one",))
-    piece = Piece("one", batches.given / "one.json", batches.machines[0], Options(work=WORK), "1", batches.out)
-    made = plan_piece(piece, "another key")
+    piece = NestTask("one", batches.given / "one.json", batches.machines[0], Options(work=WORK), "1", batches.out)
+    made = plan_task_inputs(piece, "another key")
     assert (made.row.ended, made.contents) == ("fault", {})
     assert "its file changed" in made.row.told
     other = Machine("plasma", "plasma-carbon-steel", "another sha256")
-    piece = Piece("one", batches.given / "one.json", other, Options(work=WORK), "1", batches.out)
-    assert "the profile plasma-carbon-steel changed" in plan_piece(piece, piece.key()).row.told
+    piece = NestTask("one", batches.given / "one.json", other, Options(work=WORK), "1", batches.out)
+    assert "the profile plasma-carbon-steel changed" in plan_task_inputs(piece, piece.key()).row.told
 
 
 @pytest.mark.slow
@@ -158,7 +155,7 @@ def test_rules_that_leave_no_plan_say_what_to_do(batches: Batches, tmp_path: Pat
     (row,) = batch.rows
     assert (batch.exit_code, row.ended) == (1, "no plan")
     assert "cannot all hold" in row.told
-    (group,) = json.loads(contents(batches.out / "index.json"))["refused"]
+    (group,) = json.loads(read_limited(batches.out / "index.json"))["refused"]
     assert group["what"] == "The rules leave no plan"
 
 
@@ -172,18 +169,18 @@ def test_an_index_that_names_the_better_machine(batches: Batches, tmp_path: Path
     ]
     batch = batches.run()
     figures = {row.machine: row.figures for row in batch.rows if row.nest == "one"}
-    data = json.loads(contents(batches.out / "index.json"))
+    data = json.loads(read_limited(batches.out / "index.json"))
     nest = next(of for of in data["nests"] if of["nest"] == "one")
     for best, amount in (("quickest", "time_s"), ("cheapest", "cost")):
         assert nest[best] == min(figures, key=lambda name: getattr(figures[name], amount))
     assert [(total["planned"], total["refused"]) for total in data["machines"]] == [(1, 1), (1, 1)]
-    rows = list(csv.DictReader(io.StringIO(contents(batches.out / "index.csv").decode())))
+    rows = list(csv.DictReader(io.StringIO(read_limited(batches.out / "index.csv").decode())))
     assert [row["quickest"] == "yes" for row in rows if row["nest"] == "one"] == [
         nest["quickest"] == m for m in ("a", "b")
     ]
     assert all(float(row["time_s"]) > 0 for row in rows if row["nest"] == "one")
     assert len(data["refused"]) == 1, "two machines, one trouble"
-    page = contents(batches.out / "index.html").decode()
+    page = read_limited(batches.out / "index.html").decode()
     assert page.count("<svg ") == 2, "the nest that is refused is drawn, too"
     Links(batches.out).feed(page)
 
@@ -207,7 +204,7 @@ def test_text_from_outside_is_shown_and_not_obeyed(batches: Batches) -> None:
     file = batches.given / "<b>&amp;.json"
     file.write_text(json.dumps(plate(100, {"<i>x": (50, 20, 100, 50)})))
     batches.run()
-    page = contents(batches.out / "index.html").decode()
+    page = read_limited(batches.out / "index.html").decode()
     assert "<b>&amp;amp;" not in page.replace("&lt;b&gt;&amp;amp;", "")
     assert "<i>x" not in page
 
@@ -217,7 +214,7 @@ def test_a_batch_that_is_interrupted_says_so_and_goes_on(batches: Batches) -> No
     write_nests(batches.given, ("one", "two", "three"))
 
     def interrupted(tasks: Iterable[object], began: object) -> Iterable[object]:
-        for k, done in enumerate(in_turn(plan_task)(tasks, began)):  # type: ignore[arg-type]
+        for k, done in enumerate(run_in_process(plan_task)(tasks, began)):  # type: ignore[arg-type]
             if k == 1:
                 raise KeyboardInterrupt
             yield done
@@ -236,7 +233,7 @@ JOB = "quantity: 3\norder: 4711\ndue: 2026-12-24\nlocks: ['#2 first']\nset: {mac
 def test_a_job_file_is_kept_and_known(batches: Batches) -> None:
     write_nests(batches.given, ("two",))
     plain = batches.run().rows[0]
-    second = json.loads(contents(batches.out / "plasma" / "two.plan.json"))["cuts"][1]["contour"]
+    second = json.loads(read_limited(batches.out / "plasma" / "two.plan.json"))["cuts"][1]["contour"]
     job = batches.given / "two.job.yaml"
     job.write_text(JOB)
     batch = batches.run()
@@ -246,11 +243,11 @@ def test_a_job_file_is_kept_and_known(batches: Batches) -> None:
     assert row.figures is not None
     assert plain.figures is not None
     assert row.figures.time_s > plain.figures.time_s, "it is cut more slowly"
-    plan = json.loads(contents(batches.out / "plasma" / "two.plan.json"))
+    plan = json.loads(read_limited(batches.out / "plasma" / "two.plan.json"))
     assert plan["cuts"][0]["contour"] == second
-    (total,) = json.loads(contents(batches.out / "index.json"))["machines"]
+    (total,) = json.loads(read_limited(batches.out / "index.json"))["machines"]
     assert (total["sheets"], total["time_s"]) == (3, pytest.approx(3 * row.figures.time_s))
-    assert "3 sheets, order 4711, due 2026-12-24" in contents(batches.out / "index.html").decode()
+    assert "3 sheets, order 4711, due 2026-12-24" in read_limited(batches.out / "index.html").decode()
     batches.run()
     assert batches.begun == []
     job.write_text(JOB.replace("first", "frist"))
@@ -259,7 +256,7 @@ def test_a_job_file_is_kept_and_known(batches: Batches) -> None:
     assert not (batches.out / "plasma" / "two.nc").exists()
     job.write_text(JOB)
     assert batches.run().exit_code == 0
-    again = json.loads(contents(batches.out / "plasma" / "two.plan.json"))
+    again = json.loads(read_limited(batches.out / "plasma" / "two.plan.json"))
     assert again["cuts"][0]["contour"] == second, "#2 is what it was when the planner looked"
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.batch.sources import Source, named, sources_in
+from kerfwise.jobs.batch.tasks import Source, name_sources, sources_in
 from kerfwise.tests.jobs.batch.nests import write_nests
 
 
@@ -53,14 +53,16 @@ def files(tmp_path: Path, *names: str) -> list[Source]:
 
 def test_no_two_nests_have_one_name(tmp_path: Path) -> None:
     given = files(tmp_path, "mon/a.dxf", "tue/a.dxf", "tue/A.json", "tue/a-2.dxf", "wed/ä.dxf", "wed/a\u0308.svg")
-    made = named(given, {})
+    made = name_sources(given, {})
     assert list(made) == ["a", "a-2", "A-3", "a-2-2", "ä", "a\u0308-2"]
     assert list(made.values()) == given
 
 
 def test_a_nest_keeps_the_name_that_it_had(tmp_path: Path) -> None:
     first, second = files(tmp_path, "mon/a.dxf", "tue/a.dxf")
-    assert named([first, second], {"a": second.file}) == {"a-2": first, "a": second}
-    assert named([first], {"a": second.file}) == {"a-2": first}, "the other nest is not in this run, but is still there"
+    assert name_sources([first, second], {"a": second.file}) == {"a-2": first, "a": second}
+    assert name_sources([first], {"a": second.file}) == {"a-2": first}, (
+        "the other nest is not in this run, but is still there"
+    )
     os.unlink(second.file)
-    assert named([first], {"a": second.file}) == {"a": first}, "the folder has moved: it is the same nest"
+    assert name_sources([first], {"a": second.file}) == {"a": first}, "the folder has moved: it is the same nest"

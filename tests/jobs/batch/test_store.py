@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.batch.row import Figures, Row, row_of
-from kerfwise.jobs.batch.store import LOCK, Store, held
+from kerfwise.jobs.batch.result import Figures, Row, row_of
+from kerfwise.jobs.batch.store import LOCK, Store, lock_folder
 
 FIGURES = Figures(2, 2, 400.0, 80.0, 12.5, 0.01, ("rule: why",), 1.25, "EUR")
 ROW = Row("more/a", "a.json", "plasma", "planned", figures=FIGURES, notes=("warning: x",), thumbnail="<svg/>", key="k")
@@ -65,18 +65,18 @@ def test_a_record_names_no_file_elsewhere(tmp_path: Path) -> None:
 
 def test_a_second_run_is_refused_until_the_first_has_ended(tmp_path: Path) -> None:
     out = tmp_path / "new" / "out"
-    with held(out):
-        with pytest.raises(InputError, match="another batch is writing there"), held(out):
+    with lock_folder(out):
+        with pytest.raises(InputError, match="another batch is writing there"), lock_folder(out):
             pass
         (out / "index.html").write_text("x")
-    with held(out):
+    with lock_folder(out):
         pass
 
 
 def test_a_folder_of_other_things_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("x")
-    with pytest.raises(InputError, match="no batch wrote"), held(tmp_path):
+    with pytest.raises(InputError, match="no batch wrote"), lock_folder(tmp_path):
         pass
-    with pytest.raises(InputError, match="this is a file"), held(tmp_path / "thesis.tex"):
+    with pytest.raises(InputError, match="this is a file"), lock_folder(tmp_path / "thesis.tex"):
         pass
     assert not (tmp_path / LOCK).exists()

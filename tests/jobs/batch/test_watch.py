@@ -8,9 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.batch.machines import Machines, machine_of
-from kerfwise.jobs.batch.rounds import keep_on
-from kerfwise.jobs.batch.watch import LOOK_S, SETTLED_S, Settling, watch
+from kerfwise.jobs.batch.tasks import LOOK_S, SETTLED_S, Machines, Settling, keep_on, machine_of, watch
 
 
 def test_a_file_is_settled_when_size_and_time_have_stood() -> None:
@@ -90,7 +88,7 @@ def test_a_profile_that_is_broken_meanwhile_is_waited_for(tmp_path: Path, monkey
     def one_round(sources: object, machines: Machines) -> None:
         rounds.append((len(sources), machines.named[0].sha256))  # type: ignore[arg-type]
 
-    monkeypatch.setattr("kerfwise.jobs.batch.rounds.watch", lambda files, arrived: watch(
+    monkeypatch.setattr("kerfwise.jobs.batch.tasks.watch", lambda files, arrived: watch(
         files, arrived, clock=lambda: time.now_s, sleep=time.sleep))  # fmt: skip
     with pytest.raises(Ends):
         keep_on(
@@ -129,7 +127,7 @@ def test_a_profile_that_a_job_file_names_is_looked_at(tmp_path: Path, monkeypatc
     def one_round(sources: object, machines: Machines) -> None:
         rounds.append(len(happens))
 
-    monkeypatch.setattr("kerfwise.jobs.batch.rounds.watch", lambda files, arrived: watch(
+    monkeypatch.setattr("kerfwise.jobs.batch.tasks.watch", lambda files, arrived: watch(
         files, arrived, clock=lambda: time.now_s, sleep=time.sleep))  # fmt: skip
     with pytest.raises(Ends):
         keep_on([tmp_path / "in"], tmp_path / "out", Machines(), one_round, print)  # type: ignore[arg-type]

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.cut import Cut, CutSequence, Tab
-from kerfwise.jobs.compare.moved import cut_pairs, longest_rising
+from kerfwise.jobs.compare.differences import cut_pairs, longest_rising
 
 
 def cut(name: str, x: float = 0.0) -> Cut:

@@ -9,18 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.nest_job.job import Job
-from kerfwise.jobs.nest_job.laid import with_locks, with_values
-from kerfwise.jobs.nest_job.last_plan import LastPlan
-from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.jobs.nest_job.job import Job, job_of
+from kerfwise.jobs.nest_job.request import LastPlan, with_locks, with_values
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.for_one_nest import ForOneNest
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.lock_text import read_lock
-from kerfwise.rules.profile.one_nest import read_setting
+from kerfwise.rules.profile.overrides import read_lock, read_setting
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_sections import ForOneNest
 from kerfwise.tests.tools.amount import examples
 
 PLATE = nest(

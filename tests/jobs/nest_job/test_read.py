@@ -14,8 +14,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job import job_beside, read_job
-from kerfwise.jobs.nest_job.job import Job
-from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.jobs.nest_job.job import Job, job_of
 from kerfwise.jobs.nest_job.schema import job_schema, schema_text
 from kerfwise.rules.lock import Lock
 

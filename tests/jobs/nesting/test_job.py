@@ -6,25 +6,24 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.nesting import job
-from kerfwise.jobs.nesting.job import Asked, Found, find_nests
-from kerfwise.jobs.nesting.run import Nested, nests_from
-from kerfwise.jobs.nesting.watching import Watching
-from kerfwise.jobs.nesting.weigh import weighed_text
-from kerfwise.nesting.allot import Layout
+from kerfwise.jobs.nesting import find_nests
+from kerfwise.jobs.nesting.find_nests import NestingRequest, NestingResult, Watching, weighed_text
+from kerfwise.jobs.nesting.find_nests import find_nests as find_nests_job
+from kerfwise.jobs.nesting.nests import Nested, nests_from
+from kerfwise.jobs.progress import Listener
+from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
+from kerfwise.nesting.layout import Layout
 from kerfwise.nesting.rounds import Effort
-from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.rules.case import part, rect
 from kerfwise.rules.profile.load import load_profile
 
 FAULT = "sheet1: plate-1 lies too near to plate-2"
 PLANT = load_profile("laser-st10kp-2mm")
 
 
-def found_where_refused(monkeypatch: pytest.MonkeyPatch, *refused: int) -> Found:
+def found_where_refused(monkeypatch: pytest.MonkeyPatch, *refused: int) -> NestingResult:
     """What is found for cutting where the check refuses those of the layouts, from 0 on."""
     seen: list[Layout] = []
 
@@ -33,14 +32,14 @@ def found_where_refused(monkeypatch: pytest.MonkeyPatch, *refused: int) -> Found
         nested = nests_from(layout)
         return replace(nested, faults=(FAULT,)) if len(seen) - 1 in refused else nested
 
-    monkeypatch.setattr(job, "nests_from", with_fault)
+    monkeypatch.setattr(find_nests, "nests_from", with_fault)
     types = (
         PartType("plate", part("plate", rect(0, 0, 90, 40)), 3),
         PartType("strip", part("strip", rect(0, 0, 150, 20)), 2),
     )
-    wanted = Wanted(types, (Stock("sheet", Sheet.rectangle(400, 300)),))
-    asked = Asked(PLANT, wanted, Spacing(6.0, 10.0), Effort(4), purpose="cutting", most=2, work=0.2)
-    return find_nests(asked, Watching(), lambda name: Listener(), lambda text: None)
+    wanted = Demand(types, (Stock("sheet", Sheet.rectangle(400, 300)),))
+    asked = NestingRequest(PLANT, wanted, Spacing(6.0, 10.0), Effort(4), purpose="cutting", most=2, work=0.2)
+    return find_nests_job(asked, Watching(), lambda name: Listener(), lambda text: None)
 
 
 @pytest.mark.parametrize("refused", [0, 1])

@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.nesting import repair
-from kerfwise.jobs.nesting.repair import planned
-from kerfwise.jobs.nesting.run import Nested, nests_from
-from kerfwise.jobs.nesting.weigh import weigh
-from kerfwise.nesting.allot import Layout
+from kerfwise.jobs.nesting import programs
+from kerfwise.jobs.nesting.find_nests import weigh
+from kerfwise.jobs.nesting.nests import Nested, nests_from
+from kerfwise.jobs.nesting.programs import planned
+from kerfwise.jobs.progress import Listener
+from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
+from kerfwise.nesting.layout import Layout
 from kerfwise.nesting.rounds import Effort, best_layout
-from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.rules.case import part, rect
 from kerfwise.rules.profile.load import load_profile
 
 PLANT = load_profile("plasma-carbon-steel")
@@ -24,7 +24,7 @@ PLANT = load_profile("plasma-carbon-steel")
 
 def nine_plates(width_mm: float, height_mm: float) -> Nested:
     """Plates 0.2 mm apart, less than a kerf."""
-    wanted = Wanted(
+    wanted = Demand(
         (PartType("plate", part("plate", rect(0, 0, 60, 30)), 9, turns_deg=(0.0,)),),
         (Stock("sheet", Sheet.rectangle(width_mm, height_mm), 1),),
     )
@@ -50,7 +50,7 @@ def test_where_the_check_refuses_one_way_to_move_parts_the_next_is_tried(monkeyp
         moved.append(nested if moved else replace(nested, faults=("plate-1 lies too near",)))
         return moved[-1]
 
-    monkeypatch.setattr(repair, "nests_from", first_is_refused)
+    monkeypatch.setattr(programs, "nests_from", first_is_refused)
     made, done, _ = planned(before, 0, PLANT, 0.5, lambda name: Listener())
     assert made is not moved[0]
     assert made.faults == ()

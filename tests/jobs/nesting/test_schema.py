@@ -11,7 +11,7 @@ import yaml
 
 import kerfwise
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.nesting.part_list import list_of
+from kerfwise.jobs.nesting.request import list_of
 from kerfwise.jobs.nesting.schema import list_schema, schema_text
 from kerfwise.tests.commands.run_cli import kerfwise as run
 

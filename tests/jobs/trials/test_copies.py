@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.trials import run
-from kerfwise.jobs.trials.given import rules_to_try
-from kerfwise.jobs.trials.run import Bench
+from kerfwise.jobs.trials import try_rules
+from kerfwise.jobs.trials.try_rules import Bench, rules_to_try
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.profile.load import load_profile
@@ -24,8 +23,8 @@ ALWAYS = ("level-ahead", "marks-first")
 @pytest.mark.minizinc
 @pytest.mark.parametrize("rule", few(sorted(REPLACED, key=lambda rule: rule not in ALWAYS), len(ALWAYS)))
 def test_a_copy_is_judged_as_it_is_stated(rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "SEEDS", (1, 2))  # beside the nests of the rule's cases
-    monkeypatch.setattr(run, "WAYS_SEEDS", (5,))
+    monkeypatch.setattr(try_rules, "SEEDS", (1, 2))  # beside the nests of the rule's cases
+    monkeypatch.setattr(try_rules, "WAYS_SEEDS", (5,))
     path = tmp_path / rule_file(rule).name
     path.write_text(rule_file(rule).read_text(encoding="utf-8"), encoding="utf-8")
     profile, _ = rules_to_try(load_profile(), [str(path)])

@@ -10,14 +10,13 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.trials import optima, rules_to_try, text, try_rule
-from kerfwise.jobs.trials.run import ENGINES, OPTIONS, ORDERS, TEXT, Bench
-from kerfwise.models.engines.minizinc import asked
+from kerfwise.jobs.trials import agreement, rules_to_try, try_rule
+from kerfwise.jobs.trials.try_rules import ENGINES, OPTIONS, ORDERS, TEXT, Bench
+from kerfwise.models.engines import minizinc_model
 from kerfwise.models.engines.solution import Solution
-from kerfwise.rules.outcome import CaseOutcome
-from kerfwise.rules.pages.new_rule import new_outside_rule
+from kerfwise.rules.pages import new_outside_rule
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.run_cases import cases_of
+from kerfwise.rules.run_cases import CaseOutcome, cases_of
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.amount import full
 
@@ -36,8 +35,8 @@ def quick(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> No
     """Engines take long; no other tests ask them."""
     asked = "engines" in request.fixturenames or request.node.name.endswith(WITH_ENGINES)
     if not asked:
-        monkeypatch.setattr(optima, "against_engines", lambda *given: iter(()))
-        monkeypatch.setattr("kerfwise.jobs.trials.run.against_engines", lambda *given: iter(()))
+        monkeypatch.setattr(agreement, "compare_engines", lambda *given: iter(()))
+        monkeypatch.setattr("kerfwise.jobs.trials.try_rules.compare_engines", lambda *given: iter(()))
 
 
 def tried(path: Path, cases_only: bool = False) -> dict[str, CaseOutcome]:
@@ -139,7 +138,9 @@ FILES = {
     "damage", [pytest.param(d, marks=pytest.mark.slow if d in ("weakened", "strengthened") else ()) for d in FILES]
 )
 def test_a_damage_in_minizinc(damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(asked, "rule_file", lambda rule, real=asked.rule_file: _copied(real(rule), damage, tmp_path))
+    monkeypatch.setattr(
+        minizinc_model, "rule_file", lambda rule, real=minizinc_model.rule_file: _copied(real(rule), damage, tmp_path)
+    )
     bench = Bench(load_profile().known_rules()["level-ahead"], load_profile(), cases_of("level-ahead"))
     if damage in ("stale", "not MiniZinc"):
         with pytest.raises(InputError, match=r"level_ahead.mzn:\d+:\d+: MiniZinc: "):
@@ -202,8 +203,8 @@ def test_without_minizinc_a_rule_that_has_a_text_fails(monkeypatch: pytest.Monke
     def none() -> Any:
         raise InputError("MiniZinc is not installed: apt-get install minizinc")
 
-    monkeypatch.setattr(text, "driver", none)
-    monkeypatch.setattr(text, "solver_named", lambda name: none())
+    monkeypatch.setattr(agreement, "driver", none)
+    monkeypatch.setattr(agreement, "solver_named", lambda name: none())
     (outcome,) = (o for o in try_rule("level-ahead", load_profile()) if o.case == TEXT)
     assert outcome.wrong == ("MiniZinc is not installed: apt-get install minizinc",)
 
@@ -222,12 +223,12 @@ def test_without_minizinc_a_rule_that_has_a_text_fails(monkeypatch: pytest.Monke
     ],
 )
 def test_an_engine_that_lies_is_named(lie: Any, message: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    rightly = optima.solve
+    rightly = agreement.solve
 
     def wrongly(*given: Any, **more: Any) -> Solution:
         return lie(rightly(*given, **more))
 
-    monkeypatch.setattr(optima, "solve", wrongly)
+    monkeypatch.setattr(agreement, "solve", wrongly)
     bench = Bench(load_profile().known_rules()["level-ahead"], load_profile(), cases_of("level-ahead"))
     wrong, _ = bench.engines()
     assert re.search(message, wrong[0]), wrong

@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from kerfwise.models.engines.budget import Budget
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.solution import Budget, SolveOptions
 
 
 def test_work_is_counted_in_operations() -> None:

@@ -11,12 +11,10 @@ from typing import Any
 
 import pytest
 
-from kerfwise.models.engines import beam, bounds, cpsat, ideals, shares
-from kerfwise.models.engines.known import Known
-from kerfwise.models.engines.names import Member
+from kerfwise.models.engines import Member, beam, bounds, cpsat, ideals, shared_state
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import Incumbent, SolveOptions
-from kerfwise.models.engines.watch import Watch
+from kerfwise.models.engines.shared_state import SharedState
+from kerfwise.models.engines.solution import Incumbent, SolveOptions, Watch
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import AtLeast, Lag, Pick
@@ -25,7 +23,7 @@ from kerfwise.tests.models.problems import ABOUT, problem, scattered
 from kerfwise.tests.tools.amount import few
 
 
-def found(given: Problem, member: Member | None = None, work: float = 0.5) -> Known:
+def found(given: Problem, member: Member | None = None, work: float = 0.5) -> SharedState:
     options = SolveOptions(work=work, member=member)
     return run_portfolio(given, options, Watch(options))
 
@@ -109,7 +107,7 @@ def test_no_lawful_route_is_proven() -> None:
 
 
 def test_the_better_plan_and_the_better_bound_are_kept() -> None:
-    known = Known()
+    known = SharedState()
     known.offer(Incumbent((1, 0), 9), "search")
     known.offer(Incumbent((0, 1), 9), "ideals")
     known.raise_bound(0, "cp-sat")
@@ -168,7 +166,7 @@ def test_nothing_is_said_to_be_proven_where_programs_of_stretches_come_to_no_bou
     monkeypatch: pytest.MonkeyPatch, little: bool, note: str
 ) -> None:
     """With little work a bound by flows, which needs less, is looked for instead."""
-    monkeypatch.setattr(shares, "FLOW_FEW", 10)
+    monkeypatch.setattr(shared_state, "FLOW_FEW", 10)
     monkeypatch.setattr(ideals, "prove_priced", lambda *_: None)
     monkeypatch.setattr(bounds, "SETTING_OUT", 0.0 if little else inf, raising=False)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
@@ -189,7 +187,7 @@ def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(
     monkeypatch: pytest.MonkeyPatch, sites: int, work: float, note: str
 ) -> None:
     """Bound and search run at the same time, and neither sees how far the other is."""
-    monkeypatch.setattr(shares, "FLOW_FEW", 10)
+    monkeypatch.setattr(shared_state, "FLOW_FEW", 10)
     monkeypatch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "MOST_SITES_PRICED", sites)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     many = replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held))
@@ -236,7 +234,7 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
     options = SolveOptions(work=0.3)
     plans = []
     for entries in (0.0, inf):
-        monkeypatch.setattr(shares, "PREVIEW_AFTER_ENTRIES", entries)
+        monkeypatch.setattr(shared_state, "PREVIEW_AFTER_ENTRIES", entries)
         told.clear()
         known = run_portfolio(many, options, Watch(options, listen))
         assert known.incumbent is not None

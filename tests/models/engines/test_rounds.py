@@ -7,17 +7,14 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines import portfolio, rounds
-from kerfwise.models.engines.names import Engine
-from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.watch import Watch
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines import Engine, portfolio, solve
+from kerfwise.models.engines.solution import Solution, SolveOptions, Watch
 from kerfwise.models.problem import compile as compile_
-from kerfwise.models.problem.closure import close
+from kerfwise.models.problem.precedence import close
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import About, Lag, NoGood, Precede
 
@@ -45,14 +42,14 @@ class Geometry:
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> Any:
     profile = load_profile()
-    asked = ask(facts_of(TWO, profile), profile)
+    asked = make_request(facts_of(TWO, profile), profile)
 
     def run(
         geometry: Geometry, time_s: float | None = None, look_s: float = 0.0, options: SolveOptions | None = None
     ) -> Solution:
-        monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=geometry.clock))
+        monkeypatch.setattr(solve, "Watch", partial(Watch, clock=geometry.clock))
         options = options or SolveOptions(time_s=time_s)
-        return rounds.solve(asked.facts, asked.stated.statements, options, None, geometry, look_s)
+        return solve.solve(asked.facts, asked.stated.statements, options, None, geometry, look_s)
 
     return run
 
@@ -75,7 +72,7 @@ def test_hard_orders_are_closed_once_for_all_rounds(solved: Any, monkeypatch: py
 
 def test_further_hard_orders_are_closed_anew() -> None:
     profile = load_profile()
-    asked = ask(facts_of(TWO, profile), profile)
+    asked = make_request(facts_of(TWO, profile), profile)
     home = profile.machine.home
     plain = tuple(s for s in asked.stated.statements if not isinstance(s, Precede))
     first = compile_.make_problem(asked.facts, plain, home)
@@ -114,7 +111,7 @@ def test_time_is_kept_for_a_look_that_is_known_to_be_long(
         rounds_s.append(options.time_s)
         return run(problem, options, *rest)
 
-    monkeypatch.setattr(rounds, "run_portfolio", noted)
+    monkeypatch.setattr(solve, "run_portfolio", noted)
     found = solved(Geometry(look_s, finds=0), time_s=10.0, look_s=look_s)
     assert rounds_s == [most_s]
     assert bool([note for note in found.notes if "more than was left of the limit" in note]) == (look_s > 10.0)
@@ -123,12 +120,12 @@ def test_time_is_kept_for_a_look_that_is_known_to_be_long(
 @pytest.mark.parametrize("engine", ["ideals", "beam"])
 def test_an_engine_that_cannot_hold_a_lag_says_so(engine: Engine) -> None:
     profile = load_profile()
-    asked = ask(facts_of(TWO, profile), profile)
+    asked = make_request(facts_of(TWO, profile), profile)
     lag = Lag(0, 1, About("heat-lag", (), "they heat each other"), seconds=2.0, weight=1.0)
     limits = options_for(TWO, profile, engine=engine, work=1)
     why = f"the engine {engine} cannot plan this nest: rule heat-lag looks further back than the last cut; take another"
     with pytest.raises(InputError, match=why):
-        rounds.solve(asked.facts, (*asked.stated.statements, lag), limits)
+        solve.solve(asked.facts, (*asked.stated.statements, lag), limits)
 
 
 def test_what_is_found_last_is_priced(solved: Any) -> None:

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kerfwise.models.engines import cpsat, setting_out
+from kerfwise.models.engines import cpsat, solution
 from kerfwise.models.engines.ideals import Count
 from kerfwise.models.engines.portfolio import Run, run_portfolio, swept_at_once
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.watch import Watch
+from kerfwise.models.engines.solution import SolveOptions, Watch
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.tests.models.problems import scattered
 
@@ -39,7 +38,7 @@ def test_cp_sat_is_not_begun_with_less_than_its_model_takes() -> None:
 
 @pytest.mark.slow
 def test_cp_sat_is_begun_with_more_than_its_model_takes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(setting_out, "cpsat_s", lambda _: 0.0)
+    monkeypatch.setattr(solution, "cpsat_s", lambda _: 0.0)
     options = SolveOptions(work=0.2)
     with pytest.raises(_Begun):
         run_portfolio(scattered(1, contours=45, sites=1), options, Watch(options))
@@ -53,10 +52,10 @@ def test_cp_sat_that_was_asked_for_is_begun_with_any_work() -> None:
 
 def test_what_it_takes_grows_with_what_is_made() -> None:
     few, many = scattered(1, contours=8, sites=2), scattered(1, contours=8, sites=4)
-    assert setting_out.cpsat_s(few) < setting_out.cpsat_s(many)
-    assert setting_out.beam_s(few) < setting_out.beam_s(many)
+    assert solution.cpsat_s(few) < solution.cpsat_s(many)
+    assert solution.beam_s(few) < solution.beam_s(many)
     crossed = replace(few, crossings=Crossings(*(np.zeros(1000, dtype=np.int64) for _ in range(5))))
-    for seconds in (setting_out.cpsat_s, setting_out.beam_s, setting_out.windows_s):
+    for seconds in (solution.cpsat_s, solution.beam_s, solution.windows_s):
         assert seconds(crossed) > seconds(replace(few, crossings=Crossings()))
 
 

@@ -12,14 +12,13 @@ import pytest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
+from kerfwise.models.engines import Member
 from kerfwise.models.engines.cpsat import solve_cpsat
-from kerfwise.models.engines.known import Known
-from kerfwise.models.engines.names import Member
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.watch import Watch
+from kerfwise.models.engines.shared_state import SharedState
+from kerfwise.models.engines.solution import SolveOptions, Watch
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -64,12 +63,12 @@ SLACK: tuple[tuple[Callable[[int, int], Problem], int, int, float], ...] = (
 """Problems for which CP-SAT ends with a plan that it pays too much for, within so much work."""
 
 
-def found(given: Problem, member: Member | None, work: float) -> Known:
+def found(given: Problem, member: Member | None, work: float) -> SharedState:
     options = SolveOptions(work=work, member=member)
     return run_portfolio(given, options, Watch(options))
 
 
-def holds(given: Problem, known: Known) -> bool:
+def holds(given: Problem, known: SharedState) -> bool:
     """Whether there is a plan; then it is lawful, costs what it is said to, and no less than the bound."""
     if known.incumbent is None:
         assert not known.infeasible
@@ -112,5 +111,5 @@ def test_cp_sat_alone_ends_with_a_plan_of_forty_contours() -> None:
     nest = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions())
     profile = load_profile()
     options = SolveOptions(work=10.0, member="cp-sat")
-    made = produce(ask(facts_of(nest, profile), profile), profile, options)
+    made = solve_and_verify(make_request(facts_of(nest, profile), profile), profile, options)
     assert made.plan.solve.status == "feasible"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.models.engines.ideals import kernels
-from kerfwise.models.engines.warm_up import load_kernels
 
 
 def _signatures(kernel: object) -> list[Any]:

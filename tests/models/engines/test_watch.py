@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.watch import Watch
+from kerfwise.models.engines.solution import SolveOptions, Watch
 
 
 class Clock:

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.models.plan.reader import read_plan, validator
+from kerfwise.models.plan.read_plan import read_plan, validator
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.amount import examples
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.models.solved import plant, proven_plan
 
 PLATE = nest(400, 100, *(part(f"P{k}", rect(100 * k - 90, 10, 80, 80)) for k in (1, 2, 3)))

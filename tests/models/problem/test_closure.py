@@ -5,9 +5,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from kerfwise.models import kernels
-from kerfwise.models.problem.closure import close, columns_packed, immediate, unpacked
-from kerfwise.models.problem.successors import lawful_followers
+from kerfwise.models import jit
+from kerfwise.models.problem.precedence import close, columns_packed, immediate, lawful_followers, unpacked
 
 
 def plainly(n: int, pairs: list[tuple[int, int]], block: list[int]) -> np.ndarray:
@@ -88,7 +87,7 @@ def test_who_may_follow_whom_is_told_pair_by_pair(
 @pytest.mark.parametrize("compiled", [True, False])
 def test_of_many_contours(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Sets of several words, more pairs than there are places at first, and blocks that are not next to each other."""
-    monkeypatch.setattr(kernels._process, "plain_steps", 0 if compiled else kernels.PLAIN_STEPS * 10)
+    monkeypatch.setattr(jit._process, "plain_steps", 0 if compiled else jit.PLAIN_STEPS * 10)
     n, drawn = 150, np.random.default_rng(1)
     for kept in (0.5, 0.05):
         place = drawn.permutation(n)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.jobs.ask import Asked, ask, facts_of
+from kerfwise.jobs.request import Request, facts_of, make_request
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Crossing, Forbid, IdleTravel, NoGood, Precede, Statement
 from kerfwise.tests.models.problems import ABOUT
@@ -42,9 +42,9 @@ FIRST = {"nothing": (), "what is out": (Crossing(None, AREA, ABOUT, 5.0), NO_GOO
 
 
 @pytest.fixture(scope="module")
-def asked() -> Asked:
+def asked() -> Request:
     profile = load_profile()
-    return ask(facts_of(PLATE, profile), profile)
+    return make_request(facts_of(PLATE, profile), profile)
 
 
 def assert_alike(one: Problem, other: Problem) -> None:
@@ -58,7 +58,7 @@ def assert_alike(one: Problem, other: Problem) -> None:
 
 @pytest.mark.parametrize("first", FIRST)
 @pytest.mark.parametrize("more", MORE)
-def test_going_on_comes_to_the_same_as_from_scratch(asked: Asked, first: str, more: str) -> None:
+def test_going_on_comes_to_the_same_as_from_scratch(asked: Request, first: str, more: str) -> None:
     given = (*asked.stated.statements, *FIRST[first])
     earlier = make_problem(asked.facts, given, (0.0, 0.0))
     further = make_problem(asked.facts, (*given, *MORE[more]), (0.0, 0.0), earlier=earlier)
@@ -67,7 +67,7 @@ def test_going_on_comes_to_the_same_as_from_scratch(asked: Asked, first: str, mo
     assert_alike(again, make_problem(asked.facts, (*given, *MORE[more], NO_GOOD), (0.0, 0.0)))
 
 
-def test_what_is_known_of_sites_is_taken_over(asked: Asked) -> None:
+def test_what_is_known_of_sites_is_taken_over(asked: Request) -> None:
     earlier = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
     statements = (*asked.stated.statements, NO_GOOD)
     assert make_problem(asked.facts, statements, (0.0, 0.0), earlier=earlier).pierce_um is earlier.pierce_um
@@ -75,14 +75,14 @@ def test_what_is_known_of_sites_is_taken_over(asked: Asked) -> None:
     assert make_problem(asked.facts, statements, (0.0, 0.0), earlier=earlier).pierce_um is not earlier.pierce_um
 
 
-def test_a_contour_without_an_entry_is_named(asked: Asked) -> None:
+def test_a_contour_without_an_entry_is_named(asked: Request) -> None:
     closed = [Forbid(c, ABOUT) for c in asked.facts.candidates_of(2)]
     name = asked.facts.nest.contours[2].id
     with pytest.raises(RulesConflict, match=f"{name} has no lawful entry left"):
         make_problem(asked.facts, (*asked.stated.statements, *closed), (0.0, 0.0))
 
 
-def test_orders_that_contradict_each_other_are_told_before_entries(asked: Asked) -> None:
+def test_orders_that_contradict_each_other_are_told_before_entries(asked: Request) -> None:
     closed = [Forbid(c, ABOUT) for c in asked.facts.candidates_of(2)]
     round_about = (Precede(0, 1, ABOUT), Precede(1, 0, ABOUT))
     with pytest.raises(RulesConflict, match="the order rules contradict each other"):

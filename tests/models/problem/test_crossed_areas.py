@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.problem.crossed_areas import IdleMoves, crossed_areas
+from kerfwise.models.problem.crossings import IdleMoves, crossed_areas
 
 RING = shapely.box(10, 10, 20, 20).difference(shapely.box(13, 13, 17, 17))
 TWO = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(5, 0, 7, 2)])
@@ -83,8 +83,8 @@ def test_by_arrays_the_same_is_crossed_in_the_same_order(
     moves = IdleMoves(leave, asked, np.arange(len(asked)) % 2, np.arange(len(areas))[::-1].copy())
     ((*compiled,),) = crossed_areas([moves], areas, late)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("kerfwise.models.problem.crossed_by_arrays.AT_ONCE", 50)
-        patch.setattr("kerfwise.models.problem.crossed_areas.suited", lambda kernel, steps, by_arrays: by_arrays)
+        patch.setattr("kerfwise.models.problem.crossings.AT_ONCE", 50)
+        patch.setattr("kerfwise.models.problem.crossings.suited", lambda kernel, steps, by_arrays: by_arrays)
         ((*by_arrays,),) = crossed_areas([moves], areas, late)
     for one, other in zip(compiled, by_arrays, strict=True):
         assert one.dtype == other.dtype

@@ -9,18 +9,17 @@ from itertools import count
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.models.engines import rounds
-from kerfwise.models.engines.rounds import solve
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.watch import Watch
-from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.plan.make import make_plan
-from kerfwise.models.problem import crossed_areas, crossings
+from kerfwise.jobs.request import facts_of, make_request
+from kerfwise.models.engines import solve
+from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.engines.solve import solve as solve_rounds
+from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.models.problem import crossings
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.crossings import Crossings, in_order
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Precede
@@ -36,7 +35,7 @@ def with_tips(strength: str) -> Profile:
 
 def test_moves_over_the_part_between_are_found() -> None:
     profile = with_tips("soft")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
     rows = problem.crossings
     ends = problem.ends()[rows.leave][:, 0] / 1000
@@ -49,7 +48,7 @@ def test_moves_over_the_part_between_are_found() -> None:
 
 def test_rows_stand_in_the_order_of_their_moves_and_take_few_bytes() -> None:
     profile = with_tips("soft")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
     rows, m = problem.crossings, problem.m
     pairs = list(zip(rows.leave.tolist(), rows.reach.tolist(), strict=True))
@@ -71,8 +70,8 @@ def test_the_numbers_of_moves_between_many_sites_do_not_overflow() -> None:
 def test_too_many_moves_leave_a_soft_rule_unpriced_and_the_plan_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(crossings, "MOST_MOVES", 10)
     profile = with_tips("soft")
-    asked = ask(facts_of(ROW, profile), profile)
-    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0, feeds=feeds_of(profile)))
+    asked = make_request(facts_of(ROW, profile), profile)
+    solution = solve_rounds(asked.facts, asked.stated.statements, SolveOptions(work=1.0, feeds=feeds_of(profile)))
     plan = make_plan(asked.facts, profile, asked.stated, solution, "portfolio", 1)
     (dropped,) = [d for d in plan.dropped if d.rule == "no-tip-travel"]
     assert dropped.why.startswith("not priced: idle travel over parts that are out asks about")
@@ -82,14 +81,14 @@ def test_too_many_moves_leave_a_soft_rule_unpriced_and_the_plan_says_so(monkeypa
 def test_too_many_moves_are_refused_where_the_rule_is_hard(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(crossings, "MOST_MOVES", 10)
     profile = with_tips("hard")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     with pytest.raises(InputError, match="more than the 10 that can be looked at: switch no-tip-travel off"):
         make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
 
 
 def test_moves_looked_at_once_are_not_looked_at_again(monkeypatch: pytest.MonkeyPatch) -> None:
     profile = with_tips("soft")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     statements = tuple(s for s in asked.stated.statements if not isinstance(s, Precede))
     first = make_problem(asked.facts, statements, (0.0, 0.0))
     about = About("test", (), "P1 comes before P2")
@@ -109,7 +108,7 @@ def test_moves_for_which_the_time_is_too_short_leave_a_soft_rule_unpriced() -> N
         return False
 
     profile = with_tips("soft")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), going=half_the_pace)
     assert asked_shares == [0.0]
     ((rule, why),) = problem.left_out
@@ -121,7 +120,7 @@ def test_moves_for_which_the_time_is_too_short_leave_a_soft_rule_unpriced() -> N
 
 def test_all_moves_are_looked_at_where_the_rule_is_hard() -> None:
     profile = with_tips("hard")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), going=lambda share: False)
     assert len(problem.crossings)
 
@@ -131,9 +130,9 @@ def test_the_clock_counts_under_a_limit_in_seconds_alone(
     monkeypatch: pytest.MonkeyPatch, time_s: float | None, left_out: int
 ) -> None:
     ticks = count()
-    monkeypatch.setattr(crossed_areas, "GROUPS_AT_ONCE", 1)
-    monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=lambda: float(next(ticks))))
+    monkeypatch.setattr(crossings, "GROUPS_AT_ONCE", 1)
+    monkeypatch.setattr(solve, "Watch", partial(Watch, clock=lambda: float(next(ticks))))
     profile = with_tips("soft")
-    asked = ask(facts_of(ROW, profile), profile)
+    asked = make_request(facts_of(ROW, profile), profile)
     options = SolveOptions(work=1.0, time_s=time_s, feeds=feeds_of(profile))
-    assert len(solve(asked.facts, asked.stated.statements, options).left_out) == left_out
+    assert len(solve_rounds(asked.facts, asked.stated.statements, options).left_out) == left_out

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kerfwise.arrays import Bools
-from kerfwise.models.problem.last import LastOf
+from kerfwise.models.problem.bitsets import LastAnswer
 
 
 def orders(n: int) -> Bools:
@@ -16,7 +16,7 @@ def orders(n: int) -> Bools:
 
 
 def test_questions_about_small_arrays_leave_the_answer_about_the_largest() -> None:
-    last, large, small = LastOf[str](), orders(5), [orders(2), orders(3)]
+    last, large, small = LastAnswer[str](), orders(5), [orders(2), orders(3)]
     last.keep(large, b"", "large")
     for one in small:
         last.keep(one, b"", f"small {len(one)}")
@@ -26,7 +26,7 @@ def test_questions_about_small_arrays_leave_the_answer_about_the_largest() -> No
 
 
 def test_a_larger_array_takes_the_place_of_the_largest() -> None:
-    last, large, larger, small = LastOf[str](), orders(5), orders(6), orders(2)
+    last, large, larger, small = LastAnswer[str](), orders(5), orders(6), orders(2)
     for one in (large, larger, small):
         last.keep(one, b"", str(len(one)))
     assert last.known(large, b"") is None
@@ -35,7 +35,7 @@ def test_a_larger_array_takes_the_place_of_the_largest() -> None:
 
 
 def test_another_question_about_the_same_array_takes_the_place_of_its_answer() -> None:
-    last, large = LastOf[str](), orders(5)
+    last, large = LastAnswer[str](), orders(5)
     last.keep(large, b"one", "1")
     last.keep(large, b"other", "2")
     assert last.known(large, b"one") is None
@@ -44,7 +44,7 @@ def test_another_question_about_the_same_array_takes_the_place_of_its_answer() -
 
 @pytest.mark.slow
 def test_an_answer_goes_with_its_array() -> None:
-    last, large, small = LastOf[list[int]](), orders(5), orders(2)
+    last, large, small = LastAnswer[list[int]](), orders(5), orders(2)
     last.keep(large, b"", [1])
     last.keep(small, b"", [2])
     del large

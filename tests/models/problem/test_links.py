@@ -12,8 +12,7 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost, times_ms
-from kerfwise.models.problem.links import Links, links_on
-from kerfwise.models.problem.pace import Pace
+from kerfwise.models.problem.problem import Durations, Links, links_on
 from kerfwise.rules.statements import About, Crossing, IdleTravel, Lag, Link, Statement
 from kerfwise.tests.models.every_kind import FEEDS, TRACK
 from kerfwise.tests.models.plan.conflict.statements import row
@@ -77,7 +76,7 @@ def test_of_several_offers_the_cheapest_counts_and_forbidden_candidates_have_non
 
 
 def test_a_route_pays_for_a_link_in_place_of_travel_and_its_cut_begins_at_once() -> None:
-    plain = replace(problem(ROW, site_cost=[9000] * 4), pace=Pace(np.array([2000, 3000, 4000, 5000]), 0.1))
+    plain = replace(problem(ROW, site_cost=[9000] * 4), pace=Durations(np.array([2000, 3000, 4000, 5000]), 0.1))
     with_link = replace(plain, links=linked(4, [(0, 1, -8000, -700)]))
     assert route_cost(plain, [0, 1, 2]) - route_cost(with_link, [0, 1, 2]) == 10_000 + 8000
     assert route_cost(plain, [1, 0, 2]) == route_cost(with_link, [1, 0, 2])

@@ -8,18 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.models.problem.compile import MOST_COUNTED, MOST_UM, check_magnitude, dearest_um, make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.magnitude import MOST_COUNTED, MOST_UM, check_magnitude, dearest_um
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import About, AtLeast, Before, Enough, IdleTravel, Pick
 from kerfwise.rules.stating.state_rules import state_rules

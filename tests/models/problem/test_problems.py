@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from hypothesis import given
 
+from kerfwise.models.problem.precedence import lawful_followers
 from kerfwise.models.problem.problem import Problem
-from kerfwise.models.problem.successors import lawful_followers
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered

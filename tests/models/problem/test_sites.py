@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.sites import sites_of
+from kerfwise.models.problem.simplify import sites_of
 from kerfwise.rules.statements import AtLeast, Before, Enough, Link, Literal, Pick
 from kerfwise.tests.models.problems import ABOUT
 

@@ -7,16 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.bridges.bridge import Bridge
-from kerfwise.encoder.bridges.join import with_bridges
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.bridges import with_bridges
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.nest import Bridge, Nest, Part
 from kerfwise.encoder.small_holes import Under
-from kerfwise.postproc.check.bridges import broken_bridges
-from kerfwise.postproc.check.small_holes import judged_nest
+from kerfwise.postproc.check.loose_metal import broken_bridges
+from kerfwise.postproc.check.small_features import judged_nest
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.small_holes_section import SmallHoles
+from kerfwise.rules.profile.sections import SmallHoles
 
 A = part("A", rect(20, 20, 60, 60), holes=[rect(30, 30, 20, 20), rect(60, 60, 4, 4)])
 B = part("B", rect(82, 20, 60, 60))

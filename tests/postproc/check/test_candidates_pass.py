@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, LeadKind, LeadOptions
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import plan_of, plate, profile
 from kerfwise.tests.tools.amount import examples
 

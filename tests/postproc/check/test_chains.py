@@ -11,17 +11,17 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.postproc.check import CheckResult, check_program, report
-from kerfwise.postproc.check.reader.reader import read_nc
-from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.check.cuts_from_program import rebuild
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.cuts_section import Cuts, Links
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Cuts, Links
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.postproc.by_lines import Line, program_of
 from kerfwise.tests.postproc.chains import chained, cuts_in_rows

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, check_program, report
-from kerfwise.postproc.check.burnt_rings import Tabs
-from kerfwise.postproc.check.covering.free import Tab
-from kerfwise.postproc.check.reader.reader import read_nc
-from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.check.coverage import Tabs
+from kerfwise.postproc.check.cuts_from_program import rebuild
+from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.postproc.by_lines import AT, H, Line, W, across, grid, program_of, upright

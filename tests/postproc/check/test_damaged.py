@@ -9,7 +9,7 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.postproc.check import check_cuts, report
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()

@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()

@@ -7,7 +7,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()

@@ -1,8 +1,8 @@
 """Order rules that contradict each other: what a plan may break, and what not."""
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.postproc.check import CheckResult, check_cuts
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.tests.postproc.plans import cut_of, profile
 

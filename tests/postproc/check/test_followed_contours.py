@@ -12,8 +12,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.check import followed_contours
-from kerfwise.postproc.check.followed_contours import surely_beside
+from kerfwise.postproc.check import contour_following
+from kerfwise.postproc.check.contour_following import surely_beside
 from kerfwise.tests.tools.amount import examples
 
 from .test_followed_rings import ring
@@ -77,7 +77,7 @@ def test_some_at_a_time_tell_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     contours = [ring(chance, 12) for _ in range(9)]
     rounds = [round_of(chance, contour, chance.choice([0.0, 3.0])) for contour in contours]
     told = surely_beside(contours, rounds, HALF_MM, REACH_MM).tolist()
-    monkeypatch.setattr(followed_contours, "AT_ONCE", 2)
+    monkeypatch.setattr(contour_following, "AT_ONCE", 2)
     assert surely_beside(contours, rounds, HALF_MM, REACH_MM).tolist() == told
 
 

@@ -12,8 +12,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.check import followed_rings
-from kerfwise.postproc.check.followed_rings import surely_cover
+from kerfwise.postproc.check import contour_following
+from kerfwise.postproc.check.contour_following import surely_cover
 from kerfwise.tests.tools.amount import examples
 
 WITHIN_MM = 0.05
@@ -59,7 +59,7 @@ def test_some_at_a_time_tell_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     paths = [path_round(chance, around, chance.choice([0.0, 3.0])) for around in rings]
     told = surely_cover(paths, rings, WITHIN_MM).tolist()
     assert set(told) == {True, False}
-    monkeypatch.setattr(followed_rings, "AT_ONCE", 3)
+    monkeypatch.setattr(contour_following, "RINGS_AT_ONCE", 3)
     assert surely_cover(paths, rings, WITHIN_MM).tolist() == told
 
 

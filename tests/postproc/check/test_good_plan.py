@@ -4,13 +4,13 @@ import dataclasses
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.postproc.check import CheckResult, Relaxed, check_cuts, report
-from kerfwise.postproc.check.reader.reader import read_nc
-from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.check import CheckResult, RelaxedStatement, check_cuts, report
+from kerfwise.postproc.check.cuts_from_program import rebuild
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program, judge, report_of
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program, judge, report_of
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import KERF_MM, cut_of, good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()
@@ -124,7 +124,7 @@ def test_parts_closer_than_the_kerf_are_refused_unless_contours_may_touch() -> N
         assert result.warnings == (
             "A and B are less than the kerf of 1.5 mm apart: each cut takes metal of both, up to 0.500 mm",
         )
-    let = Relaxed("shared-metal", ("A.outer", "B.outer"))
+    let = RelaxedStatement("shared-metal", ("A.outer", "B.outer"))
     told = program.replace("(CUT 1", "(RELAXED 1 shared-metal A.outer B.outer)\n(CUT 1")
     for result in (check_cuts(tight, plan.sequence(), PROFILE, None, (let,)), check_program(tight, told, PROFILE)):
         assert result.ok, report(result)

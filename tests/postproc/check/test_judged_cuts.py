@@ -6,23 +6,23 @@ from functools import cache
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.jobs.given import Given
-from kerfwise.jobs.main_job import Finished, plan_nest
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
+from kerfwise.jobs.request import options_for
 from kerfwise.postproc.check import check, check_program
-from kerfwise.postproc.check.judged_cuts import DRIFT, SAME, same
-from kerfwise.postproc.verdict import checking
+from kerfwise.postproc.check.result import DRIFT, SAME, same
+from kerfwise.postproc.verdict import check_plan
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
 PLATE = nest(400, 200, part("A", rect(20, 20, 120, 120), [rect(60, 60, 30, 30)]), part("B", rect(170, 20, 120, 120)))
 
 
 @cache
-def planned() -> Finished:
-    return plan_nest(Given(PLATE, load_profile()), options_for(PLATE, load_profile(), work=0.2))
+def planned() -> FinishedPlan:
+    return plan_nest(Inputs(PLATE, load_profile()), options_for(PLATE, load_profile(), work=0.2))
 
 
 def sequence() -> CutSequence:
@@ -33,7 +33,7 @@ def test_rules_judge_a_plan_and_its_program_once(monkeypatch: pytest.MonkeyPatch
     made, profile, asked = planned().made, load_profile(), list[int]()
     judge = check.judge
     monkeypatch.setattr(check, "judge", lambda *given: (asked.append(1), judge(*given))[1])
-    verdict = checking.judge(PLATE, made.plan, made.program, profile)
+    verdict = check_plan.judge(PLATE, made.plan, made.program, profile)
     assert len(asked) == 1
     alone = check_program(PLATE, made.program, profile)
     assert len(asked) == 2
@@ -47,7 +47,7 @@ def test_a_program_that_makes_other_cuts_is_judged_by_itself() -> None:
     made, profile = planned().made, load_profile()
     first, second, *rest = made.plan.cuts
     plan = replace(made.plan, cuts=(second, first, *rest))
-    known = checking.check_plan(PLATE, plan, profile).by_rules
+    known = check_plan.check_plan(PLATE, plan, profile).by_rules
     alone, beside = (check_program(PLATE, made.program, profile, known=k) for k in (None, known))
     assert alone == beside
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence, Span
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
-from kerfwise.postproc.check.reader.reader import read_nc
-from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.check.cuts_from_program import rebuild
+from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.by_lines import Line, program_of
 from kerfwise.tests.postproc.check.test_chains import CHAIN, HALF, REST, ROW, allowed, corner

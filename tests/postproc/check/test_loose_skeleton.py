@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.facts.skeleton import skeleton_of
+from kerfwise.encoder.facts.compute import skeleton_of
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import with_scrap
-from kerfwise.postproc.check.loose_skeleton import off_the_frame
-from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
-from kerfwise.rules.case import in_order
-from kerfwise.rules.judging.skeleton import bounding, cut_loose
+from kerfwise.postproc.check.loose_metal import cuts_in_loose_skeleton
+from kerfwise.postproc.check.plan_runs import runs_from_cuts
+from kerfwise.rules.case import in_order, nest, part, rect
+from kerfwise.rules.judging.holding import bounding, loose_scrap_cuts
 
 KERF_MM = 1.0
 A = part("A", rect(90, 6, 8, 8))
@@ -28,7 +27,7 @@ def loose(sheet: Nest, order: str, lead: list[tuple[float, float]] | None = None
     runs = list(runs_from_cuts(sheet, in_order(sheet, order), KERF_MM)[0])
     if lead:
         runs[0] = replace(runs[0], lead_in=shapely.LineString(lead))
-    return [v.contours[0] for v in off_the_frame(sheet, runs, (), KERF_MM)]
+    return [v.contours[0] for v in cuts_in_loose_skeleton(sheet, runs, (), KERF_MM)]
 
 
 @pytest.mark.parametrize("lead", [None, [(60, 17), (120, 17), (120, 3), (60, 3)]])
@@ -66,7 +65,7 @@ def test_what_only_narrow_webs_hold_is_not_the_frame(web_mm: float) -> None:
         done.append(ready[0])
     done += sorted({line.id for line in sheet.scrap} - {*done})
     order = " ".join(["A.outer B.outer", *done[::-1]])
-    assert list(cut_loose(sheet, in_order(sheet, order), KERF_MM)) == []
+    assert list(loose_scrap_cuts(sheet, in_order(sheet, order), KERF_MM)) == []
     assert loose(sheet, order) == []
 
 
@@ -78,4 +77,4 @@ def test_a_line_in_a_narrow_web_may_be_cut_at_any_time() -> None:
     assert skeleton_of(sheet, KERF_MM).framed.tolist() == [False, False, True, True]
     for order in ("scrap1 scrap2", "scrap2 scrap1"):
         assert loose(sheet, f"A.outer B.outer {order}") == []
-        assert list(cut_loose(sheet, in_order(sheet, f"A.outer B.outer {order}"), KERF_MM)) == []
+        assert list(loose_scrap_cuts(sheet, in_order(sheet, f"A.outer B.outer {order}"), KERF_MM)) == []

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import shapely
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.postproc.check.matching import Matcher
+from kerfwise.rules.case import nest, part, rect
 
 
 def test_a_burn_whose_lead_runs_along_a_tiny_scrap_line_cuts_its_part_all_the_same() -> None:

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check import CheckResult, check_cuts, metal
-from kerfwise.postproc.check.rings import rings_of
-from kerfwise.postproc.check.torch_run import TorchRun
+from kerfwise.postproc.check import CheckResult, check_cuts, gouging
+from kerfwise.postproc.check.torch_run import TorchRun, rings_of
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.profile.sections import RuleSetting, default_settings
 from kerfwise.rules.registry import RULES
@@ -150,12 +149,12 @@ def gouges_near(offs_mm: list[tuple[float, float, float]]) -> tuple[list[int], l
         points[5] += spike_mm * (np.array([contour.polygon.centroid.x, contour.polygon.centroid.y]) - points[5])
         runs.append(TorchRun(len(runs) + 1, "a line", contour, None, shapely.LineString(points), None))
     asked, found = [], []
-    for clear in (metal._clear_rings, lambda nest, kerf_mm: {}):
+    for clear in (gouging._clear_rings, lambda nest, kerf_mm: {}):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(metal, "_clear_rings", clear)
-            burns = [metal._Burn(run, run.loop, False) for run in runs]
-            asked.append(len(metal._not_clear(sheet, burns, 1.5)))
-            found.append(metal.gouges(sheet, runs, 1.5).violations)
+            patch.setattr(gouging, "_clear_rings", clear)
+            burns = [gouging._Burn(run, run.loop, False) for run in runs]
+            asked.append(len(gouging._not_clear(sheet, burns, 1.5)))
+            found.append(gouging.gouges(sheet, runs, 1.5).violations)
     return asked, found
 
 
@@ -169,11 +168,11 @@ def test_rounds_known_to_follow_their_clear_ring_are_not_held_against_it_again(m
     sheet = nest(150, 90, part("A", rect(20, 20, 50, 50)), part("B", rect(85, 20, 50, 50)))
     rings = rings_of(sheet, 1.5)
     loops = [shapely.LineString(shapely.segmentize(ring, 10.0).coords) for ring in rings]
-    monkeypatch.setattr(metal, "surely_beside", lambda lines, *_: np.zeros(len(lines), dtype=bool))
+    monkeypatch.setattr(gouging, "surely_beside", lambda lines, *_: np.zeros(len(lines), dtype=bool))
     for follows, left in ((rings, []), (rings[::-1], ["A", "B"]), ((None, rings[1]), ["A"])):
         rows = zip(sheet.contours, loops, follows, strict=True)
         runs = [TorchRun(1, "a line", contour, None, loop, None, follows=ring) for contour, loop, ring in rows]
-        burns = metal._not_clear(sheet, [metal._Burn(run, run.loop, False) for run in runs], 1.5)
+        burns = gouging._not_clear(sheet, [gouging._Burn(run, run.loop, False) for run in runs], 1.5)
         assert [f"{name}.outer" for name in left] == [burn.run.name for burn in burns]
 
 

@@ -5,18 +5,15 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.postproc.check import check_program
-from kerfwise.postproc.check.judge import judge
-from kerfwise.postproc.check.judgement import Judgement
-from kerfwise.postproc.check.relaxed import Relaxed
-from kerfwise.postproc.verdict.checking import check_plan
-from kerfwise.rules.case import cut
+from kerfwise.postproc.check.result import Judgement, RelaxedStatement
+from kerfwise.postproc.check.rule_verdicts import judge
+from kerfwise.postproc.verdict.check_plan import check_plan
+from kerfwise.rules.case import cut, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -38,10 +35,10 @@ def strict(rule: str, *locks: Lock) -> Profile:
 
 
 @cache
-def made(sheet: Nest, rule: str, *locks: Lock) -> tuple[Profile, Produced]:
+def made(sheet: Nest, rule: str, *locks: Lock) -> tuple[Profile, VerifiedPlan]:
     profile = strict(rule, *locks)
     limits = options_for(sheet, profile, work=4)
-    return profile, produce(ask(facts_of(sheet, profile), profile), profile, limits)
+    return profile, solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits)
 
 
 def reasons(sheet: Nest, rule: str, *locks: Lock) -> list[tuple[tuple[str, ...], str]]:
@@ -97,7 +94,7 @@ def test_a_relaxed_order_excuses_no_other_lock_of_its_contour() -> None:
     turned = dataclasses.replace(cuts["B"], direction="ccw")
 
     def verdict(*order: Cut) -> Judgement:
-        relaxed = [Relaxed("locks", ("B.outer", "A.outer"))]
+        relaxed = [RelaxedStatement("locks", ("B.outer", "A.outer"))]
         judged = judge(LONG, CutSequence(order, "bottom"), profile, relaxed)
         return next(j for j in judged if j.id == "locks")
 

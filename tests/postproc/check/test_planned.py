@@ -11,9 +11,9 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult, report
-from kerfwise.postproc.check.planned import _differences
+from kerfwise.postproc.check.plan_conformance import _differences
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.tests.postproc.chains import cuts_of
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 

@@ -8,17 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.make import make_plan
+from kerfwise.models.engines.solve import solve
+from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan, check_program, report_of
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program, report_of
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 

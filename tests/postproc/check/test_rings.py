@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, part, rect
-from kerfwise.postproc.check.rings import torch_rings
+from kerfwise.postproc.check.torch_run import torch_rings
+from kerfwise.rules.case import circle, part, rect
 
 PART = part("P", rect(0, 0, 100, 50), [circle(30, 25, 10)], [[(60, 10), (90, 10)]])
 BY_KIND = {contour.kind: contour for contour in PART}

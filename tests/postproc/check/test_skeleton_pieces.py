@@ -7,15 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check.program_rules import SENTENCES
-from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
-from kerfwise.postproc.check.skeleton_pieces import wrong_pieces
-from kerfwise.rules.case import in_order
-from kerfwise.rules.profile.cuts_section import Cuts, Scrap
+from kerfwise.postproc.check.loose_metal import wrong_pieces
+from kerfwise.postproc.check.plan_runs import runs_from_cuts
+from kerfwise.postproc.check.torch_run import SENTENCES
+from kerfwise.rules.case import in_order, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.sections import Cuts, Scrap
 from kerfwise.tests.commands.run_cli import kerfwise
 
 A = part("A", rect(50, 50, 300, 300))

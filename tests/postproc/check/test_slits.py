@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, check_cuts
 from kerfwise.postproc.check.check import check_program
-from kerfwise.rules.profile.cuts_section import Cuts
+from kerfwise.rules.case import nest, part
+from kerfwise.rules.profile.sections import Cuts
 from kerfwise.tests.postproc.plans import cut_of, profile
 
 PLANT = profile(cuts=Cuts("slit"))

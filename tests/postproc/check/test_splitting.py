@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.postproc.check import splitting
-from kerfwise.postproc.check.splitting import Pieces, split, split_each
+from kerfwise.postproc.check import cut_from_burn
+from kerfwise.postproc.check.cut_from_burn import Pieces, split, split_each
 
 
 def lengths(points: list[tuple[float, ...]], round_mm: float) -> tuple[float, float, float, float]:
@@ -78,7 +78,7 @@ def test_near_pairs_looked_up_by_place_give_what_all_pairs_give(
     # lengths that no sum of these steps is half or three halves of
     path, round_mm = Curve.of(points, closed=False), length / 4 + 0.0137
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(splitting, "COMPARED", compared)
+        patch.setattr(cut_from_burn, "COMPARED", compared)
         found = split(path, round_mm)
     plain = split_plainly(path, round_mm)
     assert (found is None) == (plain is None)
@@ -98,7 +98,7 @@ def test_paths_taken_apart_together_come_apart_as_each_does(
 ) -> None:
     paths, rounds_mm = [Curve.of(points, closed=False) for points, _ in drawn], [length / 4 for _, length in drawn]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(splitting, "COMPARED", compared)
+        patch.setattr(cut_from_burn, "COMPARED", compared)
         together = split_each(paths, rounds_mm)
     assert list(map(shown, together)) == [shown(split(*row)) for row in zip(paths, rounds_mm, strict=True)]
 

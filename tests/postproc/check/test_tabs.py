@@ -9,14 +9,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Tab
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.check import CheckResult, report
-from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Strength
 from kerfwise.tests.postproc.plans import with_tabs
@@ -33,9 +32,9 @@ def profile(name: str, strength: Strength = "hard") -> Profile:
 
 
 @cache
-def made(name: str) -> Produced:
+def made(name: str) -> VerifiedPlan:
     plant = profile(name)
-    return produce(ask(facts_of(PLATE, plant), plant), plant, options_for(PLATE, plant, work=1))
+    return solve_and_verify(make_request(facts_of(PLATE, plant), plant), plant, options_for(PLATE, plant, work=1))
 
 
 def judged(name: str, program: str, strength: Strength = "hard") -> CheckResult:
@@ -143,9 +142,9 @@ APART = nest(230, 120, part("A", rect(40, 30, 60, 50)), part("B", rect(101.5, 30
 
 
 @cache
-def beside() -> Produced:
+def beside() -> VerifiedPlan:
     plant = profile(PLASMA)
-    return produce(ask(facts_of(APART, plant), plant), plant, options_for(APART, plant, work=1))
+    return solve_and_verify(make_request(facts_of(APART, plant), plant), plant, options_for(APART, plant, work=1))
 
 
 def test_parts_with_tabs_a_kerf_apart_are_each_cut_all_round() -> None:

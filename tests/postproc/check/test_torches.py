@@ -7,18 +7,17 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.check import check_program
-from kerfwise.postproc.check.heating import Heating
+from kerfwise.postproc.check.cuts_from_program import rebuild
+from kerfwise.postproc.check.feeds import Heating, judge_running
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.old import read_old
-from kerfwise.postproc.check.reader.program import of_all_torches
-from kerfwise.postproc.check.reader.reader import read_nc
-from kerfwise.postproc.check.rebuild import rebuild
-from kerfwise.postproc.check.running import judge_running
-from kerfwise.rules.profile.machine_section import Torches
+from kerfwise.postproc.check.reader.program import expand_torches
+from kerfwise.postproc.check.reader.read_program import read_old
+from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.plant_sections import Torches
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.plans import profile
 
@@ -59,7 +58,7 @@ def test_a_torch_pierces_where_the_first_begins_off_the_sheet() -> None:
 
 def test_holes_of_a_pass_are_pierced_by_each_torch() -> None:
     text = program("G0 X10 Y10", "M3 S1", "G4 P0.5", "M5")
-    read = of_all_torches(read_nc(text, control=CONTROLS["linuxcnc"], torches=2), APART.shift)
+    read = expand_torches(read_nc(text, control=CONTROLS["linuxcnc"], torches=2), APART.shift)
     built = rebuild(PARTS, read, 1.5, (0.0, 0.0), in_passes=True)
     assert [hole.at for hole in built.cuts.pierces] == [(10.0, 10.0), (10.0, 110.0)]
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.postproc.check import check_program
-from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.postproc.verdict.check_plan import check_plan
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -31,13 +30,13 @@ def budget(kj: float, *locks: Lock) -> Profile:
 
 
 @cache
-def made(profile_kj: float, *locks: Lock) -> Produced:
+def made(profile_kj: float, *locks: Lock) -> VerifiedPlan:
     profile = budget(profile_kj, *locks)
     limits = options_for(PLATE, profile, work=1)
-    return produce(ask(facts_of(PLATE, profile), profile), profile, limits)
+    return solve_and_verify(make_request(facts_of(PLATE, profile), profile), profile, limits)
 
 
-def told(produced: Produced, profile: Profile) -> list[tuple[str, str]]:
+def told(produced: VerifiedPlan, profile: Profile) -> list[tuple[str, str]]:
     """What is excused of zone-order, by the plan and by the program alike; all else holds."""
     for verdict in (check_plan(PLATE, produced.plan, profile), check_program(PLATE, produced.program, profile)):
         assert verdict.ok
@@ -45,7 +44,7 @@ def told(produced: Produced, profile: Profile) -> list[tuple[str, str]]:
     return excused
 
 
-def zones(produced: Produced) -> list[int]:
+def zones(produced: VerifiedPlan) -> list[int]:
     at = {planned.part: planned.cut.zone for planned in produced.plan.cuts}
     return [at[p.id] for p in PLATE.parts]
 

@@ -9,19 +9,18 @@ from functools import cache
 from pathlib import Path
 
 import kerfwise
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.rules.profile.cuts_section import Common, Links
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import Common, Links
 from kerfwise.tests.postproc.plans import with_tabs
 
 from .reading import with_dialect
@@ -115,5 +114,5 @@ def case(name: str) -> Case:
 def planned(name: str, work: float = 0.2) -> Plan:
     """Its plan."""
     made = case(name)
-    asked = ask(facts_of(made.nest, made.profile), made.profile)
-    return produce(asked, made.profile, options_for(made.nest, made.profile, work=work)).plan
+    asked = make_request(facts_of(made.nest, made.profile), made.profile)
+    return solve_and_verify(asked, made.profile, options_for(made.nest, made.profile, work=work)).plan

@@ -12,10 +12,10 @@ import shapely
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.clock.timed import read_program
+from kerfwise.postproc.clock import read_program
 from kerfwise.postproc.dialects import Dialect, load_dialect
-from kerfwise.postproc.nc.plan_paths import toolpaths
 from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.nc.toolpaths import toolpaths
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.outside import gcode_toolpath, meerk40t

@@ -7,8 +7,7 @@ from typing import get_args
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.dialects import ControlName, dialect_names
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.profile.dialect_kind import DialectName
-from kerfwise.rules.profile.machine_section import Machine
+from kerfwise.rules.profile.plant_sections import DialectName, Machine
 
 
 def test_dialects_may_name_each_control_that_the_check_reads() -> None:
@@ -21,5 +20,5 @@ def test_profiles_may_name_each_dialect() -> None:
     (kind,) = (option.kind for option in options_of(Machine) if option.name == "dialect")
     assert isinstance(kind, DialectName)
     missing, gone = set(dialect_names()) - set(kind.words), set(kind.words) - set(dialect_names())
-    assert not missing, f"rules/profile/machine_section.py, Machine.dialect: {missing}"
-    assert not gone, f"rules/profile/machine_section.py names what postproc/dialects has not: {gone}"
+    assert not missing, f"rules/profile/plant_sections.py, Machine.dialect: {missing}"
+    assert not gone, f"rules/profile/plant_sections.py names what postproc/dialects has not: {gone}"

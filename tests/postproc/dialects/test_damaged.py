@@ -10,7 +10,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import dialect_names
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.tests.postproc.dialects import cases
 from kerfwise.tests.tools.amount import rows
 

@@ -8,9 +8,8 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import dialect_names, fitting_dialect, load_dialect
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.machine_section import PROCESSES
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
+from kerfwise.rules.profile.plant_sections import PROCESSES
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 
 

@@ -9,20 +9,19 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.dialects import Dialect, dialect_names, dialect_text, load_dialect
 from kerfwise.postproc.dialects.load import parse_dialect
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.postproc.verdict.dialect_read_back import read_back
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects import reading
@@ -87,7 +86,9 @@ def test_height_control_stops_in_slow_holes_and_starts_again() -> None:
     holes = dataclasses.replace(base.small_holes, small_hole_feed=0.5)
     plant = dataclasses.replace(base, small_holes=holes)
     drawn = plant.as_cut(nest(200, 120, part("A", rect(20, 20, 100, 80), [circle(50, 60, 10), circle(90, 60, 12)])))
-    made = produce(ask(facts_of(drawn, plant), plant), plant, options_for(drawn, plant, work=0.5)).plan
+    made = solve_and_verify(
+        make_request(facts_of(drawn, plant), plant), plant, options_for(drawn, plant, work=0.5)
+    ).plan
     text = write_program(made, drawn, plant, dataclasses.replace(eia(), torch_on=("M07",), torch_off=("M08",)))
     slow = [planned.cut.contour for planned in made.cuts if drawn.contour(planned.cut.contour).feed_share < 1]
     rows = [re.sub(r"^N\d+ ", "", row) for row in text.splitlines()]

@@ -10,7 +10,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import dialect_text, load_dialect
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.postproc.verdict.dialect_read_back import read_back
 from kerfwise.tests.postproc.dialects import reading
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile

@@ -17,15 +17,15 @@ from pathlib import Path
 import pyogrio.raw
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.postproc.nc.dxf_out import write_dxf
+from kerfwise.postproc.nc.ordered_drawings import write_dxf
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 

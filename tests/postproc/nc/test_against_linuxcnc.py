@@ -9,20 +9,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.clock.timed import read_program
+from kerfwise.postproc.clock import read_program
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.nc.pen import Pen
+from kerfwise.postproc.nc.gcode import GcodeWriter
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.nc.toolpath import torch_path
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.postproc.nc.toolpaths import torch_path
+from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects.reading import apart_mm
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile, with_tabs
@@ -133,8 +132,8 @@ def test_linuxcnc_reads_a_program_with_slits() -> None:
     plant = load_profile(Path(__file__).parents[3] / "examples" / "profiles" / "narrow-slots.yaml")
     rows = [(20, 20), (100, 20), (100, 120), (60.5, 120), (60.5, 60), (59.5, 60), (59.5, 120), (20, 120)]
     drawn = nest(120, 150, part("P", rows))
-    asked = ask(facts_of(drawn, plant), plant)
-    made = produce(asked, plant, SolveOptions(work=1, home_mm=plant.machine.home))
+    asked = make_request(facts_of(drawn, plant), plant)
+    made = solve_and_verify(asked, plant, SolveOptions(work=1, home_mm=plant.machine.home))
     run = canon.run(made.program)
     assert [planned.kind for planned in made.plan.cuts] == ["slit", "outer"]
     assert differences(made.plan, plant.as_cut(drawn), plant, run) == []
@@ -146,7 +145,9 @@ def test_linuxcnc_reads_a_program_with_tabs(name: str, burns: int) -> None:
     """A plate and a disc with tabs: the torch is on for as long as the plan says, and off over each tab."""
     plant = with_tabs(name, width_mm=0.8)
     drawn = nest(250, 120, part("A", rect(40, 30, 80, 50)), part("C", circle(170, 60, 30)))
-    made = produce(ask(facts_of(drawn, plant), plant), plant, SolveOptions(work=1, home_mm=plant.machine.home))
+    made = solve_and_verify(
+        make_request(facts_of(drawn, plant), plant), plant, SolveOptions(work=1, home_mm=plant.machine.home)
+    )
     run = canon.run(made.program)
     assert (run.error, run.warnings, len(run.burns)) == (None, [], burns)
     assert sum(burn.length_mm for burn in run.burns) == pytest.approx(made.plan.totals.cut_mm, abs=0.1)
@@ -177,7 +178,7 @@ def test_any_path_survives_rounding(start: canon.Point, moves: list[tuple[float,
         rows.append((rows[-1][0] + dx, rows[-1][1] + dy, 0.0))
     path = Curve.of(rows, closed=False)
     x, y = (round(v, 4) for v in start)
-    blocks = Pen(load_dialect("linuxcnc-qtplasmac"), (x, y)).path(path, 40.0)
+    blocks = GcodeWriter(load_dialect("linuxcnc-qtplasmac"), (x, y)).path(path, 40.0)
     run = canon.run("\n".join([f"G21\nG0 X{x:.4f} Y{y:.4f}\nM3 $0 S1", *blocks, "M5 $0\nM2\n"]))
     assert run.error is None
     assert run.warnings == []

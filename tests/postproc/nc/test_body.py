@@ -6,8 +6,8 @@ import pytest
 
 from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.clock.timed import with_times
-from kerfwise.postproc.nc import body
+from kerfwise.postproc.clock import with_times
+from kerfwise.postproc.nc import program
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 
@@ -37,7 +37,7 @@ def test_what_blocks_hang_on(name: str) -> None:
     cut = next(cut for cut in good_cuts(plate()) if cut.lead_in is not None and cut.lead_out is not None)
     cut = replace(cut, direction="cw")
     other = replace(cut, **{name: {**OTHERS, **NOT_IN_BLOCKS}[name]})  # type: ignore[arg-type]
-    assert (body._geometry(cut) == body._geometry(other)) == (name in NOT_IN_BLOCKS)
+    assert (program._geometry(cut) == program._geometry(other)) == (name in NOT_IN_BLOCKS)
 
 
 def made() -> Plan:
@@ -47,8 +47,8 @@ def made() -> Plan:
 
 def test_a_program_is_spelt_once_with_its_times(monkeypatch: pytest.MonkeyPatch) -> None:
     sheet, spelt = plate(), []
-    plain = body._body
-    monkeypatch.setattr(body, "_body", lambda *given: spelt.append(1) or plain(*given))  # type: ignore[func-returns-value]
+    plain = program._body
+    monkeypatch.setattr(program, "_body", lambda *given: spelt.append(1) or plain(*given))  # type: ignore[func-returns-value]
     plan = with_times(made(), sheet, PROFILE)
     assert write_program(plan, sheet, PROFILE) == write_program(plan, plate(), PROFILE)
     assert len(spelt) == 2

@@ -12,8 +12,8 @@ import shapely
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.nc.dxf_out import LAYERS, write_dxf
-from kerfwise.postproc.nc.plan_paths import toolpaths
+from kerfwise.postproc.nc.ordered_drawings import LAYERS, write_dxf
+from kerfwise.postproc.nc.toolpaths import toolpaths
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.dialects.reading import apart_mm

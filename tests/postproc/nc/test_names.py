@@ -6,15 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.postproc.check.names import folded, ids_by_name
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.postproc.check.result import ids_by_name, normalize_name
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.nc.blocks import comment
-from kerfwise.postproc.nc.names import name_comments, program_names
+from kerfwise.postproc.nc.gcode import comment, name_comments, program_names
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.fuzz import control as controls
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
 from kerfwise.tests.tools.amount import examples
@@ -37,7 +36,7 @@ def test_a_plain_name_is_kept(name: str) -> None:
     sheet = plates(name)
     names = program_names(sheet, DIALECT)
     assert list(name_comments(names, DIALECT)) == []
-    assert folded(names[f"{name}.outer"]) == folded(f"{name}.outer")
+    assert normalize_name(names[f"{name}.outer"]) == normalize_name(f"{name}.outer")
 
 
 def test_others_are_replaced() -> None:
@@ -68,7 +67,7 @@ def test_every_name_is_found_again(ids: list[str]) -> None:
     program = read_nc("\n".join([*mapped, *cuts, "M2", ""]))
     found = ids_by_name(sheet, program.comments)
     said = [text.split(" ", 2)[2].removesuffix(" ZONE 1 CW") for text in program.comments[len(mapped) :]]
-    assert [found[folded(name)] for name in said] == [contour.id for contour in sheet.contours]
+    assert [found[normalize_name(name)] for name in said] == [contour.id for contour in sheet.contours]
 
 
 @pytest.mark.linuxcnc

@@ -6,17 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.nc.blocks import comment
-from kerfwise.postproc.nc.pen import Pen
+from kerfwise.postproc.nc.gcode import GcodeWriter, comment
 from kerfwise.postproc.nc.program import write_program
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.qtplasmac import complaints
 
@@ -125,14 +124,16 @@ def test_a_header_longer_than_the_control_takes_is_refused(tmp_path: Path) -> No
 def test_an_arc_of_almost_a_full_turn_is_cut_in_two() -> None:
     # its ends are the same point once rounded: as one block it would be nothing, or a matter of the control's opinion
     circle_but_for_a_hair = Curve.of([(50, 0, 2e7), (50, -1e-5)], closed=False)
-    blocks = Pen(DIALECT, (0, 0)).path(circle_but_for_a_hair, 10.0)
+    blocks = GcodeWriter(DIALECT, (0, 0)).path(circle_but_for_a_hair, 10.0)
     assert blocks == ["G3 X-50 Y0 I-50 J0 F600", "G3 X50 Y0 I50 J0"]
 
 
 def test_an_arc_of_a_thousandth_is_a_line() -> None:
-    assert Pen(DIALECT, (0, 0)).path(Curve.of([(0, 0, 1), (0, -0.0025)], closed=False), 10.0) == ["G1 X0 Y-0.0025 F600"]
+    assert GcodeWriter(DIALECT, (0, 0)).path(Curve.of([(0, 0, 1), (0, -0.0025)], closed=False), 10.0) == [
+        "G1 X0 Y-0.0025 F600"
+    ]
 
 
 def test_what_is_too_flat_or_too_short_for_an_arc_is_a_line_or_nothing() -> None:
     path = Curve.of([(0, 0, 1e-6), (10, 0, 0.5), (10.0008, 0), (10.00082, 0), (10.00082, 5)], closed=False)
-    assert Pen(DIALECT, (0, 0)).path(path, 10.0) == ["G1 X10 Y0 F600", "G1 X10.0008 Y0", "G1 X10.0008 Y5"]
+    assert GcodeWriter(DIALECT, (0, 0)).path(path, 10.0) == ["G1 X10 Y0 F600", "G1 X10.0008 Y0", "G1 X10.0008 Y5"]

@@ -19,15 +19,14 @@ from ezdxf.document import Drawing
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.jobs.nest_job.asked import Asked, given_for
+from kerfwise.jobs.nest_job.request import NestRequest, inputs_for
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.postproc.nc.reordered_dxf import reordered_dxf
-from kerfwise.postproc.nc.reordered_svg import reordered_svg
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.nc.ordered_drawings import reordered_dxf, reordered_svg
+from kerfwise.rules.case import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 from kerfwise.tests.tools.amount import examples
@@ -309,7 +308,7 @@ def test_refit_arcs_on_the_command_line() -> None:
         assert ended.code == 0, ended.err
         assert f"note: arcs are refitted within 0.05 mm (--refit-arcs), as they were for {made}" in ended.err
         assert "2 arcs" in ended.err
-        assert given_for("a.json", Asked(last=made)).nest.refit_arcs_mm == 0.05
+        assert inputs_for("a.json", NestRequest(last=made)).nest.refit_arcs_mm == 0.05
         told = "note: arcs are refitted within 0.04 mm (--refit-arcs); for"
         ended = kerfwise("check", "a.json", made, "--refit-arcs", "0.04 mm")
         assert f"{told} {made} they were within 0.05 mm" in ended.err

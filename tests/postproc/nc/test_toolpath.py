@@ -11,14 +11,14 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
-from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.postproc.nc.toolpath import torch_path
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.postproc.nc.toolpaths import torch_path
+from kerfwise.rules.case import circle, part, rect
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
 from kerfwise.tests.tools.amount import examples
 

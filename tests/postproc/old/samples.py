@@ -15,11 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.old_program import Asked
-from kerfwise.jobs.resequence import resequence
-from kerfwise.postproc.check.reader.old import read_old
-from kerfwise.postproc.old.pieces import taken_apart
-from kerfwise.postproc.old.reordered import expect_same, reordered
+from kerfwise.jobs.programs import ProgramRequest
+from kerfwise.jobs.resequence.resequence import resequence
+from kerfwise.postproc.check.reader.read_program import read_old
+from kerfwise.postproc.old.program_pieces import expect_same, reordered, split_program
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +40,10 @@ def samples(folder: Path, feed_mm_min: float = 2500.0) -> Iterator[Sample]:
     """All programs of a folder, by name."""
     for path in sorted(path for path in folder.iterdir() if path.suffix in (".ngc", ".nc")):
         try:
-            apart = taken_apart(read_old(path.read_text(), feed_mm_min=feed_mm_min, file=path.name))
+            apart = split_program(read_old(path.read_text(), feed_mm_min=feed_mm_min, file=path.name))
             order = list(range(len(apart.pieces)))[::-1]
             expect_same(apart, order, read_old(reordered(apart, order), feed_mm_min=feed_mm_min))
-            made = resequence(path, work=5, asked=Asked(feed_mm_min=feed_mm_min), without_rules=True)
+            made = resequence(path, work=5, asked=ProgramRequest(feed_mm_min=feed_mm_min), without_rules=True)
         except InputError as error:
             yield Sample(path.name, f"refused: {error.message} (line {error.line})", None, error.line)
             continue

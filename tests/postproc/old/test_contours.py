@@ -4,20 +4,19 @@ import dataclasses
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import Burn
-from kerfwise.postproc.old.contours import fits_kerf, nest_of
-from kerfwise.postproc.old.told_names import named_as_told
-from kerfwise.postproc.old.unclear import NoNest
+from kerfwise.postproc.old.contours import fits_kerf, name_by_comments, nest_of
+from kerfwise.postproc.old.loops import AmbiguousNest
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import plate
 
 
 def burns_of(plan: Nest, kerf_mm: float = 0.0) -> list[Burn]:
     """A burn once round each contour."""
-    from kerfwise.encoder.compensation import compensated
+    from kerfwise.encoder.torch_path import compensated
 
     made = []
     for k, contour in enumerate(plan.contours, 1):
@@ -33,7 +32,7 @@ def test_kinds_parts_and_shapes_come_back(kerf_mm: float) -> None:
     burns = burns_of(drawn, kerf_mm)
     told = nest_of(burns, kerf_mm, (600, 200))
     assert fits_kerf(told, kerf_mm)
-    named = named_as_told(told, [burn.comment for burn in burns])
+    named = name_by_comments(told, [burn.comment for burn in burns])
     assert named is not None
     assert set(named.nest.index) == set(drawn.index)
     for contour in drawn.contours:
@@ -47,7 +46,7 @@ def test_kinds_parts_and_shapes_come_back(kerf_mm: float) -> None:
 def test_names_that_do_not_fit_what_is_cut_are_not_taken() -> None:
     burns = burns_of(plate())
     wrong = [dataclasses.replace(burn, comment=burn.comment.replace("hole1", "outer")) for burn in burns]
-    assert named_as_told(nest_of(wrong, 0.0), [burn.comment for burn in wrong]) is None
+    assert name_by_comments(nest_of(wrong, 0.0), [burn.comment for burn in wrong]) is None
 
 
 def test_square_corners_outside_are_no_path_of_a_kerf() -> None:
@@ -79,7 +78,7 @@ def test_a_sheet_that_does_not_hold_the_burns_is_refused() -> None:
 def test_burns_that_make_no_nest(contours: list[Curve], line: int, why: str) -> None:
     paths = [c.opened_at(0.0) if c.closed else c for c in contours]
     burns = [Burn(0, 10 * k, path, 0.0, 0.0, "") for k, path in enumerate(paths, 1)]
-    with pytest.raises(NoNest, match=why) as caught:
+    with pytest.raises(AmbiguousNest, match=why) as caught:
         nest_of(burns, 0.0)
     assert caught.value.unclear[0].line == line
 
@@ -87,5 +86,5 @@ def test_burns_that_make_no_nest(contours: list[Curve], line: int, why: str) -> 
 def test_a_mark_beside_all_parts_is_of_no_nest() -> None:
     burns = burns_of(nest(200, 200, part("A", rect(20, 20, 50, 50), [circle(45, 45, 9)])))
     burns.append(Burn(1, 99, Curve.of([(100, 100), (120, 100)], closed=False), 0.0, 0.0, ""))
-    with pytest.raises(NoNest, match="marks no part"):
+    with pytest.raises(AmbiguousNest, match="marks no part"):
         nest_of(burns, 0.0)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import rect
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.postproc.old.loops import NoRound, rounds_of, tidied
-from kerfwise.postproc.old.open_rounds import round_up_to_tab
+from kerfwise.postproc.old.loops import NotRound, round_up_to_tab, rounds_of, simplify_ring
+from kerfwise.rules.case import rect
 
 
 def path(*rows: tuple[float, ...]) -> Curve:
@@ -39,7 +38,7 @@ def test_a_lead_along_the_contour_ends_within_a_block() -> None:
     ],
 )
 def test_what_is_no_round(rows: list[tuple[float, float]], why: str) -> None:
-    with pytest.raises(NoRound, match=why):
+    with pytest.raises(NotRound, match=why):
         rounds_of(path(*rows))
 
 
@@ -77,17 +76,17 @@ def test_a_tab_on_a_bend_goes_round_with_it() -> None:
     ],
 )
 def test_what_is_not_open_for_a_tab(rows: list[tuple[float, float]], why: str) -> None:
-    with pytest.raises(NoRound, match=why):
+    with pytest.raises(NotRound, match=why):
         round_up_to_tab(path(*rows), 4.0)
 
 
 def test_a_pierce_alone_is_no_round() -> None:
-    with pytest.raises(NoRound, match="only pierces"):
+    with pytest.raises(NotRound, match="only pierces"):
         rounds_of(path((3, 3), (3, 3)))
 
 
 def test_arcs_that_go_on_are_joined_up_to_half_a_turn() -> None:
     eighth = math.tan(math.pi / 8)
     ring = Curve.of([(10, 0, eighth), (0, 10, eighth), (-10, 0, eighth), (0, -10, eighth)])
-    assert len(tidied(ring).segments) == 2
-    assert tidied(ring).length_mm == pytest.approx(ring.length_mm)
+    assert len(simplify_ring(ring).segments) == 2
+    assert simplify_ring(ring).length_mm == pytest.approx(ring.length_mm)

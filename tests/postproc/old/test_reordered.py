@@ -8,9 +8,8 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.old import OldProgram, read_old
-from kerfwise.postproc.old.pieces import taken_apart
-from kerfwise.postproc.old.reordered import expect_same, reordered
+from kerfwise.postproc.check.reader.read_program import OldProgram, read_old
+from kerfwise.postproc.old.program_pieces import expect_same, reordered, split_program
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED, line
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
@@ -22,7 +21,7 @@ def read(text: str) -> OldProgram:
 
 @pytest.mark.parametrize("name", READ)
 def test_burns_stay_as_they_are_in_any_order(name: str) -> None:
-    apart = taken_apart(read(READ[name]))
+    apart = split_program(read(READ[name]))
     order = list(range(len(apart.pieces)))
     for seed in range(3):
         random.Random(seed).shuffle(order)
@@ -35,14 +34,14 @@ def test_burns_stay_as_they_are_in_any_order(name: str) -> None:
 
 def test_the_same_order_changes_nothing_that_is_done() -> None:
     for text in READ.values():
-        apart = taken_apart(read(text))
+        apart = split_program(read(text))
         again = read(reordered(apart, range(len(apart.pieces))))
         assert again.program.idle_mm == pytest.approx(read(text).program.idle_mm)
 
 
 def test_each_burn_has_its_material_and_asks_for_that_feed() -> None:
     text = READ["materials"]
-    apart = taken_apart(read(text))
+    apart = split_program(read(text))
     rows = reordered(apart, [3, 0, 2, 1]).splitlines()
     said = [row.split("(")[0].strip() for row in rows if row.startswith(("M190", "F#", "G0", "M66"))]
     assert said[3:7] == ["M190 P4", "M66 P3 L3 Q1", "F#<_hal[plasmac.cut-feed-rate]>", "G0 X20 Y80"]
@@ -50,27 +49,27 @@ def test_each_burn_has_its_material_and_asks_for_that_feed() -> None:
 
 
 def test_a_slow_hole_is_slow_wherever_it_comes() -> None:
-    apart = taken_apart(read(READ["slow holes"]))
+    apart = split_program(read(READ["slow holes"]))
     written = read(reordered(apart, [0, 2, 4, 1, 3, 5]))
     feeds = [burn.feeds_mm_s[0] * 60 for burn in written.program.burns]
     assert feeds == pytest.approx([1500, 1500, 1500, 2500, 2500, 2500])
 
 
 def test_line_numbers_are_in_order_again() -> None:
-    apart = taken_apart(read(READ["numbered"]))
+    apart = split_program(read(READ["numbered"]))
     rows = [row for row in reordered(apart, [1, 0]).splitlines() if row.startswith("N")]
     assert [int(row.split()[0][1:]) for row in rows] == [10 * k for k in range(1, len(rows) + 1)]
 
 
 def test_a_burn_that_leans_on_the_feed_of_another_gets_it() -> None:
     text = HEAD + "F2500\n" + line(0, 0, 9, 0) + "F1200\n" + line(0, 9, 9, 9) + line(0, 20, 9, 20) + "M2\n"
-    apart = taken_apart(read(text))
+    apart = split_program(read(text))
     feeds = [b.feeds_mm_s[0] * 60 for b in read(reordered(apart, [2, 0, 1])).program.burns]
     assert feeds == pytest.approx([1200, 2500, 1200])
 
 
 def test_a_program_that_is_not_the_same_is_seen() -> None:
-    apart = taken_apart(read(READ["rows"]))
+    apart = split_program(read(READ["rows"]))
     text = reordered(apart, [1, 0, 2, 3])
     for damaged in (
         text.replace("X120", "X120.002", 1),
@@ -85,7 +84,7 @@ def test_a_program_that_is_not_the_same_is_seen() -> None:
 
 def turned_round(text: str) -> str:
     """The program with its burns the other way round."""
-    apart = taken_apart(read(text))
+    apart = split_program(read(text))
     return reordered(apart, range(len(apart.pieces))[::-1])
 
 
@@ -107,7 +106,7 @@ def test_a_feed_that_nobody_gives_is_asked_for() -> None:
 @pytest.mark.parametrize("name", ["squares with holes", "no way home", "numbered", "squares"])
 def test_linuxcnc_finds_the_same_burns(name: str) -> None:
     text = READ[name]
-    apart = taken_apart(read(text))
+    apart = split_program(read(text))
     order = list(range(len(apart.pieces)))[::-1]
     before, after = canon.run(text, 0.001), canon.run(reordered(apart, order), 0.001)
     assert (after.error, len(after.burns)) == (None, len(before.burns))
@@ -167,7 +166,7 @@ def essi(text: str) -> OldProgram:
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_burns_that_count_from_place_to_place_stay_as_they_are(order: tuple[int, ...]) -> None:
     old = essi(ESSI)
-    apart = taken_apart(old)
+    apart = split_program(old)
     text = reordered(apart, order)
     written = essi(text)
     expect_same(apart, order, written)
@@ -180,7 +179,7 @@ def test_burns_that_count_from_place_to_place_stay_as_they_are(order: tuple[int,
 
 
 def test_a_program_of_essi_in_its_own_order_has_the_same_lines() -> None:
-    assert sorted(reordered(taken_apart(essi(ESSI)), range(3)).split("\n")) == sorted(ESSI.split("\n"))
+    assert sorted(reordered(split_program(essi(ESSI)), range(3)).split("\n")) == sorted(ESSI.split("\n"))
 
 
 @pytest.mark.linuxcnc
@@ -189,7 +188,7 @@ def test_linuxcnc_finds_the_burns_of_essi_where_they_were() -> None:
     for old, new in (("++", "+0+"), ("+300+\n", "+300+0\n"), ("+-300", "+0-300"), ("+0+250+\n", "\n")):
         assert old in plain
         plain = plain.replace(old, new)
-    apart = taken_apart(essi(plain))
+    apart = split_program(essi(plain))
     before = canon.run(in_linuxcnc(plain, "essi"), 0.001)
     after = canon.run(in_linuxcnc(reordered(apart, [2, 0, 1]), "essi"), 0.001)
     assert (before.error, after.error) == (None, None)
@@ -211,5 +210,5 @@ def test_linuxcnc_finds_the_burns_of_essi_where_they_were() -> None:
 def test_what_is_refused_of_essi_names_its_line(old: str, new: str, line: int, said: str) -> None:
     assert old in ESSI
     with pytest.raises(InputError, match=said) as caught:
-        reordered(taken_apart(essi(ESSI.replace(old, new, 1))), [2, 1, 0])
+        reordered(split_program(essi(ESSI.replace(old, new, 1))), [2, 1, 0])
     assert caught.value.line == line

@@ -9,7 +9,7 @@ import pytest
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.postproc.check.reader.program import Burn
-from kerfwise.postproc.report.burns import Panel, draw_burns
+from kerfwise.postproc.report.simple_pictures import Panel, draw_burns
 
 
 def burn(*points: Point) -> Burn:

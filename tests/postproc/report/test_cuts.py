@@ -8,16 +8,14 @@ import math
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.small_holes import HoleLimits, Under, as_cut
-from kerfwise.postproc.report import colours
-from kerfwise.postproc.report.cuts import direction_layer, pierce_layer, travel_layer
-from kerfwise.postproc.report.metal import zone_map
+from kerfwise.encoder.small_holes import HoleLimits, Under, with_small_holes
+from kerfwise.postproc.report import scene as colours
+from kerfwise.postproc.report.layers import direction_layer, pierce_layer, travel_layer, zone_map
 from kerfwise.postproc.report.picture import Spot, make_scene
-from kerfwise.postproc.report.scene import Dot, Shape, TextLine
-from kerfwise.postproc.report.view import View
+from kerfwise.postproc.report.scene import Dot, Shape, TextLine, View
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 
@@ -143,7 +141,7 @@ def test_a_spot_shows_its_contours_large_and_in_red() -> None:
 @pytest.mark.parametrize("under", ["spot", "skip"])
 def test_a_small_hole_that_is_not_cut_is_dashed(under: Under) -> None:
     drawn = nest(300, 200, part("A", rect(20, 20, 150, 150), [circle(60, 60, 2), circle(110, 110, 9)]))
-    made = as_cut(drawn, HoleLimits(least_mm=6, under=under))
+    made = with_small_holes(drawn, HoleLimits(least_mm=6, under=under))
     layers = {layer.name: layer.items for layer in make_scene(made, plausible_plan(made)).layers}
     dashed = [item for item in layers["contours"] if isinstance(item, Shape) and item.style.dash]
     assert [item.lines[0].shape[0] > 4 for item in dashed] == [True]

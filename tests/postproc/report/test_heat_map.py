@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.jobs.simulation import HeatPicture, peak_map
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
-from kerfwise.postproc.report.heat_map import HeatPicture, peak_map
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rules.profile.plant_sections import Heat
 
 PLATE = nest(400, 200, part("A", rect(40, 40, 200, 120), [circle(140, 100, 30)]))
 GRID = make_grid(PLATE, 5.0)
@@ -24,7 +24,7 @@ HOT, BAND, SCRAP = (0x2F, 0xB4, 0xFF), (0x8F, 0x95, 0x9C), (0xD0, 0xD4, 0xD8)
 @pytest.fixture(autouse=True)
 def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer pixels, which are enough to count and quicker to draw."""
-    monkeypatch.setattr("kerfwise.postproc.report.heat_map.DPI", 60)
+    monkeypatch.setattr("kerfwise.jobs.simulation.DPI", 60)
 
 
 def pixels(png: bytes) -> NDArray[np.uint8]:

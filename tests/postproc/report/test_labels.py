@@ -10,12 +10,12 @@ import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.report import asking, labels
+from kerfwise.postproc.report import labels
+from kerfwise.postproc.report.label_fit import TextPlace
 from kerfwise.postproc.report.labels import Label, place_labels
-from kerfwise.postproc.report.text_room import TextPlace
+from kerfwise.rules.case import Rows, circle, nest, part, rect
 from kerfwise.tests.tools.amount import examples
 
 
@@ -139,7 +139,9 @@ def test_a_second_order_is_given_up_only_where_it_is_no_better(monkeypatch: pyte
     quick = [place_labels(plate, numbered(plate) | {"A.outer": Label("1000")}, 12.0) for plate in plates]
     placed, ended = labels._place_part, list[bool]()
 
-    def to_the_end(*given: Any, outer_first: bool, above_mm: float = 0.0) -> asking.Asking[dict[str, TextPlace] | None]:
+    def to_the_end(
+        *given: Any, outer_first: bool, above_mm: float = 0.0
+    ) -> labels.BatchedTask[dict[str, TextPlace] | None]:
         ended.append((yield from placed(*given, outer_first=outer_first, above_mm=above_mm)) is None)
         found = (yield from placed(*given, outer_first=outer_first)) or {}
         return found if labels._smallest(found) > above_mm else None

@@ -14,11 +14,11 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc import report
 from kerfwise.postproc.report import Spot, draw
 from kerfwise.postproc.report.page import as_script_data, bundled, page_html
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 FILES = Path(report.__file__).parent / "page_files"

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.report.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, moved, shortened
-from kerfwise.postproc.report.pdf import A4, on_paper, pdf_bytes
+from kerfwise.postproc.report.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, move_item, shortened
+from kerfwise.postproc.report.plot import A4, fit_to_a4, pdf_bytes
 from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine, text_width
 from kerfwise.tests.paper import pages_of
 
@@ -97,8 +97,8 @@ def test_a_picture_larger_than_a_page_is_made_smaller() -> None:
 
 
 def test_what_is_moved_keeps_its_form() -> None:
-    assert moved(Dot(1, 2, 3, Style()), 10, 20, 2.0) == Dot(12, 24, 6, Style())
-    assert moved(TextLine(1, 2, "t", 8), 1, 1) == TextLine(2, 3, "t", 8)
+    assert move_item(Dot(1, 2, 3, Style()), 10, 20, 2.0) == Dot(12, 24, 6, Style())
+    assert move_item(TextLine(1, 2, "t", 8), 1, 1) == TextLine(2, 3, "t", 8)
 
 
 SCENE = Scene(
@@ -118,7 +118,7 @@ def test_the_same_scene_gives_the_same_bytes_without_a_date() -> None:
 
 
 def test_a_pdf_is_read_back() -> None:
-    (page,) = pages_of(on_paper(SCENE))
+    (page,) = pages_of(fit_to_a4(SCENE))
     assert page.size == pytest.approx(A4[::-1], abs=0.5)
     assert "Träger 7 $x$ <&>" in page.text
     left, _, right, _ = page.box("Träger")

@@ -9,10 +9,10 @@ from pathlib import Path
 import matplotlib.image
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report import draw, labels, picture, plot, plot_spot
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 

@@ -8,12 +8,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report.picture import make_scene
+from kerfwise.postproc.report.plot import svg_text
 from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine
-from kerfwise.postproc.report.svg import svg_text
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
 SVG = "{http://www.w3.org/2000/svg}"

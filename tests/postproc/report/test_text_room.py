@@ -7,7 +7,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.report.text_room import Room, find_room, find_rooms
+from kerfwise.postproc.report.label_fit import Room, find_room, find_rooms
 
 
 def test_a_text_with_room_has_the_wanted_size_and_stands_near_its_target() -> None:

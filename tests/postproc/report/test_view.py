@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.postproc.report.legend import Clock
-from kerfwise.postproc.report.view import MARGIN, View
+from kerfwise.postproc.report.scene import MARGIN, View
+from kerfwise.rules.case import circle
 
 
 @pytest.mark.parametrize("window", [(0, 0, 6000, 1500), (-10, -20, 700, 3000), (0, 0, 1, 1)])

@@ -7,13 +7,12 @@ from dataclasses import replace
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.picture import make_scene
-from kerfwise.postproc.report.scene import CAP_HEIGHT, Dot, TextLine, text_width
-from kerfwise.postproc.report.view import View
+from kerfwise.postproc.report.scene import CAP_HEIGHT, Dot, TextLine, View, text_width
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
 PLATE = nest(700, 400, *(part(f"P{x}{y}", rect(20 + 90 * x, 20 + 90 * y, 80, 80)) for x in range(7) for y in range(4)))

@@ -11,8 +11,7 @@ from kerfwise.postproc import dialects
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.dialects import dialect_names, load_dialect
 from kerfwise.postproc.verdict.dialect_read_back import read_back, trusted_dialect
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 
 FOLDER = Path(dialects.__file__).parent
 

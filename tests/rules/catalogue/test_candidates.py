@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirection, CutDirectionOptions
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.catalogue.pierce import Pierce, PierceOptions

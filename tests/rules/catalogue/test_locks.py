@@ -6,10 +6,9 @@ from itertools import permutations
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, compute_facts
-from kerfwise.rules.case import in_order
+from kerfwise.rules.case import in_order, nest, part, rect
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.yaml_positions import Place

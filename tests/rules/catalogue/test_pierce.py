@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.pierce import Pierce, PierceOptions
 
 ROW = nest(340, 120, *(part(name, rect(x, 30, 80, 50)) for name, x in (("A", 20), ("B", 120), ("C", 220))))

@@ -8,13 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.nest import Nest, Part
-from kerfwise.postproc.check.metal import gouges
-from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
-from kerfwise.rules.case import cut
+from kerfwise.postproc.check.gouging import gouges
+from kerfwise.postproc.check.plan_runs import runs_from_cuts
+from kerfwise.rules.case import circle, cut, nest, part, rect
 from kerfwise.rules.catalogue.shared_metal import SharedMetal, SharedMetalOptions
 from kerfwise.tests.tools.amount import examples
 

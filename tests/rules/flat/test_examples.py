@@ -10,8 +10,8 @@ import pytest
 
 import kerfwise
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.profile.load import load_profile
@@ -39,8 +39,8 @@ def plant(folder: Path, name: str, strength: str) -> Profile:
     return load_profile(path)
 
 
-def made(profile: Profile, work: float) -> Produced:
-    return produce(ask(facts_of(NEST, profile), profile), profile, SolveOptions(work=work))
+def made(profile: Profile, work: float) -> VerifiedPlan:
+    return solve_and_verify(make_request(facts_of(NEST, profile), profile), profile, SolveOptions(work=work))
 
 
 def test_there_are_ten() -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.reader import read_plan
-from kerfwise.rules.pages.pages import rule_page, rule_table
+from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.pages import rule_page, rule_table
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -43,8 +43,8 @@ def loaded(folder: Path) -> Profile:
     return load_profile(written(folder), trust=True)
 
 
-def made(profile: Profile) -> Produced:
-    return produce(ask(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
+def made(profile: Profile) -> VerifiedPlan:
+    return solve_and_verify(make_request(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
 
 
 @pytest.mark.minizinc

@@ -10,23 +10,21 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.facts.write_dzn import CONTOURS_MAX
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
-from kerfwise.jobs.trials.agree import against_violations
-from kerfwise.jobs.trials.trial import alone, trial_of
+from kerfwise.encoder.facts.export import CONTOURS_MAX
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
+from kerfwise.jobs.trials.agreement import compare_with_violations
+from kerfwise.jobs.trials.trial import profile_with_rule_alone, trial_of
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
-from kerfwise.rules.case import in_order
+from kerfwise.rules.case import in_order, nest, part, rect
 from kerfwise.rules.flat import model_rule
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
-from kerfwise.rules.model_cases import model_cases
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.run_cases import run_cases
+from kerfwise.rules.run_cases import model_cases, run_cases
 
 pytestmark = pytest.mark.minizinc
 
@@ -46,9 +44,9 @@ def plant(folder: Path, text: str, strength: str = "hard", name: str = "in_turn"
 
 
 @cache
-def made() -> Produced:
+def made() -> VerifiedPlan:
     profile = load_profile()
-    return produce(ask(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
+    return solve_and_verify(make_request(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
 
 
 def told(result: CheckResult, rule: str = "in-turn") -> str:
@@ -189,7 +187,7 @@ def test_a_plate_that_is_too_large_is_refused_before_any_work(tmp_path: Path, mo
     profile = plant(tmp_path, "[before(1, 2)]")
     assert model_rule.MOST_CONTOURS == CONTOURS_MAX
     monkeypatch.setattr(model_rule, "MOST_CONTOURS", 2)
-    monkeypatch.setattr("kerfwise.jobs.ask.build_with_older_kerfs", None)
+    monkeypatch.setattr("kerfwise.jobs.request.build_with_older_kerfs", None)
     said = (
         "rule in-turn: the nest has 3 contours, and rules in model files bear 2 at the most: set rules: {in-turn: off}"
     )
@@ -226,12 +224,12 @@ def test_a_file_that_is_wrong_in_one_order_only_is_found(tmp_path: Path, monkeyp
     chain = " /\\ ".join(f"before({k}, {k + 1})" for k in range(1, 5))
     profile = plant(tmp_path, f"[not ({chain})]")
     plate = nest(560, 120, *(part(name, rect(10 + 110 * k, 20, 60, 60)) for k, name in enumerate("ABCDE")))
-    trial = trial_of("plate", plate, alone(profile, "in-turn"), "in-turn")
+    trial = trial_of("plate", plate, profile_with_rule_alone(profile, "in-turn"), "in-turn")
     assert trial is not None
     assert len(trial.plans) == 120
-    assert list(against_violations([trial])) == []
+    assert list(compare_with_violations([trial])) == []
     monkeypatch.setattr(ModelRule, "statements", lambda *given: iter(()))
-    (line,) = against_violations([trial])
+    (line,) = compare_with_violations([trial])
     assert line == (
         "its statements admit plate: A.outer, B.outer, C.outer, D.outer, E.outer; its violations do not "
         "(the only such plan)"

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.rules.flat import compiler, flatten, kept_compiled
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.flat import compiler, flatten
 from kerfwise.rules.flat.compiler import Compiled
-from kerfwise.rules.flat.kept_compiled import cache_folder, compiled
+from kerfwise.rules.flat.flatten import cache_folder, compiled
 from kerfwise.rules.flat.model_file import ModelFile, read_model_file
 from kerfwise.rules.profile.load import load_profile
 
@@ -27,7 +27,7 @@ TEXT = "solve satisfy;\n"
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache" / "rules"
-    monkeypatch.setattr(kept_compiled, "cache_folder", lambda: folder)
+    monkeypatch.setattr(flatten, "cache_folder", lambda: folder)
     return folder
 
 
@@ -40,7 +40,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
         made.append(about)
         return compiler.compile_model(text, about)
 
-    monkeypatch.setattr(kept_compiled, "compile_model", compile_model)
+    monkeypatch.setattr(flatten, "compile_model", compile_model)
     return made
 
 
@@ -78,14 +78,14 @@ def test_what_has_changed_is_compiled_anew(
     elif change == "included":
         (tmp_path / "beside.mzn").write_text("int: a = 2;\n")
     else:
-        kept_compiled._maker.cache_clear()
-        monkeypatch.setattr(kept_compiled, "version_of", lambda program: "version 9.9.9")
+        flatten._maker.cache_clear()
+        monkeypatch.setattr(flatten, "version_of", lambda program: "version 9.9.9")
     if change == "words":
-        kept_compiled._maker.cache_clear()
-        monkeypatch.setattr(kept_compiled, "_FACTS", Path("flat", "judged.mzn"))
+        flatten._maker.cache_clear()
+        monkeypatch.setattr(flatten, "_FACTS", Path("flat", "judged.mzn"))
     compiled(file, asking(file, more))
     assert len(runs) == 2
-    kept_compiled._maker.cache_clear()
+    flatten._maker.cache_clear()
 
 
 @pytest.mark.parametrize("damage", ["empty", "cut short", "changed", "no content", "a folder"])
@@ -112,7 +112,7 @@ def test_a_sealed_file_that_says_something_else_is_not_used(tmp_path: Path, cach
     wanted = compiled(file, asking(file))
     (kept,) = cache.iterdir()
     maker = kept.read_bytes()[:32]
-    kept_compiled.write_sealed(kept, maker, b"not compressed")
+    flatten.write_sealed(kept, maker, b"not compressed")
     assert compiled(file, asking(file)) == wanted
     assert len(runs) == 2
 
@@ -126,7 +126,7 @@ def test_a_place_that_cannot_be_written_is_done_without(tmp_path: Path, cache: P
 
 
 def test_no_place_at_all(tmp_path: Path, runs: list[Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept_compiled, "cache_folder", lambda: None)
+    monkeypatch.setattr(flatten, "cache_folder", lambda: None)
     file = rule(tmp_path)
     assert compiled(file, asking(file)) == compiled(file, asking(file))
     assert len(runs) == 2
@@ -149,13 +149,13 @@ def test_many_runs_at_once(tmp_path: Path, cache: Path) -> None:
 
 
 def test_the_oldest_goes_first(tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept_compiled, "MOST_FILES", 2)
+    monkeypatch.setattr(flatten, "MOST_FILES", 2)
     file = rule(tmp_path)
     for k in range(3):
         compiled(file, asking(file, f"int: b = {k};\n"))
         for path in cache.iterdir():
             os.utime(path, (path.stat().st_mtime - 100,) * 2)
-    monkeypatch.setattr(kept_compiled, "compile_model", None)
+    monkeypatch.setattr(flatten, "compile_model", None)
     assert len(list(cache.iterdir())) == 2
     compiled(file, asking(file, "int: b = 1;\n"))
     compiled(file, asking(file, "int: b = 2;\n"))
@@ -170,7 +170,7 @@ def test_a_warm_cache_gives_the_same_bytes_without_compiling(tmp_path: Path, cac
     def made() -> str:
         flatten._kept.clear()
         profile = load_profile(tmp_path / "plant.yaml")
-        done = produce(ask(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
+        done = solve_and_verify(make_request(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
         assert done.verdict.ok
         return done.plan.to_json() + done.program
 

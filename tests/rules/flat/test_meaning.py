@@ -12,14 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.flat.expr import ChoiceSum, Lit, equal, in_values
 from kerfwise.rules.flat.model_rule import read_model_rule
-from kerfwise.rules.flat.nodes import Lit
-from kerfwise.rules.flat.numbers import ChoiceSum, equal, within
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Pick, Precede, Statement
 
@@ -192,4 +191,4 @@ def test_the_only_way_to_cut_a_contour_is_taken_for_granted() -> None:
     only = ChoiceSum(0, {Lit(Pick(0)): 1}, n=1)
     assert equal(only, 1) is True
     assert equal(only, 2) is False
-    assert within(ChoiceSum(2, {Lit(Pick(0)): 1, Lit(Pick(1)): 2}, n=1), [3, 4]) is True
+    assert in_values(ChoiceSum(2, {Lit(Pick(0)): 1, Lit(Pick(1)): 2}, n=1), [3, 4]) is True

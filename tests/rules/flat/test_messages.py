@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.request import facts_of, make_request
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat import model_file
 from kerfwise.rules.profile.load import load_profile
 
@@ -24,7 +24,7 @@ MODELS = "models: [small_first.mzn]\n"
 def planned(profile: Path) -> None:
     """What is done before engines are asked."""
     loaded = load_profile(profile)
-    ask(facts_of(ROW, loaded), loaded)
+    make_request(facts_of(ROW, loaded), loaded)
 
 
 def refused(folder: Path, array: str = "before(1, 2)", profile: str = MODELS, text: str = GOOD) -> str:
@@ -154,7 +154,7 @@ def test_a_file_that_has_gone_meanwhile(tmp_path: Path) -> None:
     profile = load_profile(tmp_path / "plant.yaml")
     (tmp_path / "small_first.mzn").unlink()
     with pytest.raises(InputError, match=r"small_first\.mzn: MiniZinc: .*small_first\.mzn"):
-        ask(facts_of(ROW, profile), profile)
+        make_request(facts_of(ROW, profile), profile)
 
 
 @pytest.mark.parametrize("blanks", [" " * 30_000, "\n" * 30_000, "\t \n" * 10_000], ids=["spaces", "lines", "both"])

@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -115,13 +115,13 @@ def profile_of(folder: Path, change: Change, plants: bool) -> Profile:
     return load_profile(path)
 
 
-def planned(change: Change, profile: Profile) -> Produced:
-    made = produce(ask(facts_of(change.nest, profile), profile), profile, SolveOptions(work=10.0))
+def planned(change: Change, profile: Profile) -> VerifiedPlan:
+    made = solve_and_verify(make_request(facts_of(change.nest, profile), profile), profile, SolveOptions(work=10.0))
     assert made.plan.solve.status == "optimal"
     return made
 
 
-def cuts_of(made: Produced) -> CutSequence:
+def cuts_of(made: VerifiedPlan) -> CutSequence:
     plan = made.plan
     return CutSequence(tuple(planned.cut for planned in plan.cuts), plan.start_side)
 
@@ -190,8 +190,8 @@ def test_a_copy_of_a_shipped_file_changes_nothing(tmp_path: Path, rule: str, str
     assert {j.id: j.verdict for j in own.verdict.rules}[rule] == {j.id: j.verdict for j in shipped.verdict.rules}[rule]
 
 
-def planned_in(of: Nest, profile: Profile) -> Produced:
-    return produce(ask(facts_of(of, profile), profile), profile, SolveOptions(work=3.0))
+def planned_in(of: Nest, profile: Profile) -> VerifiedPlan:
+    return solve_and_verify(make_request(facts_of(of, profile), profile), profile, SolveOptions(work=3.0))
 
 
 def test_every_file_that_may_be_replaced_is_changed() -> None:

@@ -10,7 +10,7 @@ import pytest
 from kerfwise import read_nest
 from kerfwise.benchmarks.flattened import MOVES, counted
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import rule_file
@@ -18,7 +18,7 @@ from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Statement
-from kerfwise.tests.models.engines.minizinc.cases import case
+from kerfwise.tests.models.engines.cases import case
 
 pytestmark = pytest.mark.minizinc
 

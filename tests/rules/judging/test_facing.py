@@ -6,8 +6,8 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.judging import facing
 from kerfwise.rules.judging.facing import Facing, Spots, spots_along, spots_along_each
 from kerfwise.tests.rules.test_statements_agree import sheets

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from kerfwise.rules.judging.holding import Graph, cut_off
+from kerfwise.rules.judging.holding import Graph, island_cuts
 
 FRAME = -1
 
@@ -65,5 +65,5 @@ def test_islands_are_those_that_a_look_at_every_cut_finds(
     for own in pieces_of(cluster, joined, framed):
         own.discard(FRAME)
         if own:
-            told = {(at, frozenset(island)) for at, island in cut_off(sorted(own), joined, framed, cut_at)}
+            told = {(at, frozenset(island)) for at, island in island_cuts(sorted(own), joined, framed, cut_at)}
             assert told == islands_plainly(own, joined, framed & own, {k: at for k, at in cut_at.items() if k in own})

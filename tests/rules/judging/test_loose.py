@@ -7,7 +7,7 @@ import shapely
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from kerfwise.rules.judging.loose import HOLDS_MM, THIN_MM, loosened
+from kerfwise.rules.judging.loose_metal import HOLDS_MM, THIN_MM, loosened
 
 KERF_MM = 0.5
 SHEET = shapely.box(-30, -30, 37, 37)

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.jobs.ask import facts_of
-from kerfwise.rules.judging.pierce_kerfs import over_holes
+from kerfwise.jobs.request import facts_of
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.judging.pierces import leads_over_holes
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Pick
 
@@ -27,7 +27,7 @@ def told(b_at: tuple[float, float], before: int = 1, a_first: bool = True) -> li
     b = Cut("B.outer", (140.0, 60.0), "cw", b_at, Curve.of([b_at, (139.25, b_at[1])], closed=False))
     holes = (Pierce("A.outer", A.pierce, 1), Pierce("B.outer", b_at, before))
     cuts = CutSequence((A, b) if a_first else (b, A), pierces=holes)
-    return [text for _, _, text in over_holes(PLATE, cuts, 1.5, 0.5)]
+    return [text for _, _, text in leads_over_holes(PLATE, cuts, 1.5, 0.5)]
 
 
 def test_a_lead_may_not_cross_the_hole_of_another() -> None:

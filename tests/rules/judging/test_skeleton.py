@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.candidates.scrap import scrap_problems
-from kerfwise.encoder.facts.skeleton import skeleton_of
+from kerfwise.encoder.candidates.build import scrap_problems
+from kerfwise.encoder.facts.compute import skeleton_of
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import with_scrap
-from kerfwise.rules.case import in_order
-from kerfwise.rules.judging.skeleton import bounding, cut_loose
+from kerfwise.rules.case import in_order, nest, part, rect
+from kerfwise.rules.judging.holding import bounding, loose_scrap_cuts
 from kerfwise.tests.tools.amount import few
 
 KERF_MM = 1.5
@@ -56,7 +55,7 @@ def test_orders_that_are_stated_cut_nothing_loose(seed: int) -> None:
     lawful = 0
     for order in orders(ids, framed, pairs, np.random.default_rng(seed)):
         stated = all(a in framed or any((a, b) in pairs for b in order[k + 1 :]) for k, a in enumerate(order))
-        loose = list(cut_loose(made, in_order(made, f"{parts} {' '.join(order)}"), KERF_MM))
+        loose = list(loose_scrap_cuts(made, in_order(made, f"{parts} {' '.join(order)}"), KERF_MM))
         assert (loose == []) == (stated and len(order) == len(ids)), (order, loose)
         lawful += stated
     assert lawful >= 5

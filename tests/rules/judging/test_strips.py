@@ -17,17 +17,16 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
-from kerfwise.rules.judging import uncut
-from kerfwise.rules.judging.islands import Islands
+from kerfwise.rules.judging import strips_and_islands
 from kerfwise.rules.judging.metal import ISLAND_STRIPS, Badly
-from kerfwise.rules.judging.strips import Strips
+from kerfwise.rules.judging.strips_and_islands import Islands, Strips
 from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
 from kerfwise.tests.tools.amount import examples
@@ -121,7 +120,7 @@ def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.Mon
         looks.extend(parts.tolist())
         return vanishes(strips, parts, cores)
 
-    ground = next(iter(uncut._grounds(field, 60.0, 25.0)[0].values()))
+    ground = next(iter(strips_and_islands._grounds(field, 60.0, 25.0)[0].values()))
     strips = Strips(ground, np.arange(1, 82))
     around = ground.around(middle)
     out = np.arange(len(around.parts))
@@ -152,12 +151,12 @@ def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance
     else:
         chance.shuffle(order)
     closely = sorted(
-        uncut._badly(replace(found), order, 60.0, 25.0), key=repr
+        strips_and_islands._badly(replace(found), order, 60.0, 25.0), key=repr
     )  # two islands of one cut come in either order
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_closed_off", plainly_closed_off)
         patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
-        assert sorted(uncut._badly(replace(found), order, 60.0, 25.0), key=repr) == closely
+        assert sorted(strips_and_islands._badly(replace(found), order, 60.0, 25.0), key=repr) == closely
 
 
 def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
@@ -172,20 +171,22 @@ def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_closed_off", noted)
-        told = sorted(uncut._badly(replace(plate(1)), order, 60.0, 25.0), key=repr)
+        told = sorted(strips_and_islands._badly(replace(plate(1)), order, 60.0, 25.0), key=repr)
         few = len(looks)
         patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
-        assert sorted(uncut._badly(replace(plate(1)), order, 60.0, 25.0), key=repr) == told
+        assert sorted(strips_and_islands._badly(replace(plate(1)), order, 60.0, 25.0), key=repr) == told
     assert 2 * few <= len(looks[few:])
 
 
 def test_what_is_told_is_kept_with_the_drawing() -> None:
     """The nest as it is cut, and the one that the check makes of the drawing, are other nests of the same outlines."""
     order = tuple(p.outer.id for p in plate(1).parts)
-    first = uncut.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0)
-    assert uncut.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0) is first
+    first = strips_and_islands.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0)
+    assert strips_and_islands.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0) is first
     fewer = replace(plate(1), parts=plate(1).parts[1:], drawn=plate(1))
-    assert uncut.strips_and_islands(fewer, order[1:], 60.0, 25.0) == tuple(uncut._badly(fewer, order[1:], 60.0, 25.0))
+    assert strips_and_islands.strips_and_islands(fewer, order[1:], 60.0, 25.0) == tuple(
+        strips_and_islands._badly(fewer, order[1:], 60.0, 25.0)
+    )
 
 
 def plainly_closed_off(islands: Islands, p: int, window: Box, left: Ints) -> Any:
@@ -208,7 +209,7 @@ def test_an_island_is_found_by_a_close_look() -> None:
     Random(2).shuffle(order)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_pieces", noted)
-        kinds = {cutting.kind for cutting in uncut._badly(replace(plate(1)), order, 60.0, 25.0)}
+        kinds = {cutting.kind for cutting in strips_and_islands._badly(replace(plate(1)), order, 60.0, 25.0)}
     assert any(closely)
     assert "island" in kinds
 
@@ -240,7 +241,9 @@ def test_a_plain_look_at_every_cut_tells_the_same(seed: int, chance: Random, str
         if at_random:
             chance.shuffle(order)
         plainly = told_plainly(sheet, order, strip_mm, 25.0)
-        assert sorted((c.k, c.kind, c.left[0]) for c in uncut._badly(sheet, order, strip_mm, 25.0)) == sorted(plainly)
+        assert sorted(
+            (c.k, c.kind, c.left[0]) for c in strips_and_islands._badly(sheet, order, strip_mm, 25.0)
+        ) == sorted(plainly)
 
 
 def test_the_plain_look_finds_strips_and_islands() -> None:
@@ -262,8 +265,8 @@ def test_looks_at_many_orders_tell_what_a_first_look_does(seed: int, chance: Ran
     for _ in range(5):
         for _ in range(chance.choice([1, 2, 8])):
             order.insert(chance.randrange(len(order)), order.pop(chance.randrange(len(order))))
-        told = list(uncut._badly(known, order, strip_mm, 25.0))
-        assert told == list(uncut._badly(replace(known), order, strip_mm, 25.0))
+        told = list(strips_and_islands._badly(known, order, strip_mm, 25.0))
+        assert told == list(strips_and_islands._badly(replace(known), order, strip_mm, 25.0))
 
 
 def test_islands_are_looked_for_again_only_where_other_parts_are_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -281,7 +284,7 @@ def test_islands_are_looked_for_again_only_where_other_parts_are_out(monkeypatch
 
     def looks_at(cut: list[str]) -> int:
         looks.clear()
-        list(uncut._badly(sheet, cut, 60.0, 25.0))
+        list(strips_and_islands._badly(sheet, cut, 60.0, 25.0))
         return len(looks)
 
     for_first, for_same, for_other = looks_at(order), looks_at(order), looks_at(order[::-1])
@@ -296,8 +299,8 @@ def test_strips_and_islands_side_by_side_are_those_one_after_the_other(
 ) -> None:
     order = [p.outer.id for p in crowd(seed).parts]
     Random(seed).shuffle(order)
-    monkeypatch.setattr(uncut, "MANY_PARTS", 1)
-    beside = list(uncut._badly(replace(crowd(seed)), order, 60.0, 25.0))
-    monkeypatch.setattr(uncut, "MANY_PARTS", 1000)
-    assert beside == list(uncut._badly(replace(crowd(seed)), order, 60.0, 25.0))
+    monkeypatch.setattr(strips_and_islands, "MANY_PARTS", 1)
+    beside = list(strips_and_islands._badly(replace(crowd(seed)), order, 60.0, 25.0))
+    monkeypatch.setattr(strips_and_islands, "MANY_PARTS", 1000)
+    assert beside == list(strips_and_islands._badly(replace(crowd(seed)), order, 60.0, 25.0))
     assert {cutting.kind for cutting in beside} == {"strip", "island"}

@@ -10,11 +10,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness, Thicknesses, ThicknessTable, length_at
 from kerfwise.rules.options.kind import Unfit
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.text import profile_yaml
+from kerfwise.rules.options.quantities import LENGTH_BY_THICKNESS, ByThickness, Thicknesses, ThicknessTable, length_at
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 
 TABLE = ThicknessTable(((6.0, 6.0), (12.0, 10.0)))
 

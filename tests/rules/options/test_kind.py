@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.lock import Position
-from kerfwise.rules.options.kind import OptionKind, Unfit
-from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
-from kerfwise.rules.options.quantities import ACCELERATION, DURATION, ENERGY, LENGTH, SPEED, OrWord, PointXY, over_zero
+from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text, Unfit
+from kerfwise.rules.options.quantities import ACCELERATION, DURATION, ENERGY, LENGTH, SPEED, OrWord, PointXY, positive
 
 
 def read(kind: OptionKind, text: str) -> Any:
@@ -71,7 +70,7 @@ def test_reads(kind: OptionKind, text: str, value: object) -> None:
         (LENGTH, "[1, 2]", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got a list of 2"),
         (LENGTH, "", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got nothing"),
         (LENGTH, ".inf", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '.inf'"),
-        (over_zero(LENGTH), "0", "expected a length over 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '0'"),
+        (positive(LENGTH), "0", "expected a length over 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '0'"),
         (SPEED, "0", "expected a speed over 0 such as 2500 or '2500 mm/min' (also mm/s, m/min, m/s, in/min), got '0'"),
         (Number(1, 9, whole=True), "9.5", "expected a whole number from 1 to 9, got '9.5'"),
         (Number(1, 9, whole=True), "10", "expected a whole number from 1 to 9, got '10'"),

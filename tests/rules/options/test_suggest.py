@@ -1,4 +1,4 @@
-from kerfwise.rules.options.suggest import nearest, unknown
+from kerfwise.encoder.text import nearest, unknown
 
 
 def test_nearest_ignores_case_and_underscores() -> None:

@@ -9,8 +9,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.options.yaml_edit import with_value, without_value
-from kerfwise.rules.profile.files import profile_text, shipped_profiles
+from kerfwise.rules.options.yaml_positions import with_value, without_value
+from kerfwise.rules.profile.load import profile_text, shipped_profiles
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as api
-from kerfwise.encoder.faults import RuleFault
+from kerfwise.encoder.errors import RuleFault
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, rule_file

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.faults import RuleFault
-from kerfwise.rules.outside import installed
+from kerfwise.encoder.errors import RuleFault
+from kerfwise.rules.outside import plugin_sources
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.rules.outside.written import NEST, ROOT, package, profile_file, python, rule_file
@@ -25,7 +25,7 @@ KEPT_TESTS = (
     "tests/rules/test_cases.py",
     "tests/rules/test_no_rule_by_name.py",
     "tests/test_drawn_options.py",
-    "tests/models/engines/minizinc/test_rule_files.py",
+    "tests/models/engines/test_rule_files.py",
     "tests/commands/test_rules_verb.py",
 )
 """Tests over all rules there are, and of what is made from them."""
@@ -97,10 +97,10 @@ def found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[pytest.Mo
 
     before = set(sys.modules)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(installed, "entry_points", here)
-    installed.installed_rules.cache_clear()
+    monkeypatch.setattr(plugin_sources, "entry_points", here)
+    plugin_sources.installed_rules.cache_clear()
     yield monkeypatch
-    installed.installed_rules.cache_clear()
+    plugin_sources.installed_rules.cache_clear()
     for name in set(sys.modules) - before:
         if name.startswith("plant_rules"):
             del sys.modules[name]
@@ -124,7 +124,7 @@ def test_a_module_may_bring_several(tmp_path: Path, found: object) -> None:
     second = "\n\nclass Second(BarsLast):\n    id = 'bars-first'\n\n\ndef bar("
     rule_file(tmp_path, ("def bar(", second), name="plant_rules.py")
     package(tmp_path, points="all = plant_rules")
-    assert list(installed.installed_rules()) == ["bars-first", "bars-last"]
+    assert list(plugin_sources.installed_rules()) == ["bars-first", "bars-last"]
 
 
 BROKEN = {
@@ -182,5 +182,5 @@ def test_two_packages_with_one_name(tmp_path: Path, found: object) -> None:
 
 
 def test_the_catalogue_stays_what_it_is(plant: Path, found: object) -> None:
-    assert "bars-last" in installed.installed_rules()
+    assert "bars-last" in plugin_sources.installed_rules()
     assert "bars-last" not in RULES

@@ -12,12 +12,11 @@ import yaml
 
 import kerfwise as api
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.outside import trust
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.made_of import files_of
+from kerfwise.rules.outside import plugin_sources
+from kerfwise.rules.profile.load import files_of, load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 from kerfwise.rules.profile.schema import profile_schema
-from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, rule_file
@@ -27,7 +26,7 @@ from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, ru
 def nobody_is_trusted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.setenv("APPDATA", str(tmp_path / "config"))
-    monkeypatch.delenv(trust.VARIABLE, raising=False)
+    monkeypatch.delenv(plugin_sources.VARIABLE, raising=False)
 
 
 def plant(folder: Path, text: str = "python: bars.py") -> Profile:
@@ -108,17 +107,17 @@ def test_what_allows_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert "bars-last" in api.load_profile(path, trust=True).rules
     assert kerfwise("profile", "check", path, "--trust").code == 0
     for place in (tmp_path, tmp_path / "bars.py"):
-        monkeypatch.setenv(trust.VARIABLE, str(place))
+        monkeypatch.setenv(plugin_sources.VARIABLE, str(place))
         assert kerfwise("profile", "check", path).code == 0
-    monkeypatch.setenv(trust.VARIABLE, str(tmp_path / "other"))
+    monkeypatch.setenv(plugin_sources.VARIABLE, str(tmp_path / "other"))
     assert kerfwise("profile", "check", path).code == 2
-    monkeypatch.setenv(trust.VARIABLE, "other")
+    monkeypatch.setenv(plugin_sources.VARIABLE, "other")
     assert (
         "KERFWISE_TRUST: expected full paths of files or folders, got 'other'" in kerfwise("profile", "check", path).err
     )
-    monkeypatch.delenv(trust.VARIABLE)
-    trust.configuration().parent.mkdir(parents=True)
-    trust.configuration().write_text(f"trust: ['{tmp_path}']", encoding="utf-8")
+    monkeypatch.delenv(plugin_sources.VARIABLE)
+    plugin_sources.configuration().parent.mkdir(parents=True)
+    plugin_sources.configuration().write_text(f"trust: ['{tmp_path}']", encoding="utf-8")
     assert kerfwise("profile", "check", path).code == 0
 
 
@@ -133,8 +132,8 @@ def test_what_allows_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 )
 def test_mistakes_of_the_configuration(text: str, message: str, tmp_path: Path) -> None:
     rule_file(tmp_path)
-    trust.configuration().parent.mkdir(parents=True)
-    trust.configuration().write_text(text, encoding="utf-8")
+    plugin_sources.configuration().parent.mkdir(parents=True)
+    plugin_sources.configuration().write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message):
         load_profile(profile_file(tmp_path))
     assert load_profile().name, "a profile without Python never asks for it"

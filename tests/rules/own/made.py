@@ -6,7 +6,7 @@ import yaml
 
 from kerfwise.rules.options.yaml_positions import Problems, compose
 from kerfwise.rules.own import Own, read_own_rules
-from kerfwise.rules.profile.made_of import parameters_of
+from kerfwise.rules.profile.load import parameters_of
 
 
 def rules_of(text: str) -> tuple[Own, ...]:

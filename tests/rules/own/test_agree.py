@@ -9,16 +9,14 @@ from typing import Any
 import pytest
 from hypothesis import given
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import LeadOptions
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import cut
+from kerfwise.rules.case import circle, cut, nest, part, rect
 from kerfwise.rules.own import Thresholds, as_rule
-from kerfwise.rules.own.measures import measured
-from kerfwise.rules.own.named_facts import NAMED_FACTS, known_of_facts, known_of_nest
+from kerfwise.rules.own.selector import NAMED_FACTS, facts_values, measure_nest, nest_values
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede, Statement
 from kerfwise.tests.rules.own.made import rules_of
 from kerfwise.tests.rules.test_statements_agree import sheets
@@ -60,13 +58,13 @@ def facts_of(sheet: Nest, candidates: Any = ()) -> Facts:
 def test_facts_are_as_measured(sheet: Nest) -> None:
     facts = facts_of(sheet)
     cuts = CutSequence(tuple(cut(sheet, c.id, zone=int(facts.zone[k])) for k, c in enumerate(sheet.contours)))
-    planned, judged = known_of_facts(facts), known_of_nest(measured(sheet, cuts, long_ratio=4.0, web_mm=25.0))
+    planned, judged = facts_values(facts), nest_values(measure_nest(sheet, cuts, long_ratio=4.0, web_mm=25.0))
     for name in NAMED_FACTS:
         assert list(planned.values(name)) == list(judged.values(name)), name
 
 
 def test_facts_of_a_small_sheet() -> None:
-    known = known_of_nest(measured(SHEET, None, long_ratio=4.0, web_mm=25.0))
+    known = nest_values(measure_nest(SHEET, None, long_ratio=4.0, web_mm=25.0))
     ids = [c.id for c in SHEET.contours]
 
     def value(name: str, contour: str) -> object:

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.one_nest import read_setting, with_settings
+from kerfwise.rules.profile.overrides import read_setting, with_settings
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.text import profile_yaml
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 
 MODEL = """% rivets-first: small holes of a part are cut before its others
 int: rivets_first_most;  % default 100: no longer round than this, mm
@@ -65,7 +65,7 @@ def test_they_are_shown_and_set_for_one_nest(tmp_path: Path) -> None:
 )
 def test_a_plan_obeys_them(tmp_path: Path, entry: str, first: set[str]) -> None:
     profile = loaded(tmp_path, f"{{file: rivets_first.mzn, parameters: {entry}}}")
-    plan = produce(ask(facts_of(HOLES, profile), profile), profile, SolveOptions(work=0.5)).plan
+    plan = solve_and_verify(make_request(facts_of(HOLES, profile), profile), profile, SolveOptions(work=0.5)).plan
     order = [planned.cut.contour for planned in plan.cuts]
     assert set(order[: len(first)]) == first
 

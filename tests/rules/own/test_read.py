@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.own.criterion import NumberSpan
+from kerfwise.rules.own.criteria import NumberSpan
 from kerfwise.rules.own.selector import Selector
 from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.tests.rules.own.made import rules_of

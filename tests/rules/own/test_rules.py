@@ -7,16 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.rules.case import cut, in_order
+from kerfwise.rules.case import cut, in_order, nest, part, rect
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
-from kerfwise.rules.own.demand import MOST
+from kerfwise.rules.own.constraint import MOST
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.text import profile_yaml
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 from kerfwise.rules.rule import Violation
 from kerfwise.rules.statements import Precede
 from kerfwise.rules.stating.state_rules import Stated, state_rules

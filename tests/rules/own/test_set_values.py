@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.jobs.nest_job.job import job_of
 from kerfwise.rules.own import OwnRule
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.one_nest import read_setting, with_settings
+from kerfwise.rules.profile.overrides import read_setting, with_settings
 from kerfwise.rules.profile.profile import Profile
 
 PLANT = """

@@ -7,11 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.made_of import files_of
+from kerfwise.rules.profile.load import files_of, load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.said_at import Sources
-from kerfwise.rules.profile.text import profile_yaml
+from kerfwise.rules.profile.profile_yaml import Provenance, profile_yaml
 
 CHART = """\
 material, thickness [mm], kerf [mm], feed [mm/min], pierce_delay [s], cut_height [mm], amps, gas
@@ -79,7 +77,7 @@ def test_row_without_a_chart(tmp_path: Path) -> None:
 
 def test_each_value_says_where_it_is_from(tmp_path: Path, chart: Path) -> None:
     plant = loaded(tmp_path, "material:\n  chart: charts/shop.csv\n  cut_height: 2 mm\n")
-    told = Sources(plant)
+    told = Provenance(plant)
     assert told.of("machine.cut_feed") == f"{chart}:2"
     assert told.of("material.cut_height") == f"{tmp_path / 'plant.yaml'}:3"
     assert told.of("machine.home") == "default"

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.rules.profile.differences import differences, flat
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_yaml import differences, flat
 from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.tests.docs.test_profile_page import keys_of
 

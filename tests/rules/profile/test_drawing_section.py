@@ -13,12 +13,11 @@ import yaml
 import kerfwise
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.options.members import Members
-from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.option import Members, options_of
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 from kerfwise.rules.profile.sections import DrawingSection
-from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.tests.encoder.readers.drawings import save_dxf
 from kerfwise.tests.encoder.readers.test_frame import framed
 from kerfwise.tests.encoder.readers.test_open_lines import engraved

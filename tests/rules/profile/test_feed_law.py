@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 import kerfwise as package
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.feed_law import FeedLaw, LawPiece
-from kerfwise.rules.profile.feed_law_kind import LawKind, shipped_laws
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.time_section import FeedLaw, LawKind, LawPiece, shipped_laws
 
 # Tavaeva and Petunin, table 1: n0, the feed set, the polynomial from n³ down, the power; m/s.
 TABLE = {

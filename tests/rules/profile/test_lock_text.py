@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.lock_text import lines_of, read_lock
+from kerfwise.rules.profile.overrides import lines_of, read_lock
 
 READ = {
     "P2 first": Lock(contour="P2", position="first"),

@@ -8,7 +8,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.one_rule import with_rule, without_rule
+from kerfwise.rules.profile.overrides import with_rule, without_rule
 from kerfwise.rules.registry import RULES
 
 OFF_BY_DEFAULT = next(name for name, rule in RULES.items() if rule.default == "off")

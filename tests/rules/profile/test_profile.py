@@ -16,11 +16,10 @@ from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import DEFAULT, load_profile
+from kerfwise.rules.profile.load import DEFAULT, load_profile, shipped_profiles
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 from kerfwise.rules.profile.sections import Machine, Material, RuleSetting
-from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.registry import RULES
 
 PLANT = """\

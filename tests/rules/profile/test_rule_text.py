@@ -6,8 +6,8 @@ import pytest
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.files import profile_text, shipped_profiles
-from kerfwise.rules.profile.rule_text import with_rule_values
+from kerfwise.rules.profile.load import profile_text, shipped_profiles
+from kerfwise.rules.profile.profile_yaml import with_rule_values
 
 TEXT = "name: ours  # ours\nrules:\n  pierce: hard  # why\n  heat-lag: {strength: soft, weight: 50 mm}\n"
 

@@ -11,11 +11,10 @@ import pytest
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.files import shipped_profiles
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_yaml import profile_yaml
 from kerfwise.rules.profile.schema import profile_schema
-from kerfwise.rules.profile.text import profile_yaml
 
 VALIDATOR = jsonschema.Draft202012Validator(profile_schema())
 

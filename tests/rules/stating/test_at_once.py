@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.copies import Group
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.facts.facts import Copies
+from kerfwise.encoder.identical_parts import Group
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.statements import (
     About,
     AtLeast,
@@ -24,7 +24,7 @@ from kerfwise.rules.statements import (
     Precede,
     Statement,
 )
-from kerfwise.rules.stating.at_once import AtOnce
+from kerfwise.rules.stating.reduced_statements import GantryStatements
 
 ABOUT = About("r", ("a", "b", "c", "d"), "")
 A, B, C, D, E = range(5)
@@ -32,20 +32,20 @@ A, B, C, D, E = range(5)
 
 
 @pytest.fixture
-def at_once() -> AtOnce:
+def at_once() -> GantryStatements:
     places = [(10, 10), (110, 10), (10, 110), (110, 110), (210, 10)]
     five = nest(400, 200, *(part(name, rect(x, y, 80, 80)) for name, (x, y) in zip("ABCDE", places, strict=True)))
     groups = (Group((A, C), (A, C)), Group((B, D), (B, D)))
     number, torch = np.array([0, 1, 0, 1, 2]), np.array([1, 1, 2, 2, 1])
     none = np.zeros(0, dtype=np.int64)
-    return AtOnce(Copies(compute_facts(five, FactOptions()), groups, number, none, torch, (0.0, 100.0)))
+    return GantryStatements(Copies(compute_facts(five, FactOptions()), groups, number, none, torch, (0.0, 100.0)))
 
 
-def told(at_once: AtOnce, *statements: Statement, of_each_torch: bool = False) -> list[Statement]:
+def told(at_once: GantryStatements, *statements: Statement, of_each_torch: bool = False) -> list[Statement]:
     return list(at_once.of_first(statements, of_each_torch))
 
 
-def test_orders_are_those_of_what_is_cut_with_them(at_once: AtOnce) -> None:
+def test_orders_are_those_of_what_is_cut_with_them(at_once: GantryStatements) -> None:
     assert told(at_once, Precede(C, B, ABOUT)) == [Precede(0, 1, ABOUT)]
     assert told(at_once, Precede(D, E, ABOUT)) == [Precede(1, 2, ABOUT)]
     assert not at_once.impossible
@@ -54,17 +54,17 @@ def test_orders_are_those_of_what_is_cut_with_them(at_once: AtOnce) -> None:
 @pytest.mark.parametrize(
     "asked", [Precede(A, C, ABOUT), Lag(C, A, ABOUT, cuts=1), AtLeast((Before(A, C),), (1,), 1, ABOUT)]
 )
-def test_an_order_of_what_is_cut_at_once_cannot_be(at_once: AtOnce, asked: Statement) -> None:
+def test_an_order_of_what_is_cut_at_once_cannot_be(at_once: GantryStatements, asked: Statement) -> None:
     assert told(at_once, asked) == []
     assert at_once.impossible == [(0, ABOUT)]
 
 
-def test_a_wish_that_cannot_be_is_let_go(at_once: AtOnce) -> None:
+def test_a_wish_that_cannot_be_is_let_go(at_once: GantryStatements) -> None:
     assert told(at_once, Precede(A, C, ABOUT, weight=5.0)) == []
     assert not at_once.impossible
 
 
-def test_a_rule_of_each_torch_asks_nothing_between_two(at_once: AtOnce) -> None:
+def test_a_rule_of_each_torch_asks_nothing_between_two(at_once: GantryStatements) -> None:
     asked = (Precede(A, D, ABOUT), Precede(C, D, ABOUT), Precede(A, E, ABOUT))
     assert told(at_once, *asked, of_each_torch=True) == [Precede(0, 1, ABOUT), Precede(0, 2, ABOUT)]
 
@@ -89,7 +89,7 @@ def held(sum_of: Enough | AtLeast, order: Sequence[int]) -> bool:
         AtLeast((Enough((Before(A, C), Before(B, A)), (1, 1), 1), Before(E, A)), (-1, 1), 0, ABOUT),
     ],
 )
-def test_a_sum_is_met_only_where_it_is_met_in_either_order(at_once: AtOnce, asked: AtLeast) -> None:
+def test_a_sum_is_met_only_where_it_is_met_in_either_order(at_once: GantryStatements, asked: AtLeast) -> None:
     """An order of the first torch that is lawful is lawful with the copies put right before, or right after."""
     made = told(at_once, asked)
     copies = {0: (A, C), 1: (B, D), 2: (E,)}
@@ -101,7 +101,9 @@ def test_a_sum_is_met_only_where_it_is_met_in_either_order(at_once: AtOnce, aske
 
 
 @pytest.mark.parametrize(("out", "left"), [({A, B}, {C, E}), ({A}, {C, D, E}), ({A, D}, {C, B}), ({E, C}, {D})])
-def test_what_must_not_be_seen_is_not_seen_in_either_order(at_once: AtOnce, out: set[int], left: set[int]) -> None:
+def test_what_must_not_be_seen_is_not_seen_in_either_order(
+    at_once: GantryStatements, out: set[int], left: set[int]
+) -> None:
     asked = NoGood(frozenset(out), frozenset(left), ABOUT)
     made = told(at_once, asked)
     copies = {0: (A, C), 1: (B, D), 2: (E,)}
@@ -121,12 +123,12 @@ def test_what_must_not_be_seen_is_not_seen_in_either_order(at_once: AtOnce, out:
     assert lawful_somewhere
 
 
-def test_a_run_of_copies_is_one_run(at_once: AtOnce) -> None:
+def test_a_run_of_copies_is_one_run(at_once: GantryStatements) -> None:
     runs = told(at_once, Contiguous((A, B), ABOUT), Contiguous((C, D), ABOUT))
     assert runs == [Contiguous((0, 1), ABOUT)]
 
 
-def test_no_torch_travels_over_what_is_out(at_once: AtOnce) -> None:
+def test_no_torch_travels_over_what_is_out(at_once: GantryStatements) -> None:
     area = shapely.box(0, 100, 50, 150)
     one, other = told(at_once, Crossing(C, area, ABOUT))
     assert isinstance(one, Crossing)

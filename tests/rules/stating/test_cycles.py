@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.stating.cycles import components, contracted, path
+from kerfwise.encoder.graphs import components, contracted, path
 from kerfwise.tests.tools.amount import examples
 
 

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.stating import feedback
-from kerfwise.rules.stating.cycles import Link, components
-from kerfwise.rules.stating.feedback import Unbreakable, lightest_cut
+from kerfwise.encoder import graphs as graphs_encoder
+from kerfwise.encoder.graphs import Link, Unbreakable, components, lightest_cut
 from kerfwise.tests.tools.amount import examples
 
 Graph = tuple[list[Link], list[int | None]]
@@ -63,7 +62,7 @@ def test_greedy_cut_leaves_no_cycle_and_takes_nothing_in_vain(graph: Graph) -> N
     links, weights = [links[k] for k in tangled], [weights[k] for k in tangled]
     if not links or components([link for link, weight in zip(links, weights, strict=True) if weight is None]):
         return
-    out = feedback._greedy(links, weights, range(len(links)))
+    out = graphs_encoder._greedy(links, weights, range(len(links)))
     assert components(without(links, out)) == []
     assert all(weights[k] is not None for k in out)
     assert all(components(without(links, [k for k in out if k != spared])) for spared in out)
@@ -78,5 +77,5 @@ def test_unbreakable_cycle_is_named() -> None:
 def test_large_tangles_are_broken_up_greedily(monkeypatch: pytest.MonkeyPatch) -> None:
     links = [(a, b) for a in range(6) for b in range(6) if a != b]
     exact = lightest_cut(links, [1] * 30)
-    monkeypatch.setattr(feedback, "EXACT_LINKS", 10)
+    monkeypatch.setattr(graphs_encoder, "EXACT_LINKS", 10)
     assert len(exact) == len(lightest_cut(links, [1] * 30)) == 15

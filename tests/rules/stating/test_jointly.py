@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Precede, Statement
-from kerfwise.rules.stating import places
+from kerfwise.rules.stating import feasible_order
 from kerfwise.rules.stating import state_rules as stating
 from kerfwise.rules.stating.state_rules import resolve
 from kerfwise.tests.tools.amount import examples
@@ -113,7 +113,7 @@ def test_positions_alone_are_cut_short_and_said_so(monkeypatch: pytest.MonkeyPat
     """With next to no work there is no proof: what is dropped says so, or nothing is and the contradiction is told."""
     one = Asked((("level-ahead", 0, 1), ("level-ahead", 3, 1), ("level-ahead", 2, 4)), ((1, 1), (4, 2)), ())
     assert not any(stating.NOT_SHOWN in d.why for d in resolve(one.statements(), N, GIVES_WAY).dropped)
-    monkeypatch.setattr(places, "WORK", 1e-9)
+    monkeypatch.setattr(feasible_order, "WORK", 1e-9)
     assert all(stating.NOT_SHOWN in d.why for d in resolve(one.statements(), N, GIVES_WAY).dropped)
 
 

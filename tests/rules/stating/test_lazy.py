@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.jobs.ask import facts_of
-from kerfwise.rules.judging.islands import Islands
+from kerfwise.jobs.request import facts_of
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.judging.metal import Badly
+from kerfwise.rules.judging.strips_and_islands import Islands
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.stating.lazy import look_takes_s
+from kerfwise.rules.stating.lazy_statements import look_takes_s
 
 
 @pytest.mark.slow

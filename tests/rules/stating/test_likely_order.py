@@ -7,7 +7,7 @@ from itertools import permutations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.stating.likely_order import likely_order
+from kerfwise.rules.stating.feasible_order import likely_order
 
 N = 5
 PAIRS = st.lists(st.tuples(st.integers(0, N - 1), st.integers(0, N - 1)).filter(lambda p: p[0] != p[1]), max_size=5)

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.load import load_profile

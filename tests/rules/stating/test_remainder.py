@@ -24,7 +24,7 @@ from kerfwise.rules.statements import (
     Precede,
     Statement,
 )
-from kerfwise.rules.stating.remainder import OUT, Remainder, of_what_is_left
+from kerfwise.rules.stating.reduced_statements import OUT, Remainder, remaining_statements
 from kerfwise.tests.tools.amount import examples
 
 N = 5
@@ -89,7 +89,7 @@ def test_what_is_left_asks_what_the_whole_does(s: Statement, order: list[int], m
     out = order[:made]
     left = [k for k in range(N) if k not in out]
     number = [left.index(k) if k in left else OUT for k in range(N)]
-    reduced = list(of_what_is_left([s], Remainder(number, {k: at for at, k in enumerate(out, 1)})))
+    reduced = list(remaining_statements([s], Remainder(number, {k: at for at, k in enumerate(out, 1)})))
     told = []
     for rest in permutations(left):
         for picked in picks():
@@ -102,24 +102,24 @@ def test_what_is_left_asks_what_the_whole_does(s: Statement, order: list[int], m
 
 def test_what_the_past_says_nothing_of_any_more() -> None:
     rest = Remainder([OUT, 0, 1], {0: 1})
-    assert not list(of_what_is_left([Lag(0, 1, ABOUT, cuts=2), Contiguous((0, 2), ABOUT)], rest))
-    assert list(of_what_is_left([Contiguous((0, 1, 2), ABOUT)], rest)) == [Contiguous((0, 1), ABOUT)]
-    assert list(of_what_is_left([Lag(1, 2, ABOUT, seconds=3.0)], rest)) == [Lag(0, 1, ABOUT, seconds=3.0)]
+    assert not list(remaining_statements([Lag(0, 1, ABOUT, cuts=2), Contiguous((0, 2), ABOUT)], rest))
+    assert list(remaining_statements([Contiguous((0, 1, 2), ABOUT)], rest)) == [Contiguous((0, 1), ABOUT)]
+    assert list(remaining_statements([Lag(1, 2, ABOUT, seconds=3.0)], rest)) == [Lag(0, 1, ABOUT, seconds=3.0)]
 
 
 def test_travel_over_what_is_out_stays_asked() -> None:
     rest = Remainder([OUT, 0, 1], {0: 1})
     area = shapely.box(0, 0, 1, 1)
     asked = [Crossing(0, area, ABOUT), Crossing(2, area, ABOUT), IdleTravel(ABOUT)]
-    assert [getattr(s, "over", "travel") for s in of_what_is_left(asked, rest)] == [None, 1, "travel"]
+    assert [getattr(s, "over", "travel") for s in remaining_statements(asked, rest)] == [None, 1, "travel"]
 
 
 def test_a_lock_on_a_place_that_is_gone_is_still_told() -> None:
     """With no literal known the statement is as it was: whoever asked for what cannot be is to hear of it."""
     s = AtLeast((Before(1, 2),), (1,), 2, ABOUT)
-    assert list(of_what_is_left([s], Remainder([OUT, 0, 1], {0: 1}))) == [AtLeast((Before(0, 1),), (1,), 2, ABOUT)]
+    assert list(remaining_statements([s], Remainder([OUT, 0, 1], {0: 1}))) == [AtLeast((Before(0, 1),), (1,), 2, ABOUT)]
 
 
 def test_an_unknown_statement_is_not_passed_over() -> None:
     with pytest.raises(AssertionError):
-        list(of_what_is_left([object()], Remainder([0], {})))  # type: ignore[list-item]
+        list(remaining_statements([object()], Remainder([0], {})))  # type: ignore[list-item]

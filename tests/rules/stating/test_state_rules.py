@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import NoOptions

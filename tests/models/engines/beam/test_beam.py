@@ -10,17 +10,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Ints
-from kerfwise.models.engines.beam import beam, grower, history, unfit, widening
-from kerfwise.models.engines.beam.bound import least_in_and_out
-from kerfwise.models.engines.beam.reversed_problem import can_reverse, reversed_problem
+from kerfwise.models.engines.beam import beam, beam_search, layers, unfit
+from kerfwise.models.engines.beam.beam_search import can_reverse, reversed_problem
+from kerfwise.models.engines.beam.bounds import least_in_and_out, priced_walks
 from kerfwise.models.engines.beam.tables import BeamTables, make_beam_tables, travel_table
-from kerfwise.models.engines.beam.walks import priced_walks
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.links import Links
-from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.problem import Links, Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
@@ -57,7 +55,7 @@ def test_same_optimum_with_every_bound(drawn: Problem) -> None:
     best = cheapest(tiny)
     assume(best is not None)
     assert best is not None
-    found = beam(tiny, Incumbent(best.route, best.cost + 1), first_width=widening.WORTH_PRICING)
+    found = beam(tiny, Incumbent(best.route, best.cost + 1), first_width=beam_search.WORTH_PRICING)
     assert found.proven
     assert found.incumbent is not None
     assert found.incumbent.cost == found.bound == best.cost
@@ -69,7 +67,7 @@ def test_walks_that_visit_everything_once_end_the_pricing() -> None:
     tiny = problem(
         [here * 3, here * 3, here, here], ends_mm=[here * 3, here * 3, [(0.0, 1.0)], here], pairs=[(0, 1), (0, 2)]
     )
-    found = beam(tiny, Incumbent((0, 3, 6, 7), 1001), first_width=widening.WORTH_PRICING)
+    found = beam(tiny, Incumbent((0, 3, 6, 7), 1001), first_width=beam_search.WORTH_PRICING)
     assert found.incumbent is not None
     assert found.incumbent.cost == found.bound == 1000
 
@@ -145,7 +143,7 @@ def test_proves_more_contours_than_a_word_has_bits() -> None:
 def test_same_states_however_a_layer_is_shared_out(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = scattered(4, 30, 2, pairs=40)
     alone = beam(plain, last_width=500)
-    monkeypatch.setattr(grower, "WORTH_SHARING", 2)
+    monkeypatch.setattr(layers, "WORTH_SHARING", 2)
     shared = beam(plain, last_width=500)
     assert (shared.incumbent, shared.bound, shared.work) == (alone.incumbent, alone.bound, alone.work)
 
@@ -158,7 +156,7 @@ def test_sets_of_the_same_hash_are_told_apart(monkeypatch: pytest.MonkeyPatch) -
         tables = make_beam_tables(given, travel)
         return tables._replace(orders=tables.orders._replace(noise=np.zeros_like(tables.orders.noise)))
 
-    monkeypatch.setattr(widening, "make_beam_tables", without_noise)
+    monkeypatch.setattr(beam_search, "make_beam_tables", without_noise)
     assert beam(plain) == right
 
 
@@ -166,7 +164,7 @@ def test_sets_of_the_same_hash_are_told_apart(monkeypatch: pytest.MonkeyPatch) -
 def test_forgetting_what_leads_nowhere_keeps_the_route(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = scattered(7, 40, 2, pairs=60)
     kept = beam(plain, last_width=200)
-    monkeypatch.setattr(history, "WORTH_CLEARING", 300)
+    monkeypatch.setattr(layers, "WORTH_CLEARING", 300)
     assert beam(plain, last_width=200) == kept
 
 
@@ -254,10 +252,10 @@ def test_walks_are_dearer_than_least_moves() -> None:
 
 def test_both_bounds_and_both_ends_are_used(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = scattered(9, 20, 2, pairs=25)
-    monkeypatch.setattr(widening, "WORTH_PRICING", 1)
+    monkeypatch.setattr(beam_search, "WORTH_PRICING", 1)
     early = beam(plain)
-    monkeypatch.setattr(widening, "can_reverse", lambda _: False)
-    monkeypatch.setattr(widening, "WORTH_PRICING", 10**9)
+    monkeypatch.setattr(beam_search, "can_reverse", lambda _: False)
+    monkeypatch.setattr(beam_search, "WORTH_PRICING", 10**9)
     late = beam(plain)
     assert early.proven
     assert late.proven

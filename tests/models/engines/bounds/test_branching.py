@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import flow_bound
-from kerfwise.models.engines.bounds.branching import split
+from kerfwise.models.engines.bounds.flow import branch_cases
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
@@ -48,8 +48,8 @@ def test_every_plan_is_in_one_of_two_cases(seed: int) -> None:
     used = np.eye(3)
     i, j = random.integers(0, 3, 2)
     used[i, j] = 0.5
-    cases = split(np.ones((5, 5), dtype=np.bool_), used, np.ones(5), owner)
-    by_sites = split(np.ones((5, 5), dtype=np.bool_), np.eye(3), np.array([0.5, 0.5, 1.0, 0.0, 1.0]), owner)
+    cases = branch_cases(np.ones((5, 5), dtype=np.bool_), used, np.ones(5), owner)
+    by_sites = branch_cases(np.ones((5, 5), dtype=np.bool_), np.eye(3), np.array([0.5, 0.5, 1.0, 0.0, 1.0]), owner)
     for a in (0, 1):
         for b in (2, 3):
             for route in ([4, a, b, 4], [4, b, a, 4]):
@@ -58,4 +58,4 @@ def test_every_plan_is_in_one_of_two_cases(seed: int) -> None:
 
 
 def test_nothing_is_split_where_all_is_whole() -> None:
-    assert split(np.ones((3, 3), dtype=np.bool_), np.eye(3), np.ones(3), np.arange(3)) == []
+    assert branch_cases(np.ones((3, 3), dtype=np.bool_), np.eye(3), np.ones(3), np.arange(3)) == []

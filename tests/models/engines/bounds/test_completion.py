@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import Completion, complete
-from kerfwise.models.engines.bounds.merged import merged
+from kerfwise.models.engines.bounds.flow import contract_sites
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
@@ -54,7 +54,7 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) ->
 def test_contours_for_all_their_sites_cost_no_more(tiny: Problem) -> None:
     best = cheapest(tiny)
     if best is not None:
-        assert complete(merged(tiny), best.cost, 0.0001).root <= best.cost
+        assert complete(contract_sites(tiny), best.cost, 0.0001).root <= best.cost
 
 
 def test_a_walk_that_remembers_all_is_a_plan() -> None:

@@ -12,17 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Bools, Floats
-from kerfwise.models.engines.bounds import flow, flow_bound, flow_program, resting
-from kerfwise.models.engines.bounds.costs import Stopped, by_threads
-from kerfwise.models.engines.bounds.demands import DemandColumns
+from kerfwise.models.engines.bounds import flow, flow_bound, flow_program
 from kerfwise.models.engines.bounds.flow_program import FlowProgram
 from kerfwise.models.engines.bounds.flow_work import sets_out_s
-from kerfwise.models.engines.bounds.inequalities import block_inequalities
-from kerfwise.models.engines.bounds.least_cuts import Flow
+from kerfwise.models.engines.bounds.inequalities import DemandColumns, block_inequalities
+from kerfwise.models.engines.bounds.move_costs import Stopped, by_threads
 from kerfwise.models.engines.bounds.network import Network, network_of
-from kerfwise.models.engines.bounds.separation import Separation
+from kerfwise.models.engines.bounds.separation import Flow, Separation
 from kerfwise.models.engines.solution import Incumbent
-from kerfwise.models.kernels import running_s
+from kerfwise.models.jit import running_s
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
@@ -255,7 +253,7 @@ def test_no_plan_costs_less_where_sites_rest(tiny: Problem, seed: int) -> None:
     matrix = np.random.default_rng(seed).integers(0, 100_000, (tiny.m + 1, tiny.m + 1))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(flow_program, "FEW_SITES", 0)
-        patch.setattr(resting, "AWAKE", 1.0)
+        patch.setattr(flow_program, "AWAKE", 1.0)
         for seen in (tiny, replace(tiny, matrix=matrix)):
             best = cheapest(seen)
             if best is not None:
@@ -271,15 +269,15 @@ def test_a_bound_is_as_high_where_sites_rest_again_and_again(seed: int, monkeypa
     monkeypatch.setattr(flow, "MOST_BRANCHED", 0)
     whole = flow_bound(seen, dear, 20.0).bound
     rested: list[int] = []
-    lay_down = resting.Resting.lay_down
+    lay_down = flow_program.Resting.lay_down
 
-    def noted(sites: resting.Resting, *given: Any) -> Any:
+    def noted(sites: flow_program.Resting, *given: Any) -> Any:
         found = lay_down(sites, *given)
         rested.append(len(found[0]))
         return found
 
-    monkeypatch.setattr(resting.Resting, "lay_down", noted)
+    monkeypatch.setattr(flow_program.Resting, "lay_down", noted)
     monkeypatch.setattr(flow_program, "FEW_SITES", 0)
-    monkeypatch.setattr(resting, "AWAKE", 1.0)
+    monkeypatch.setattr(flow_program, "AWAKE", 1.0)
     assert flow_bound(seen, dear, 20.0).bound == pytest.approx(whole, rel=0.005)
     assert sum(rested) > 0

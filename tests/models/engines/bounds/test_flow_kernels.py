@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import maximum_flow
 
-from kerfwise.models.engines.bounds.flow_kernels import flow_up_to
+from kerfwise.models.engines.bounds.separation import flow_up_to
 
 NODES, ARCS, PLENTY = 12, 40, 10**9
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from kerfwise.models.engines.bounds.merged import FAR, merged
-from kerfwise.models.engines.bounds.moves import least_moves
+from kerfwise.models.engines.bounds.flow import FAR, contract_sites
+from kerfwise.models.engines.bounds.move_costs import least_moves
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
@@ -55,4 +55,4 @@ def test_a_contour_stands_for_the_best_of_its_sites(given_problem: Problem) -> N
             for i in range(given_problem.n + 1)
         ]
     )
-    assert np.array_equal(np.minimum(least_moves(merged(given_problem)), FAR), np.minimum(apart, FAR))
+    assert np.array_equal(np.minimum(least_moves(contract_sites(given_problem)), FAR), np.minimum(apart, FAR))

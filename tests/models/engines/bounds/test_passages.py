@@ -10,9 +10,14 @@ import numpy as np
 import pytest
 
 from kerfwise.models.engines.bounds.flow import flow_bound
-from kerfwise.models.engines.bounds.moves import Moves
+from kerfwise.models.engines.bounds.move_costs import (
+    Moves,
+    contract_condition,
+    passage_costs,
+    passages_of,
+    size_without_inner,
+)
 from kerfwise.models.engines.bounds.network import network_of
-from kerfwise.models.engines.bounds.passages import passages_of, size_without_inner, through, without_inner
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
@@ -42,7 +47,7 @@ def test_the_cheapest_way_through_a_block(seed: int) -> None:
     seen = blocks(seed, [4, 1])
     (passage,) = passages_of(seen)
     assert (passage.last, passage.inner.tolist()) == (3, [0, 1, 2])
-    found = through(seen, passage, Moves(seen), np.array([6, 7]), np.array([100.0, 200.0]))
+    found = passage_costs(seen, passage, Moves(seen), np.array([6, 7]), np.array([100.0, 200.0]))
     assert seen.matrix is not None
     for k, began in enumerate(range(6)):
         for end in (6, 7):
@@ -102,7 +107,7 @@ def test_a_condition_on_inner_contours_says_the_same_of_the_last() -> None:
     """In every order that keeps blocks together it is met or not as before."""
     last_of = np.array([1, 1, 3, 3, 4])  # blocks 0 1, 2 3, and 4
     condition = Condition(3, (0, 1, 2, 4), (1, 2, 5, -4), 3, ABOUT)
-    same = without_inner(condition, last_of)
+    same = contract_condition(condition, last_of)
     assert set(same.members) == {1, 4}
     for order in permutations([(0, 1), (2, 3), (4,)]):
         cuts = [i for block in order for i in block]

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from kerfwise.models.engines.bounds import costs, flow_bound
+from kerfwise.models.engines.bounds import flow_bound, move_costs
 from kerfwise.models.engines.bounds.inequalities import Inequalities
-from kerfwise.models.engines.bounds.network import network_of
-from kerfwise.models.engines.bounds.pricing import Multipliers, kinds, whole
+from kerfwise.models.engines.bounds.network import Multipliers, kinds, network_of, whole
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problem, scattered
 
@@ -20,7 +19,7 @@ def test_a_bound_by_narrow_numbers_holds(seed: int, monkeypatch: pytest.MonkeyPa
     best = cheapest(tiny)
     assert best is not None
     wide = flow_bound(tiny, best, 5.0).bound
-    monkeypatch.setattr(costs, "WIDE", 0)
+    monkeypatch.setattr(move_costs, "WIDE", 0)
     assert 0.99 * wide < flow_bound(tiny, best, 5.0).bound <= best.cost
 
 
@@ -29,7 +28,7 @@ def test_narrow_numbers_are_rounded_down(monkeypatch: pytest.MonkeyPatch) -> Non
     best = cheapest(tiny)
     assert best is not None
     wide = network_of(tiny, best.route, 10**15, 3000).cost
-    monkeypatch.setattr(costs, "WIDE", 0)
+    monkeypatch.setattr(move_costs, "WIDE", 0)
     narrow = network_of(tiny, best.route, 10**15, 3000).cost
     assert narrow.dtype == np.float32
     assert (narrow.astype(np.float64) <= wide).all()

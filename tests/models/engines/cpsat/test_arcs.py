@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.models.engines.cpsat.arcs import site_arcs
-from kerfwise.models.engines.cpsat.moves import Out, arc_of_move, out_by_then
-from kerfwise.models.engines.setting_out import count_site_arcs
+from kerfwise.models.engines.cpsat.variables import OutByThen, arc_of_move, out_by_then, site_arcs
+from kerfwise.models.engines.solution import count_site_arcs
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.problems import problem
@@ -48,16 +47,16 @@ def test_arcs_of_two_contours_lie_together() -> None:
 @pytest.mark.parametrize(
     ("leave", "reach", "over", "out"),
     [
-        (HOME, 1, 0, Out.NO),  # nothing is out at the start
-        (3, HOME, 0, Out.YES),  # everything is at the end
-        (0, 1, 0, Out.YES),  # the contour just cut
-        (0, 1, 1, Out.NO),  # the contour cut next
-        (1, 3, 0, Out.YES),  # an earlier one by the orders
-        (0, 3, 1, Out.NO),  # a later one
-        (0, 1, 2, Out.OPEN),
+        (HOME, 1, 0, OutByThen.NO),  # nothing is out at the start
+        (3, HOME, 0, OutByThen.YES),  # everything is at the end
+        (0, 1, 0, OutByThen.YES),  # the contour just cut
+        (0, 1, 1, OutByThen.NO),  # the contour cut next
+        (1, 3, 0, OutByThen.YES),  # an earlier one by the orders
+        (0, 3, 1, OutByThen.NO),  # a later one
+        (0, 1, 2, OutByThen.OPEN),
     ],
 )
-def test_what_the_orders_say_of_a_crossing(leave: int, reach: int, over: int, out: Out) -> None:
+def test_what_the_orders_say_of_a_crossing(leave: int, reach: int, over: int, out: OutByThen) -> None:
     given = problem(LINE, pairs=[(0, 1)], crossings=crossing(leave, reach, over, 1))
     assert out_by_then(given).tolist() == [out]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.models.engines.cpsat import model, relaxation, solve, solve_cpsat
-from kerfwise.models.engines.cpsat.arcs import LOOKS
+from kerfwise.models.engines.cpsat import model, solve, solve_cpsat
+from kerfwise.models.engines.cpsat.variables import LOOKS
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import scattered
@@ -40,7 +40,7 @@ def test_told_no_at_any_step_it_goes_no_further(
 
     seen = scattered(1, 5, 2)
     monkeypatch.setattr(model, "run_solver", reached)
-    monkeypatch.setattr(relaxation, "run_solver", reached)
+    monkeypatch.setattr(solve, "run_solver", reached)
     questions = 0
 
     def count(engine: str, cost_um: int | None, bound_um: int | None) -> bool:

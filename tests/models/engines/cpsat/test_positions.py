@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 
-from kerfwise.models.engines.cpsat.positions import distances, windows, windows_of_steps
+from kerfwise.models.engines.cpsat.variables import distances, windows, windows_of_steps
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import lawful
 from kerfwise.tests.models.problems import problem, problems

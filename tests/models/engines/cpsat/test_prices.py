@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 
-from kerfwise.models.engines.cpsat.arcs import site_arcs
-from kerfwise.models.engines.cpsat.prices import NEVER, price_sites
+from kerfwise.models.engines.cpsat.solve import NEVER, price_sites
+from kerfwise.models.engines.cpsat.variables import site_arcs
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag

@@ -13,12 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.ahead import Ahead, look_ahead
-from kerfwise.models.engines.ideals.alone import FAR
-from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
-from kerfwise.models.engines.ideals.missed import missed_in
-from kerfwise.models.engines.ideals.series import series
-from kerfwise.models.engines.ideals.sweep import sweep_through
+from kerfwise.models.engines.ideals.lattice import SweepBudget, TooLarge, sweep_through
+from kerfwise.models.engines.ideals.stretch import series
+from kerfwise.models.engines.ideals.stretch_bounds import Ahead, look_ahead, missed_in
+from kerfwise.models.engines.ideals.stretch_tables import FAR
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem

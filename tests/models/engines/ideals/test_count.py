@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import pytest
 
-from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.ideals import count_sets
-from kerfwise.models.engines.ideals.budget import TABLE_BYTES, SweepBudget, TooLarge
+from kerfwise.models.engines.ideals.lattice import TABLE_BYTES, SweepBudget, TooLarge
 from kerfwise.models.engines.ideals.sets import Growth
+from kerfwise.models.engines.solution import Budget
 from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import problem, scattered
 

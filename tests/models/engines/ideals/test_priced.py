@@ -11,9 +11,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.models.engines.bounds.reduced import reduced
+from kerfwise.models.engines.bounds.reduced_costs import reduced_costs
 from kerfwise.models.engines.ideals import priced
-from kerfwise.models.engines.ideals.budget import SweepBudget
+from kerfwise.models.engines.ideals.lattice import SweepBudget
 from kerfwise.models.engines.ideals.prove import applies, priceable, prove, prove_priced
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
@@ -213,7 +213,7 @@ def test_no_plan_costs_less_than_the_bound_and_what_is_left_of_its_moves(tiny: P
     best = cheapest(tiny)
     assume(best is not None)
     assert best is not None
-    found = reduced(tiny, best, best.cost, 1.0, None)
+    found = reduced_costs(tiny, best, best.cost, 1.0, None)
     assert found is not None
     assert found.dear.min() >= 0
     network = found.network

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from kerfwise.models import kernels
+from kerfwise.models import jit
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
-from kerfwise.models.engines.ideals.series import series
-from kerfwise.models.engines.ideals.stretches import NARROW
+from kerfwise.models.engines.ideals.stretch import series
+from kerfwise.models.engines.ideals.stretch_tables import NARROW
 from kerfwise.models.engines.solution import Incumbent
-from kerfwise.models.kernels import Kernel
+from kerfwise.models.jit import Kernel
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -52,7 +52,7 @@ def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
     compiled = prove(tiny, None, work=10)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Kernel, "made", False)
-        patch.setattr(kernels._process, "plain_steps", math.inf)
+        patch.setattr(jit._process, "plain_steps", math.inf)
         patch.setattr(Kernel, "dispatcher", None)
         plain = prove(tiny, None, work=10)
     assert compiled is not None

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import complete
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.budget import TooLarge
-from kerfwise.models.engines.ideals.rising import DEARER, ending, rising
+from kerfwise.models.engines.ideals.lattice import TooLarge
+from kerfwise.models.engines.ideals.stretch_bounds import DEARER, limits_within_work, rising_limits
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.routing import Instance, solve_instance
@@ -89,7 +89,7 @@ def test_without_orders_the_proof_is_what_cp_sat_proves(n: int, sites: int) -> N
 def limits(least: float, known: int, rate: float, work: float = 1e4) -> Iterator[tuple[int, float]]:
     """Limits, and what a sweep of each takes where that rises by `rate` a unit, up to what all states take."""
     spent: list[float] = []
-    for limit in rising(least, known, lambda: work - sum(spent)):
+    for limit in rising_limits(least, known, lambda: work - sum(spent)):
         assert limit is not None
         taken = min(work / 50, exp(min(700.0, rate * (limit - least))))
         yield limit, taken
@@ -119,7 +119,7 @@ def test_limits_that_rose_by_one_rise_faster_once_sweeps_hardly_grow() -> None:
     """From 322 to 347 each unit takes twelve times as much work, from there on a tenth more."""
     spent: list[float] = []
     found = []
-    for limit in rising(300.0, 420, lambda: 1e4 - sum(spent)):
+    for limit in rising_limits(300.0, 420, lambda: 1e4 - sum(spent)):
         assert limit is not None
         found.append(limit)
         spent.append(1e3 * exp(2.5 * min(max(limit - 322, 0), 25) + 0.1 * max(limit - 347, 0)))
@@ -135,7 +135,7 @@ def test_every_sweep_ends_where_what_they_take_rises_as_a_power(work: float) -> 
     limits: list[int] = []
     whole = True
     try:
-        for limit in ending(least, known, lambda: left[0]):
+        for limit in limits_within_work(least, known, lambda: left[0]):
             left[0] -= exp((limit - least) / 4000) / 2
             assert left[0] > 0.0
             limits.append(limit)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from kerfwise.models.engines.ideals.prune import NOWHERE, LeastIn
-from kerfwise.models.engines.ideals.windows import polish
+from kerfwise.models.engines.ideals.heuristic_sweeps import polish
+from kerfwise.models.engines.ideals.stretch_bounds import NOWHERE, LeastIn
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import broken, route_cost

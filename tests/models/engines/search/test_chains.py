@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.search.lin_kernighan import ChainedWalker, chained
-from kerfwise.models.engines.search.lin_kernighan.first_route import nearest_lawful
-from kerfwise.models.engines.search.lin_kernighan.reduced_costs import reduced_costs
-from kerfwise.models.engines.search.lin_kernighan.steps import stretches
-from kerfwise.models.engines.search.lin_kernighan.tables import detour_share
-from kerfwise.models.engines.search.state import COST
-from kerfwise.models.engines.search.tables import make_tables
+from kerfwise.models.engines.search.lin_kernighan import stretches
+from kerfwise.models.engines.search.lin_kernighan_tables import detour_share, nearest_lawful, reduced_costs
+from kerfwise.models.engines.search.route_state import COST, make_tables
+from kerfwise.models.engines.search.tour_merging import ChainedWalker, chained
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.search.arcs import make_arcs
-from kerfwise.models.engines.search.legs import make_legs
+from kerfwise.models.engines.search.travel import make_arcs, make_legs
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag

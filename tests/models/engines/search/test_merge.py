@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.search.merge import merge, mergeable
-from kerfwise.models.engines.search.pool import SIZE, Elite, Pool
+from kerfwise.models.engines.search.tour_merging import merge, mergeable
+from kerfwise.models.engines.search.walker import SIZE, Elite, Pool
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag

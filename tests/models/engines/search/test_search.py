@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from kerfwise.models.engines.search import Searcher, legs, search
+from kerfwise.models.engines.search import Searcher, search, travel
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.pace import Pace
-from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.problem import Durations, Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
@@ -39,7 +38,7 @@ def test_a_detour_that_fills_a_lag_of_seconds_is_found(seed: int) -> None:
     ends = [[(0, 0), (0, 0), (0, 50)], [(0, 0), (0, 0), (0, 0)], [(0, 0)], [(0, 48)]]
     pierces = [[(0, 0)] * 3, [(0, 0), (0, 0), (0, 43)], [(0, 0)], [(0, 0)]]
     lag = Lag(0, 1, ABOUT, seconds=4.0)
-    pace = Pace(np.array([0] * 7 + [1180], dtype=np.int64), 0.02)
+    pace = Durations(np.array([0] * 7 + [1180], dtype=np.int64), 0.02)
     far = problem(pierces, ends_mm=ends, lags=[lag], pace=pace)
     assert _cost(far, SolveOptions(seed=seed, work=0.03)) == 141_000
 
@@ -86,7 +85,7 @@ def test_another_seed_walks_another_way() -> None:
 def test_legs_that_are_computed_are_those_of_the_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
     plate = scattered(3, contours=25, sites=4, pairs=20)
     with_matrix = search(plate, SolveOptions(work=0.3))
-    monkeypatch.setattr(legs, "MATRIX_SITES", 0)
+    monkeypatch.setattr(travel, "MATRIX_SITES", 0)
     assert with_matrix is not None
     assert _cost(plate, SolveOptions(work=0.3)) == with_matrix.cost
 

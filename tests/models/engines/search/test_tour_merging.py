@@ -4,14 +4,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from kerfwise.models.engines.search.annealing_walker import AnnealingWalker
-from kerfwise.models.engines.search.merge_tours import merge_tours
-from kerfwise.models.engines.search.pool import Elite
-from kerfwise.models.engines.search.schedule import CoolingPart
-from kerfwise.models.engines.search.structs import for_kernels
-from kerfwise.models.engines.search.tables import make_tables
-from kerfwise.models.engines.search.tour_merging import TourMerging
-from kerfwise.models.engines.search.walker import Walker
+from kerfwise.models.engines.search.anneal import AnnealingWalker
+from kerfwise.models.engines.search.jit_tools import kernel_argument
+from kerfwise.models.engines.search.route_state import make_tables
+from kerfwise.models.engines.search.tour_merging import TourMerging, merge_tours
+from kerfwise.models.engines.search.walker import CoolingPart, Elite, Walker
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.problems import scattered
 
@@ -20,7 +17,7 @@ PLATE = scattered(11, contours=60, sites=1, pairs=40)
 
 def _walker(number: int) -> Walker:
     fields = make_tables(PLATE)
-    walker = AnnealingWalker(for_kernels(fields), fields, (5, number))
+    walker = AnnealingWalker(kernel_argument(fields), fields, (5, number))
     walker.start()
     walker.measure(100_000)
     return walker

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.simulation import path_of_program
 from kerfwise.models.physics.heat import simulate
+from kerfwise.models.physics.heat.pacing import hot_spots
 from kerfwise.models.physics.heat.timed_path import TimedPath, in_order, torch_on
-from kerfwise.models.physics.heat.watch import hot_spots
-from kerfwise.postproc.clock.heat_path import path_of_program
-from kerfwise.postproc.clock.timed import read_program
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.postproc.clock import read_program
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.plant_sections import Heat
 
 PLATE = nest(400, 200, part("A", rect(20, 20, 160, 160)), part("B", rect(220, 20, 160, 160)))
 LINE = np.array([[200.0, 10.0], [200.0, 190.0]])
@@ -48,7 +48,7 @@ def test_a_program_of_years_names_what_takes_them(model: str, path: TimedPath, s
 def test_too_many_steps_name_the_profiles_key(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match=r"heat\.logical_step: 1e-09 s makes .* give about 1\.6e-06 s or more"):
         simulate(PLATE, cuts(1e4, 5.0), replace(Heat(), model="logical", logical_step_s=1e-9), 6.0)
-    monkeypatch.setattr("kerfwise.models.physics.heat.bounds.MOST_POINT_STEPS", 2e6)
+    monkeypatch.setattr("kerfwise.models.physics.heat.simulate.MOST_POINT_STEPS", 2e6)
     with pytest.raises(InputError, match=r"heat\.grid: 5 mm makes .* give about [\d.]+ mm or more"):
         simulate(PLATE, cuts(1e4, 5.0), Heat(), 6.0)
 

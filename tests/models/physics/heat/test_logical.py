@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import make_grid
-from kerfwise.models.physics.heat.logical import LogicalSheet, spread
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.models.physics.heat.simulate import LogicalSheet, spread
+from kerfwise.rules.case import nest
+from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.tests.models.physics.heat.paths import along
 
 LOGICAL = Heat(model="logical", grid_mm=10.0)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.grid import make_grid
-from kerfwise.models.physics.heat.pacing import Pacing, later, pace
+from kerfwise.models.physics.heat.pacing import Pacing, delay_burn, hot_spots, pace
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
-from kerfwise.models.physics.heat.watch import hot_spots
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.plant_sections import Heat
 
 PLATE = nest(400, 200, part("A", rect(50, 50, 60, 100)), part("B", rect(135, 50, 60, 100)))
 HEAT = Heat(absorbed_power_w=1500.0, limit_c=115.0)
@@ -56,7 +55,7 @@ def test_a_wait_is_found_and_is_no_longer_than_needed() -> None:
     burns = close.burns
 
     def waiting(seconds: float) -> float:
-        return max(peaks(in_order([burns[0], later(burns[1], seconds)], 0.0)))
+        return max(peaks(in_order([burns[0], delay_burn(burns[1], seconds)], 0.0)))
 
     assert waiting(wait_s) <= limit_c + 0.2
     assert waiting(wait_s - 1.5) > limit_c

@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest
-from kerfwise.models.physics.heat.events import events_of
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.physical import SheetSimulation, run_physical, time_step_s
-from kerfwise.rules.profile.heat_section import Heat
-from kerfwise.rules.profile.materials import MATERIALS
+from kerfwise.models.physics.heat.timed_path import events_of
+from kerfwise.rules.case import nest
+from kerfwise.rules.profile.plant_sections import MATERIALS, Heat
 from kerfwise.tests.models.physics.heat.paths import along, circle, rounds
 from kerfwise.tests.tools.amount import examples
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.models.physics.heat import HeatResult, simulate
-from kerfwise.models.physics.heat.grid import make_grid
-from kerfwise.models.physics.heat.regions import Regions, hot_contours
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.models.physics.heat.grid import Regions, hot_contours, make_grid
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.tests.models.physics.heat.paths import rounds
 
 ROW = nest(500, 120, part("A", rect(20, 20, 60, 60), marks=[[(40, 60), (70, 60)]]), part("B", rect(400, 20, 60, 60)))

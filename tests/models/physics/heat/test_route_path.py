@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.physics.heat.route_path import RoutePaths
-from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.postproc.clock.heat_path import path_of_plan
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.simulation import path_of_plan
+from kerfwise.models.physics.heat.timed_path import RoutePaths
+from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
 
@@ -24,7 +23,7 @@ def test_it_agrees_with_the_plan() -> None:
     )
     facts, machine = facts_of(plate, profile), profile.machine
     limits = options_for(plate, profile, work=1)
-    plan = produce(ask(facts, profile), profile, limits).plan
+    plan = solve_and_verify(make_request(facts, profile), profile, limits).plan
     route = [
         next(
             k

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle as drawn_circle
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import SCRAP, make_grid
 from kerfwise.models.physics.heat.timed_path import TimedPath, in_order, torch_on
-from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.rules.case import circle as drawn_circle
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.tests.models.physics.heat.paths import along, circle, rounds
 
 HEAT = Heat(absorbed_power_w=2000.0, kerf_band_mm=10.0, limit_c=100.0)

@@ -9,16 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.engines.budget import Budget
+from kerfwise.models.engines.solution import Budget
 from kerfwise.models.plan.conflict import core as core_module
-from kerfwise.models.plan.conflict.at_once import clash_of_orders, exactly
-from kerfwise.models.plan.conflict.core import Core, find_core
-from kerfwise.models.plan.conflict.group import CanClash, Group, hard_groups
-from kerfwise.models.plan.conflict.orders import orders_of
-from kerfwise.models.plan.conflict.relax import find_relaxation
-from kerfwise.models.plan.conflict.shortest_cycle import shortest_cycle
-from kerfwise.models.plan.conflict.solver import NotAnswered
-from kerfwise.models.plan.conflict.whole_order import whole_order
+from kerfwise.models.plan.conflict.conflict import find_relaxation
+from kerfwise.models.plan.conflict.core import Core, find_core, whole_order
+from kerfwise.models.plan.conflict.groups import CanClash, Group, NotAnswered, hard_groups
+from kerfwise.models.plan.conflict.order_conflicts import clash_of_orders, is_exact, orders_of, shortest_cycle
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
 from kerfwise.rules.registry import RULES
@@ -106,10 +102,10 @@ def test_what_is_named_is_minimal_by_trying_everything(asked: list[CanClash]) ->
     groups = hard_groups(asked)
     found = of_orders(groups)
     if found is None:
-        assert not exactly(orders_of(FACTS, groups)) or can_hold(FACTS, asked)
+        assert not is_exact(orders_of(FACTS, groups)) or can_hold(FACTS, asked)
         return
     assert not can_hold(FACTS, [s for group in found for s in group.statements])
-    if exactly(orders_of(FACTS, found)):
+    if is_exact(orders_of(FACTS, found)):
         for one in found:
             assert can_hold(FACTS, [s for group in found if group is not one for s in group.statements])
 

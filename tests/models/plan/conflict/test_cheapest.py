@@ -8,18 +8,17 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.conflict.group import hard_groups
-from kerfwise.models.plan.conflict.relax import LAST, may_give_way, soften
+from kerfwise.models.plan.conflict.conflict import may_give_way, soften
+from kerfwise.models.plan.conflict.groups import LAST, hard_groups
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.postproc.check import report
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Statement
@@ -94,5 +93,5 @@ def test_the_plan_of_a_way_out_passes_the_check() -> None:
         profile = contradictory(seed)
         facts = facts_of(ROW, profile)
         options = options_for(ROW, profile, work=2)
-        verdict = produce(ask(facts, profile, relax=True), profile, options).verdict
+        verdict = solve_and_verify(make_request(facts, profile, relax=True), profile, options).verdict
         assert verdict.ok, report(verdict)

@@ -6,13 +6,13 @@ from typing import Literal
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
 from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.postproc.verdict.check_plan import check_plan
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import state_rules

@@ -7,9 +7,9 @@ from itertools import combinations
 import pytest
 from hypothesis import given
 
+from kerfwise.models.plan.conflict.conflict import Relaxation, find_relaxation
 from kerfwise.models.plan.conflict.core import Core, find_core
-from kerfwise.models.plan.conflict.group import CanClash, hard_groups
-from kerfwise.models.plan.conflict.relax import Relaxation, find_relaxation
+from kerfwise.models.plan.conflict.groups import CanClash, hard_groups
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
 from kerfwise.tests.models.plan.conflict.statements import can_hold, row, statements

@@ -6,19 +6,18 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import facts_of
-from kerfwise.models.engines.budget import Budget
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.request import facts_of
+from kerfwise.models.engines.solution import Budget
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.conflict import conflict as conflict_module
 from kerfwise.models.plan.conflict import find_conflict
-from kerfwise.models.plan.conflict.cheapest import _cost
-from kerfwise.models.plan.conflict.core import find_core
-from kerfwise.models.plan.conflict.group import hard_groups, on_order
-from kerfwise.models.plan.conflict.whole import Engines
+from kerfwise.models.plan.conflict.conflict import _cost
+from kerfwise.models.plan.conflict.core import Engines, find_core
+from kerfwise.models.plan.conflict.groups import hard_groups, order_groups
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -85,7 +84,7 @@ def test_it_takes_next_to_nothing_to_see_that_a_position_can_be_kept() -> None:
         locks = [Lock(contour="P1.outer", position=position)]
         locks += [Lock(contour="P1.outer", before="P2.outer"), Lock(contour="P2.outer", before="P3.outer")]
         facts, profile = locked(*locks)
-        groups = [g for g in on_order(hard_groups(every_statement(facts, profile)[0])) if g.about.rule == "locks"]
+        groups = [g for g in order_groups(hard_groups(every_statement(facts, profile)[0])) if g.about.rule == "locks"]
         core = find_core(facts, groups, {}, Budget(work=0.2))
         assert (core is None) == kept
         assert core is None or len(core.groups) == 3

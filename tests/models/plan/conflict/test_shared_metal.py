@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.validate import validated
-from kerfwise.jobs.ask import facts_of
-from kerfwise.models.engines.minizinc import solve_minizinc
+from kerfwise.jobs.request import facts_of
+from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.conflict import find_conflict, state_relaxed
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.postproc.verdict.check_plan import check_plan
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.statements import RELAXED_MM
 from kerfwise.rules.stating.state_rules import state_rules

@@ -7,17 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
-from kerfwise.models.plan.conflict.group import Group, hard_groups
-from kerfwise.models.plan.conflict.solver import NotAnswered
-from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
+from kerfwise.models.plan.conflict.core import Engines, find_whole_core
+from kerfwise.models.plan.conflict.groups import Group, NotAnswered, hard_groups
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import every_statement
@@ -130,7 +128,7 @@ def test_pauses_that_no_order_has(profile_of) -> None:
 def test_the_way_out_is_taken_and_told(profile_of) -> None:
     profile = profile_of(*HEAD_DOWN)
     limits = options_for(PLATES, profile, work=2)
-    made = produce(ask(facts_of(PLATES, profile), profile, relax=True), profile, limits)
+    made = solve_and_verify(make_request(facts_of(PLATES, profile), profile, relax=True), profile, limits)
     assert made.verdict.ok
     assert [(d.rule, d.contours) for d in made.plan.dropped if d.relaxed] == [("no-tip-travel", ("B.outer",))]
     assert made.verdict.rule("no-tip-travel").verdict == "excused"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from kerfwise.models.plan.explain.along import Along
+from kerfwise.models.plan.explain.alternatives import PositionCosts
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.tests.models.problems import ABOUT, problem
 
@@ -17,7 +17,7 @@ def test_an_order_without_a_lawful_way_has_no_cost_though_nothing_is_moved() -> 
     setting: Any = SimpleNamespace(
         problem=two, order=(0, 1), conditions={0: (asked,)}, stated=SimpleNamespace(statements=())
     )
-    along = Along(setting)
+    along = PositionCosts(setting)
     assert along.moved((0, 1)) is None
     assert along.pinned(0, 0) is None
     assert along.moved((1, 0)) == 60_000

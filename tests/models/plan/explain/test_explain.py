@@ -12,14 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.request import facts_of
 from kerfwise.models.plan.explain import as_text, explain, explanation_as_json
-from kerfwise.models.plan.explain.setting import Setting, make_setting
+from kerfwise.models.plan.explain.context import PlanContext, make_context
 from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
@@ -127,7 +127,7 @@ def test_every_difference_is_that_of_the_best_entries(plate: Nest, off: str, dat
     bare = state_rules(facts, profile)
     extras = replace(bare, statements=(*bare.statements, *data.draw(_about_entries(facts))))
     facts, stated, plan = proven_plan(plate, profile, extras)
-    setting = make_setting(facts, profile, stated, plan)
+    setting = make_context(facts, profile, stated, plan)
     contour = data.draw(st.sampled_from([c.id for c in plate.contours]))
     told = explain(facts, profile, stated, plan, contour)
     number = plate.index[contour]
@@ -166,7 +166,7 @@ def _about_entries(draw: st.DrawFn, facts: Facts) -> tuple[Statement, ...]:
     return tuple(made)
 
 
-def _costs(setting: Setting, order: tuple[int, ...], contour: int | None = None, pinned: int = -1) -> Iterator[int]:
+def _costs(setting: PlanContext, order: tuple[int, ...], contour: int | None = None, pinned: int = -1) -> Iterator[int]:
     """What every lawful choice of entries along an order costs."""
     layers = [[s for s in setting.problem.sites(c) if c != contour or s == pinned] for c in order]
     for route in product(*layers):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import Facts
-from kerfwise.models.heat_prices.priced_statements import HEAT
+from kerfwise.models.heat_prices import HEAT
 from kerfwise.models.plan.explain import Explanation, as_text, explain
 from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede, Statement
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.solved import plant, proven_plan

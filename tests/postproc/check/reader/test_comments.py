@@ -7,12 +7,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.postproc.check.reader import comments
+from kerfwise.postproc.check.reader import controls
 
 
-def read(text: str) -> tuple[comments.Row | None, tuple[str, int | None] | None]:
+def read(text: str) -> tuple[controls.Row | None, tuple[str, int | None] | None]:
     try:
-        return comments.row_of(text, 7), None
+        return controls.row_of(text, 7), None
     except InputError as error:
         return None, (error.message, error.column)
 
@@ -24,5 +24,5 @@ def read(text: str) -> tuple[comments.Row | None, tuple[str, int | None] | None]
 def test_both_ways_read_the_same(text: str) -> None:
     at_once = read(text)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(comments, "_COMMENTED", re.compile(""))
+        patch.setattr(controls, "_COMMENTED", re.compile(""))
         assert read(text) == at_once

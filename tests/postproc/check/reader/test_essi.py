@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.postproc.check.program_rules import in_steps_of, tolerance_mm
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import NcProgram
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.postproc.check.torch_run import in_steps_of, tolerance_mm
 from kerfwise.postproc.dialects import Dialect, load_dialect
-from kerfwise.postproc.nc.pen import Pen
-from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.postproc.nc.gcode import GcodeWriter
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.tests.postproc.dialects import reading
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 
@@ -139,7 +139,7 @@ points = st.lists(st.tuples(st.floats(0, 500), st.floats(0, 500)), min_size=2, m
 
 @given(points, st.tuples(st.floats(-50, 50), st.floats(-50, 50)))
 def test_no_rounding_adds_up(path: list[tuple[float, float]], home: tuple[float, float]) -> None:
-    pen = Pen(load_dialect("essi"), home)
+    pen = GcodeWriter(load_dialect("essi"), home)
     blocks = [pen.rapid(point) for point in path] + [pen.rapid(home)]
     program = read_nc("\n".join(["71", "81", "5", *blocks, "0", ""]), home=home, control=CONTROLS["essi"])
     for (x, y), (_, at) in zip(path, program.rapids, strict=False):

@@ -7,7 +7,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import NcProgram
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
 
 GRBL_HEAD = "G21\nG90 G17 G40 G94\n"
 EIA_HEAD = "G21\nG90\nG40\n"

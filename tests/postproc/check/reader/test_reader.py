@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check.reader.program import NcProgram, at_holes
-from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.amount import examples
 

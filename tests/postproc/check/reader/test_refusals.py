@@ -3,9 +3,8 @@
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.reader import read_nc
-from kerfwise.postproc.check.reader.rows import LONGEST
+from kerfwise.postproc.check.reader.controls import CONTROLS, LONGEST
+from kerfwise.postproc.check.reader.rs274 import read_nc
 
 STRICT = "not supported here"
 HEAD = "G21 F600\n"

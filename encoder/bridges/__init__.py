@@ -1,1 +1,0 @@
-"""Strips of metal that join parts: outlines and strip become one part."""

@@ -1,0 +1,342 @@
+"""Facts as JSON that a rule author can read, and as MiniZinc data."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import KINDS
+
+from .facts import SIDES, Facing, Facts, Stretch
+
+FORMAT = "kerfwise-facts/1"
+
+
+def facts_json(facts: Facts) -> str:
+    """The facts as kerfwise-facts/1 text: stable key order, one zone, one contour, one candidate and one link a line.
+
+    Everything about a contour stands in its row. `level_ahead` and `in_hull` there list the contours that lie ahead
+    of it or in its hull, which are those to cut before it. Lengths are rounded to 0.001 mm.
+    """
+    nest, options = facts.nest, facts.options
+    head: dict[str, Any] = {
+        "format": FORMAT,
+        "nest": {"file": nest.file, "sha256": nest.sha256},
+        "options": {f.name: _plain(getattr(options, f.name)) for f in dataclasses.fields(options)},
+        "sheet_bounds_mm": [_mm(v) for v in nest.sheet.bounds],
+        "start_side": facts.start_side,
+        "start_side_because": facts.start_side_because,
+        "sides": {
+            side: {
+                "offcut_mm": _mm(facts.offcut_mm[k]),
+                "offcut_large": bool(facts.offcut_large[k]),
+                "heat_mm": _mm(facts.heat_mm[k]),
+                "heat_parts": int(facts.heat_parts[k]),
+            }
+            for k, side in enumerate(SIDES)
+        },
+    }
+    if nest.not_cut:
+        head["small_holes"] = {"marked": nest.spotted, "left_out": nest.left_out}
+    lines = [f' "{key}": {_text(value)}' for key, value in head.items()]
+    lines += [f' "zones": {_rows(_zone_rows(facts))}']
+    lines += [f' "contours": {_rows(_contour_rows(facts))}', f' "candidates": {_rows(_candidate_rows(facts))}']
+    lines += [f' "links": {_rows(_link_rows(facts))}'] if facts.links else []
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _plain(value: Any) -> Any:
+    """A set as a sorted list: the same facts give the same text."""
+    return sorted(value) if isinstance(value, frozenset) else value
+
+
+def _zone_rows(facts: Facts) -> list[dict[str, Any]]:
+    if not facts.n:
+        return []
+    heat_kj, contours = facts.zone_heat_kj, np.bincount(facts.zone)[1:]
+    return [
+        {"zone": k, "contours": int(of), "heat_kj": _kj(kj)}
+        for k, (of, kj) in enumerate(zip(contours, heat_kj, strict=True), 1)
+    ]
+
+
+def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
+    contours = facts.nest.contours
+    ids = [c.id for c in contours]
+    contains = _listed(facts.contains[:, 1], facts.contains[:, 0], ids)
+    level_ahead = _listed(facts.level_ahead[:, 0], facts.level_ahead[:, 1], ids)
+    in_hull = _listed(facts.in_hull[:, 0], facts.in_hull[:, 1], ids)
+    beside = _listed(facts.scrap_beside[:, 1], facts.scrap_beside[:, 0], ids)
+    neighbours: list[list[dict[str, Any]]] = [[] for _ in ids]
+    for row, other, length_mm, gap_mm in _facing_rows(facts.neighbours):
+        neighbours[row].append({"contour": ids[other], "length_mm": _mm(length_mm), "gap_mm": _mm(gap_mm)})
+    return [
+        {
+            "id": c.id,
+            "part": c.part,
+            "kind": c.kind,
+            "parent": ids[facts.parent[i]] if facts.parent[i] >= 0 else None,
+            "zone": int(facts.zone[i]),
+            "long": bool(facts.long[i]),
+            "length_mm": _mm(c.curve.length_mm),
+            "heat_kj": _kj(facts.torch_heat_kj[i]),
+            "contains": contains[i],
+            "level_ahead": level_ahead[i],
+            "in_hull": in_hull[i],
+            "neighbours": neighbours[i],
+            "edge_gap_mm": _by_side(facts.edge_gap_mm[i]),
+            "edge_length_mm": _by_side(facts.edge_length_mm[i]),
+            "solid_mm": _mm(facts.solid_mm[i]),
+            **({"scrap_framed": bool(facts.scrap_framed[i]), "scrap_beside": beside[i]} if c.kind == "scrap" else {}),
+            **({"feed_share": round(c.feed_share, 6)} if c.feed_share < 1 else {}),
+        }
+        for i, c in enumerate(contours)
+    ]
+
+
+def _candidate_rows(facts: Facts) -> list[dict[str, Any]]:
+    ids = [c.id for c in facts.nest.contours]
+    head, tail = _stretch_rows(facts.head, ids), _stretch_rows(facts.tail, ids)
+    rings = _listed(facts.older_kerfs.rings[:, 1], facts.older_kerfs.rings[:, 0], ids, len(facts.candidates))
+    leads: list[list[int]] = [[] for _ in facts.candidates]
+    for later, earlier in facts.older_kerfs.leads.tolist():
+        leads[later].append(earlier)
+    return [
+        {
+            "candidate": k,
+            **_candidate(c, ids),
+            "meets_kerfs_of": rings[k],
+            "meets_leads_of": leads[k],
+            "head": head[k],
+            "tail": tail[k],
+        }
+        for k, c in enumerate(facts.candidates)
+    ]
+
+
+def _link_rows(facts: Facts) -> list[dict[str, Any]]:
+    contours, candidates = facts.nest.contours, facts.candidates
+    return [
+        {
+            "from": contours[candidates[link.leave[0]].contour].id,
+            "to": contours[candidates[link.reach[0]].contour].id,
+            "leave": link.leave,
+            "reach": link.reach,
+            "path": [[_mm(v) for v in at] for at in link.path],
+            "length_mm": _mm(link.length_mm),
+        }
+        for link in facts.links
+    ]
+
+
+def _candidate(candidate: Candidate, ids: list[str]) -> dict[str, Any]:
+    return {
+        "contour": ids[candidate.contour],
+        "entry": [_mm(v) for v in candidate.entry],
+        "entry_mm": _mm(candidate.entry_mm),
+        "direction": candidate.direction,
+        "pierce": [_mm(v) for v in candidate.pierce],
+        "end": [_mm(v) for v in candidate.end],
+        "cut_mm": _mm(candidate.cut_mm),
+        "edge_start": candidate.edge_start,
+        **({"kerf_start": candidate.kerf_start, "out": list(candidate.out)} if candidate.span is not None else {}),
+        **({"still_in": list(candidate.still_in)} if candidate.still_in else {}),
+    }
+
+
+def _stretch_rows(stretch: Stretch, ids: list[str]) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = [
+        {"total_mm": _mm(total), "edge_mm": _mm(edge), "solid_mm": _mm(solid), "neighbours": []}
+        for total, edge, solid in zip(stretch.total_mm, stretch.edge_mm, stretch.solid_mm, strict=True)
+    ]
+    for row, other, length_mm, _ in _facing_rows(stretch.neighbours):
+        rows[row]["neighbours"].append({"contour": ids[other], "length_mm": _mm(length_mm)})
+    return rows
+
+
+def _facing_rows(facing: Facing) -> zip[tuple[int, int, float, float]]:
+    arrays = (facing.row, facing.neighbour, facing.length_mm, facing.gap_mm)
+    return zip(*(a.tolist() for a in arrays), strict=True)
+
+
+def _listed(what: Ints, by: Ints, ids: list[str], rows: int | None = None) -> list[list[str]]:
+    """For each contour (or each of so many rows) the ids of the `what` whose `by` it is."""
+    lists: list[list[str]] = [[] for _ in range(len(ids) if rows is None else rows)]
+    for w, b in zip(what.tolist(), by.tolist(), strict=True):
+        lists[b].append(ids[w])
+    return lists
+
+
+def _by_side(values: Floats) -> dict[str, float]:
+    return {side: _mm(value) for side, value in zip(SIDES, values, strict=True)}
+
+
+def _mm(value: float) -> float:
+    return round(float(value), 3) + 0.0  # never -0.0
+
+
+def _kj(value: float) -> float | None:
+    """Heat, None where it is not known."""
+    return None if math.isnan(value) else round(float(value), 3)
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _rows(rows: list[dict[str, Any]]) -> str:
+    return "[\n  " + ",\n  ".join(map(_text, rows)) + "\n ]" if rows else "[]"
+
+
+# Facts as MiniZinc data, for rule authors and the MiniZinc engine.
+#
+# Contours and candidates count from 1 there, a relation is an array of bools such as `contains[i, j]`, and every
+# length is an integer in hundredths of a millimetre, so that solvers without floats can read it.
+
+CONTOURS_MAX = 2000
+
+HEADER = """\
+% Facts of a nest for MiniZinc (kerfwise-facts/1). Contours 1..n_contours, candidates 1..n_candidates.
+% Every length and coordinate is an integer in 0.01 mm. Sides: 1 left, 2 right, 3 bottom, 4 top.
+%
+%   n_contours                number of contours
+%   contour_id[i]             id of contour i, as in plans and reports
+%   part[i]                   number of the part of i, in the order of the nest; each scrap line has its own
+%   kind[i]                   1 outer, 2 hole, 3 mark, 4 slit, 5 scrap
+%   parent[i]                 the contour that immediately contains i, 0 if none does
+%   zone[i]                   zone of i, from 1
+%   long[i]                   i is an outer contour, one side at least long_ratio times the other
+%   start_side                the side where cutting starts
+%   contains[i, j]            j lies inside i, directly or not
+%   level_ahead[j, i]         j lies between the start side and i, on the level of i
+%   in_hull[j, i]             j lies in the concavity of i
+%   edge_gap[i, side]         distance of i from the side
+%   edge_length[i, side]      boundary of i that faces the edge of the sheet there
+%   solid_length[i]           boundary of i that faces wide uncut metal
+%   n_facing                  pairs of contours that face each other closely; for each pair p
+%   facing_from[p]            the contour whose boundary it is
+%   facing_to[p]              the outer contour that it faces
+%   facing_length[p]          length of that stretch of boundary
+%   facing_gap[p]             smallest distance between the two
+%   offcut_depth[side]        depth of the empty strip along the side
+%   offcut_large[side]        it is large
+%   heat_length[side]         cut length in the half of the sheet at the side
+%   heat_parts[side]          small parts in that half
+%   n_candidates              number of candidates; those of a contour follow each other; for each candidate c
+%   cand_contour[c]           the contour it cuts
+%   cand_x[c], cand_y[c]      where it pierces: idle travel arrives here
+%   cand_end_x[c], cand_end_y[c]   where the torch goes off: idle travel leaves from here
+%   cand_ccw[c]               it runs counter-clockwise (an open line: along it)
+%   cand_cut_length[c]        torch-on path, leads and overcut included
+%   cand_edge_start[c]        it comes in from the edge of the sheet and nothing is pierced
+%   head_length[c]            the first stretch of its path round the contour, of which
+%   head_edge[c], head_solid[c]    face the edge and solid metal, and the rest, for each p in 1..n_head,
+%   head_cand[p], head_contour[p], head_facing[p]    faces that contour for that length
+%   tail_length, tail_edge, tail_solid, n_tail, tail_cand, tail_contour, tail_facing    the same of the last stretch
+"""
+
+
+def facts_dzn(facts: Facts) -> str:
+    """The facts as MiniZinc data text; its first lines say what each field is.
+
+    Raises
+    ------
+    InputError
+        If the nest has more than 2000 contours: relations are square arrays there, and exact models of that size
+        are out of reach. JSON has no such limit.
+    """
+    n = facts.n
+    if n > CONTOURS_MAX:
+        raise InputError(f"{n} contours are too many for MiniZinc data (at most {CONTOURS_MAX}); write .json instead")
+    contours = facts.nest.contours
+    cands, near = facts.candidates, facts.neighbours
+    fields: list[tuple[str, str]] = [
+        ("n_contours", str(n)),
+        ("contour_id", _list(json.dumps(c.id, ensure_ascii=False) for c in contours)),
+        ("part", _ints(k + 1 for k in facts.nest.owners)),
+        ("kind", _ints(KINDS.index(c.kind) + 1 for c in contours)),
+        ("parent", _ints(facts.parent + 1)),
+        ("zone", _ints(facts.zone)),
+        ("long", _bools(facts.long)),
+        ("start_side", str(SIDES.index(facts.start_side) + 1)),
+        ("contains", _relation(facts.contains, n)),
+        ("level_ahead", _relation(facts.level_ahead, n)),
+        ("in_hull", _relation(facts.in_hull, n)),
+        ("edge_gap", _table(facts.edge_gap_mm)),
+        ("edge_length", _table(facts.edge_length_mm)),
+        ("solid_length", _lengths(facts.solid_mm)),
+        ("n_facing", str(len(near.row))),
+        ("facing_from", _ints(near.row + 1)),
+        ("facing_to", _ints(near.neighbour + 1)),
+        ("facing_length", _lengths(near.length_mm)),
+        ("facing_gap", _lengths(near.gap_mm)),
+        ("offcut_depth", _lengths(facts.offcut_mm)),
+        ("offcut_large", _bools(facts.offcut_large)),
+        ("heat_length", _lengths(facts.heat_mm)),
+        ("heat_parts", _ints(facts.heat_parts)),
+        ("n_candidates", str(len(cands))),
+        ("cand_contour", _ints(c.contour + 1 for c in cands)),
+        ("cand_x", _lengths(c.pierce[0] for c in cands)),
+        ("cand_y", _lengths(c.pierce[1] for c in cands)),
+        ("cand_end_x", _lengths(c.end[0] for c in cands)),
+        ("cand_end_y", _lengths(c.end[1] for c in cands)),
+        ("cand_ccw", _bools(c.direction == "ccw" for c in cands)),
+        ("cand_cut_length", _lengths(c.cut_mm for c in cands)),
+        ("cand_edge_start", _bools(c.edge_start for c in cands)),
+        *_stretch_fields("head", facts.head),
+        *_stretch_fields("tail", facts.tail),
+    ]
+    return HEADER + "".join(f"{name} = {value};\n" for name, value in fields)
+
+
+def _stretch_fields(name: str, stretch: Stretch) -> list[tuple[str, str]]:
+    facing: Facing = stretch.neighbours
+    return [
+        (f"{name}_length", _lengths(stretch.total_mm)),
+        (f"{name}_edge", _lengths(stretch.edge_mm)),
+        (f"{name}_solid", _lengths(stretch.solid_mm)),
+        (f"n_{name}", str(len(facing.row))),
+        (f"{name}_cand", _ints(facing.row + 1)),
+        (f"{name}_contour", _ints(facing.neighbour + 1)),
+        (f"{name}_facing", _lengths(facing.length_mm)),
+    ]
+
+
+def _list(values: Iterable[str]) -> str:
+    return f"[{', '.join(values)}]"
+
+
+def _ints(values: Iterable[int]) -> str:
+    return _list(str(int(v)) for v in values)
+
+
+def _lengths(values_mm: Iterable[float]) -> str:
+    return _ints(round(v * 100) for v in values_mm)
+
+
+def _bools(values: Iterable[object]) -> str:
+    return _list("true" if v else "false" for v in values)
+
+
+def _dzn_rows(rows: Iterable[Iterable[str]], width: int) -> str:
+    """A 2-D array; one without rows keeps its number of columns."""
+    lines = [", ".join(row) for row in rows]
+    return "[| " + "\n   | ".join(lines) + " |]" if lines else f"array2d(1..0, 1..{width}, [])"
+
+
+def _relation(pairs: Ints, n: int) -> str:
+    holds = np.zeros((n, n), dtype=bool)
+    holds[pairs[:, 0], pairs[:, 1]] = True
+    return _dzn_rows((("true" if v else "false" for v in row) for row in holds.tolist()), n)
+
+
+def _table(values_mm: Floats) -> str:
+    return _dzn_rows(((str(round(v * 100)) for v in row) for row in values_mm.tolist()), values_mm.shape[1])

@@ -1,0 +1,320 @@
+"""Files that a person names: read up to a size that no good one has, and JSON as strict as the profiles' YAML."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from .errors import InputError
+from .text import escape_text
+
+if TYPE_CHECKING:
+    from jsonschema import ValidationError
+
+
+MOST_BYTES = 256_000_000
+"""Of nests, plans and programs: those of ten thousand contours have a tenth of it."""
+MOST_BYTES_OF_YAML = 1_000_000
+"""Of profiles and dialects: shipped ones have a hundredth of it; a megabyte takes seconds to read."""
+
+
+def read_limited(path: str | Path, most_bytes: int = MOST_BYTES) -> bytes:
+    """All bytes of a file. What never ends (a device, a pipe that is fed for ever) is not read to its end.
+
+    Raises
+    ------
+    InputError
+        If it holds more than `most_bytes`.
+    OSError, ValueError
+        If it cannot be read, or no file can have this name.
+    """
+    with open(path, "rb") as file:
+        data = file.read(most_bytes + 1)
+    if len(data) > most_bytes:
+        raise InputError(f"holds over {most_bytes // 1_000_000} MB: too large to be what it should be", file=path)
+    return data
+
+
+def is_file(path: str | Path) -> bool:
+    """Whether there is a file of that name. It answers for every name; `Path` raises for one that is too long."""
+    return os.path.isfile(path)
+
+
+def is_folder(path: str | Path) -> bool:
+    """Whether there is a folder of that name, whatever the name."""
+    return os.path.isdir(path)
+
+
+def is_there(path: str | Path) -> bool:
+    """Whether there is anything of that name, whatever the name."""
+    return os.path.exists(path)
+
+
+# Files kept between runs that cannot hurt: what is broken, foreign or out of date is never used.
+#
+# In front stands what a file was made by (32 bytes), then the sum of the rest (32 bytes). A file is there whole or
+# not at all, however many runs write it at once.
+
+DIGEST_BYTES = 32
+
+
+class DamagedFile(Exception):
+    """A kept file does not hold what was written."""
+
+
+def read_sealed(path: Path, made_by: bytes) -> bytes | None:
+    """What a file holds; None where it is not there, cannot be read, or was made by something else.
+
+    `made_by` is a digest of 32 bytes.
+
+    Raises
+    ------
+    DamagedFile
+        If the file is cut short or changed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> place, maker = Path(tempfile.mkdtemp(), "kept"), hashlib.sha256(b"me").digest()
+    >>> write_sealed(place, maker, b"text")
+    >>> read_sealed(place, maker)
+    b'text'
+    """
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    maker, total, content = data[:DIGEST_BYTES], data[DIGEST_BYTES : 2 * DIGEST_BYTES], data[2 * DIGEST_BYTES :]
+    if len(total) == DIGEST_BYTES and maker != made_by:
+        return None
+    if hashlib.sha256(content).digest() != total:
+        raise DamagedFile(path)
+    return content
+
+
+def write_sealed(path: Path, made_by: bytes, content: bytes) -> None:
+    """Keep content in a file, in place of what is there.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; nothing is left of it then.
+    """
+    handle, beside = tempfile.mkstemp(prefix=".", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(made_by + hashlib.sha256(content).digest() + content)
+        os.chmod(beside, 0o644)
+        os.replace(beside, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(beside)
+        raise
+
+
+# JSON as strict as the profiles' YAML: a key given twice is refused with both places, and foreign text is shown.
+
+_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]', re.DOTALL)
+
+
+class _Twice(Exception):
+    """A key is given twice."""
+
+
+def strict_json(text: str) -> Any:
+    """The value of a JSON text, `NaN` and the like as texts, every text in it in one line (see `escape_text`).
+
+    Raises
+    ------
+    InputError
+        If an object has a key twice: with the line and column of the second, and those of the first in words.
+    ValueError, RecursionError
+        As `json.loads` does.
+
+    Examples
+    --------
+    >>> strict_json('{"id": "A", "outer": [NaN]}')
+    {'id': 'A', 'outer': ['NaN']}
+    >>> strict_json('{"id": "A",\\n "id": "B"}')
+    Traceback (most recent call last):
+    kerfwise.encoder.errors.InputError: 2:2: the key 'id' is given twice, first in line 1, column 2: leave one of them
+    """
+    try:
+        value = json.loads(text, parse_constant=str, object_pairs_hook=_object)
+    except _Twice:
+        raise _refusal(text) from None
+    return _shown(value)
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        raise _Twice
+    return {escape_text(key): _shown(value) for key, value in pairs}
+
+
+def _shown(value: Any) -> Any:
+    """Texts in one line; lists of texts as well, objects are seen to already."""
+    if isinstance(value, str):
+        return escape_text(value)
+    if isinstance(value, list) and any(isinstance(member, str | list) for member in value):
+        return [_shown(member) for member in value]
+    return value
+
+
+def _refusal(text: str) -> InputError:
+    for key, first, again in _keys_twice(text):
+        line, column = _place(text, first)
+        message = f"the key '{key}' is given twice, first in line {line}, column {column}: leave one of them"
+        at = _place(text, again)
+        return InputError(message, line=at[0], column=at[1])
+    return InputError("a key is given twice: leave one of them")
+
+
+def _keys_twice(text: str) -> Iterator[tuple[str, int, int]]:
+    """Keys that an object has twice, and where they begin: counted in characters from 0."""
+    seen: list[dict[str, int] | None] = []
+    last: re.Match[str] | None = None
+    for token in _TOKEN.finditer(text):
+        sign = token.group()
+        if sign in "{[":
+            seen.append({} if sign == "{" else None)
+        elif sign in "}]" and seen:
+            seen.pop()
+        elif sign == ":" and last is not None and seen and (keys := seen[-1]) is not None:
+            key = json.loads(last.group())
+            if keys.setdefault(key, last.start()) != last.start():
+                yield key, keys[key], last.start()
+        last = token if sign.startswith('"') else None
+
+
+def _place(text: str, at: int) -> tuple[int, int]:
+    before = text[:at]
+    return before.count("\n") + 1, at - (before.rfind("\n") + 1) + 1
+
+
+# What a JSON Schema has against a value, in the words of the file's author.
+
+NAMES = {
+    "object": "an object",
+    "array": "a list",
+    "string": "a text",
+    "number": "a number",
+    "integer": "a whole number",
+    "boolean": "true or false",
+}
+
+
+def schema_message(error: ValidationError) -> str:
+    """The schema's complaint about one value, in the file's own terms."""
+    given, bound = _short(error.instance), error.validator_value
+    match error.validator:
+        case "required":
+            return error.message.replace(" is a required property", " missing")
+        case "oneOf":
+            return "expected either 'width' and 'height', or 'outline'"
+        case "const":
+            return f"{given} given, expected {bound!r}"
+        case "enum" if isinstance(bound, list):
+            return f"{given} given, expected one of {', '.join(bound)}"
+        case "type":
+            return f"{given} given, expected {_types(bound)}"
+        case "minItems" | "minLength" if not error.instance:
+            return "nothing in it"
+        case "minItems" | "maxItems" if isinstance(error.instance, list):
+            words = {"minItems": "at least", "maxItems": "at most"}
+            return f"{len(error.instance)} given, expected {words[error.validator]} {bound}"
+        case "minimum" | "maximum" | "exclusiveMinimum":
+            words = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "over"}
+            return f"{given} given, expected {words[error.validator]} {bound}"
+    return error.message
+
+
+def _types(bound: object) -> str:
+    words = [bound] if isinstance(bound, str) else bound if isinstance(bound, list) else []
+    return " or ".join(NAMES.get(word, "null") for word in words)
+
+
+def _short(value: object) -> str:
+    names: Mapping[type, str] = {dict: "an object", list: "a list"}
+    if isinstance(value, list) and len(value) <= 3 and not any(isinstance(x, list | dict) for x in value):
+        return json.dumps(value)
+    text = names.get(type(value)) or json.dumps(value)
+    return text if len(text) <= 40 else text[:37] + "…"
+
+
+# Where in a JSON text a value stands, for messages.
+
+JsonPath = Sequence[str | int]
+_ONE_OF = {"holes": "hole", "marks": "mark", "scrap": "scrap line", "tabs": "tab", "bridges": "bridge"}
+
+
+def places(text: str, paths: Sequence[JsonPath]) -> list[tuple[int | None, int | None]]:
+    """Line and column, counted from 1, of the values that paths of keys and indices lead to.
+
+    JSON is YAML, and a YAML parser keeps the positions. (None, None) where the text is one it does not follow.
+
+    Examples
+    --------
+    >>> places('{"parts": [\\n  {"id": "A"},\\n  {"id": 7}]}', [["parts", 1, "id"]])
+    [(3, 10)]
+    """
+    if not paths:
+        return []
+    try:
+        root = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (yaml.YAMLError, RecursionError):
+        root = None
+    return [_json_place(root, path) for path in paths]
+
+
+def _json_place(node: yaml.Node | None, path: JsonPath) -> tuple[int | None, int | None]:
+    if node is None:
+        return None, None
+    for step in path:
+        if isinstance(node, yaml.MappingNode):
+            node = next((value for key, value in node.value if key.value == step), node)
+        elif isinstance(node, yaml.SequenceNode) and isinstance(step, int) and step < len(node.value):
+            node = node.value[step]
+    return node.start_mark.line + 1, node.start_mark.column + 1
+
+
+def spoken(path: JsonPath, part_ids: Sequence[object]) -> str:
+    """A path in words: "part 'P3', hole 2, vertex 5".
+
+    Examples
+    --------
+    >>> spoken(["parts", 2, "holes", 1, 4, 0], ["P1", "P2", "P3"])
+    "part 'P3', hole 2, vertex 5, x"
+    """
+    words, steps = [], list(path)
+    if len(steps) > 1 and steps[0] == "parts" and isinstance(steps[1], int):
+        name = part_ids[steps[1]] if steps[1] < len(part_ids) else None
+        words.append(f"part '{name}'" if isinstance(name, str) and name else f"part number {steps[1] + 1}")
+        steps = steps[2:]
+    elif steps and steps[0] == "sheet":
+        words.append("the sheet")
+        steps = steps[1:]
+    if len(steps) > 1 and steps[0] in _ONE_OF and isinstance(steps[1], int):
+        words.append(f"{_ONE_OF[str(steps[0])]} {steps[1] + 1}")
+        steps = steps[2:]
+    elif steps:
+        words.append(f"{steps[0]}")
+        steps = steps[1:]
+    if steps and steps[0] in ("at", "width", "parts", "from", "to"):
+        return ", ".join([*words, str(steps[0])])
+    if steps and isinstance(steps[0], int):
+        words.append(f"vertex {steps[0] + 1}")
+        steps = steps[1:]
+    if steps and isinstance(steps[0], int):
+        words.append(("x", "y", "bulge")[min(steps[0], 2)])
+    return ", ".join(words) or "the file"

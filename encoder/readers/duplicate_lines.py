@@ -1,0 +1,184 @@
+"""Lines that are drawn twice: closed ones side by side, and stretches that two open ones share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.graphs import weak_components
+from kerfwise.encoder.nest import Note, Part
+from kerfwise.encoder.questions import Asking, Choice, Question
+
+from .drawing import SNAP_MM, DrawnCurve
+from .layers import counted
+from .options import ReadOptions
+
+# Closed lines that are one line drawn twice, side by side: traced, outlined, copied; and metal too thin.
+
+LEAST_MM = 0.2
+"""Metal narrower than this is none on any machine."""
+CORNER = 1.5
+"""How much further than along their sides two outlines may lie apart at corners."""
+
+
+def drawn_once(
+    rings: Sequence[DrawnCurve], options: ReadOptions, asking: Asking
+) -> tuple[tuple[DrawnCurve, ...], list[Note]]:
+    """The rings, each line once, and a word on those that were drawn beside themselves.
+
+    Two that lie within the join tolerance all round are one: the first that was drawn. Others that leave less metal
+    between them than the kerf are asked about.
+    """
+    limit_mm = max(options.kerf_mm, LEAST_MM)
+    groups = _groups(rings, limit_mm)
+    if not groups:
+        return tuple(rings), []
+    near = [(group, gap) for group, gap in groups if gap <= options.join_tolerance_mm]
+    wide = [(group, gap) for group, gap in groups if gap > options.join_tolerance_mm]
+    gone = {k for group, _ in near for k in group[1:]}
+    notes = [
+        Note(
+            "warning",
+            f"the line {rings[group[0]].place} is drawn {_times(len(group))}, {gap:.3f} mm apart: it is cut once, as "
+            "it is drawn first",
+        )
+        for group, gap in near
+    ]
+    if wide:
+        said = asking.ask(
+            _question([[rings[k] for k in group] for group, _ in wide], [gap for _, gap in wide], limit_mm)
+        )
+        for group, gap in wide if said != "both" else ():
+            by_size = sorted(group, key=lambda k: abs(rings[k].curve.signed_area_mm2))
+            kept = by_size[0] if said == "inner" else by_size[-1]
+            gone |= set(group) - {kept}
+            notes.append(
+                Note(
+                    "warning",
+                    f"the line {rings[kept].place} is drawn {_times(len(group))}, {gap:.3f} mm apart: cut once",
+                )
+            )
+    return tuple(ring for k, ring in enumerate(rings) if k not in gone), notes
+
+
+def _times(count: int) -> str:
+    return "twice" if count == 2 else f"{count} times"
+
+
+def _question(groups: Sequence[Sequence[DrawnCurve]], gaps: Sequence[float], limit_mm: float) -> Question:
+    count, first = len(groups), groups[0][0]
+    which = f"{count} closed lines are" if count > 1 else f"the closed line {first.place} is"
+    apart = f"{min(gaps):.3g}" if max(gaps) - min(gaps) < 5e-3 else f"{min(gaps):.3g}…{max(gaps):.3g}"
+    return Question(
+        "doubled",
+        f"{which} drawn twice, {apart} mm apart ({counted(g[0].layer for g in groups)}), and the {limit_mm:g} mm of "
+        "the kerf leave no metal between: which one is cut?",
+        (
+            Choice("outer", "the outer one of each"),
+            Choice("inner", "the inner one of each"),
+            Choice("both", "both, as they are drawn"),
+        ),
+    )
+
+
+def _groups(rings: Sequence[DrawnCurve], limit_mm: float) -> list[tuple[list[int], float]]:
+    """Rings that run beside each other all the way, and how far apart they are at most, mm; identical ones are not."""
+    if len(rings) < 2:
+        return []
+    lines = np.array([ring.curve.line() for ring in rings], dtype=object)
+    pairs = cKDTree(shapely.bounds(lines)).query_pairs(CORNER * limit_mm, p=np.inf, output_type="ndarray")
+    found, gaps = [], []
+    for a, b in sorted(map(tuple, pairs.tolist())):
+        apart = float(shapely.hausdorff_distance(lines[a], lines[b], densify=0.25))
+        if not SNAP_MM < apart <= CORNER * limit_mm:
+            continue
+        between = abs(rings[a].area.area - rings[b].area.area) / max(min(lines[a].length, lines[b].length), SNAP_MM)
+        if between <= limit_mm:
+            found.append((a, b))
+            gaps.append(apart)
+    if not found:
+        return []
+    nodes = np.array(found, dtype=np.int64)
+    label = weak_components(len(rings), nodes)
+    widest: dict[int, float] = {}
+    for (a, _), gap in zip(found, gaps, strict=True):
+        widest[int(label[a])] = max(widest.get(int(label[a]), 0.0), gap)
+    touched = {k for pair in found for k in pair}
+    return [
+        ([k for k in range(len(rings)) if k in touched and label[k] == one], gap) for one, gap in sorted(widest.items())
+    ]
+
+
+def thin_parts(parts: Sequence[Part], options: ReadOptions) -> list[Part]:
+    """The parts of which the kerf would leave nothing anywhere."""
+    limit_mm = max(options.kerf_mm, LEAST_MM)
+    return [
+        part
+        for part in parts
+        if 2 * part.polygon.area < limit_mm * part.polygon.length
+        and shapely.buffer(shapely.make_valid(part.polygon), -limit_mm / 2, quad_segs=4).is_empty
+        and part.polygon.area > 0
+    ]
+
+
+def thin_question(thin: Sequence[Part], options: ReadOptions) -> Question:
+    """What outlines are for between which there is no metal once they are cut."""
+    limit_mm = max(options.kerf_mm, LEAST_MM)
+    x, y = thin[0].outer.curve.vertices[0, :2].tolist()
+    count = len(thin)
+    which = "1 closed line encloses" if count == 1 else f"{count} closed lines enclose"
+    return Question(
+        "thin",
+        f"{which} metal that is nowhere wider than the {limit_mm:g} mm of the kerf, the first at ({x:.3f}, {y:.3f}): "
+        "nothing would be left of such parts. What are they for?",
+        (
+            Choice("ignore", "left out"),
+            Choice("mark", "marked, where they lie in the metal of a part"),
+            Choice("cut", "cut, as they are drawn"),
+        ),
+    )
+
+
+# Two lines that lie partly on each other: the stretch they share is drawn twice, and hides where they meet.
+
+
+def trim_overlaps(chains: Sequence[DrawnCurve], tolerance_mm: float) -> tuple[list[DrawnCurve], list[DrawnCurve]]:
+    """The chains without the stretches where the last lines of two ends overlap, and those stretches.
+
+    Two ends overlap if each lies on the straight line that leads to the other; the later one is cut back to the
+    earlier.
+
+    Examples
+    --------
+    >>> lines = [DrawnCurve(Curve.of(rows, closed=False), "0", 0) for rows in ([(0, 0), (6, 0)], [(4, 0), (9, 0)])]
+    >>> left, shared = trim_overlaps(lines, 0.1)
+    >>> [p.curve.as_rows() for p in left]
+    [[[0.0, 0.0], [6.0, 0.0]], [[6.0, 0.0], [9.0, 0.0]]]
+    """
+    if not chains:
+        return [], []
+    last = [s for c in chains for s in (c.curve.segments[0], c.curve.segments[-1])]
+    ends = np.array([p for c in chains for p in c.curve.vertices[[0, -1], :2]])
+    tree = shapely.STRtree([shapely.LineString([s.start, s.end]) for s in last])
+    end, line = tree.query(shapely.points(ends), predicate="dwithin", distance=tolerance_mm)
+    lies_on = set(zip(end.tolist(), line.tolist(), strict=True))
+    rows = [c.curve.vertices.copy() for c in chains]
+    shared: list[DrawnCurve] = []
+    taken: set[int] = set()
+    for a, b in sorted(lies_on):
+        each_on_the_other = a < b and (b, a) in lies_on and not (last[a].is_arc or last[b].is_arc)
+        neighbours = a // 2 == b // 2 and len(chains[a // 2].curve.segments) < 3
+        apart = np.hypot(*(ends[a] - ends[b])) > SNAP_MM
+        if not each_on_the_other or neighbours or not apart or {a, b} & taken:
+            continue
+        for n in (a, b):  # the one line of a chain is both its first and its last
+            taken |= {n, n ^ 1} if len(chains[n // 2].curve.segments) == 1 else {n}
+        shared.append(replace(chains[b // 2], curve=Curve.of([ends[a], ends[b]], closed=False)))
+        rows[b // 2][-(b % 2), :2] = ends[a]
+    left = [replace(c, curve=Curve(r, closed=False)) for r, c in zip(rows, chains, strict=True)]
+    return left, shared

@@ -1,0 +1,346 @@
+"""A drawing becomes a nest: loose lines joined, the sheet found, parts assembled, tabs and bridges added."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kerfwise.encoder.contour_checks import metal_of
+from kerfwise.encoder.cut import Tab
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import TOUCH_MM
+from kerfwise.encoder.nest import Bridge, Contour, Nest, Note, Part, Severity, as_scrap
+from kerfwise.encoder.questions import Asking
+from kerfwise.encoder.validate import coincident
+
+from .by_layer import ByLayer, answered_as_cut, by_layer, nothing_to_cut, sheet_by_name
+from .drawing import Drawing, DrawnCurve, OpenLines
+from .duplicate_lines import drawn_once, thin_parts, thin_question
+from .join import Joined, join
+from .layers import counted, setting
+from .open_lines import REPAIR_FACTOR, decide_open_lines, ends, open_end_problems
+from .options import ReadOptions, doubts
+from .reading import reading_of
+from .sheet import choose_sheet, frame_note, frame_of_drawing, surrounding, use_of_frame
+
+MOST_NOTES = 100
+
+
+def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None) -> Nest:
+    """The nest in a drawing, not yet validated, with its reading; what is not decided is put to `asking`.
+
+    Raises
+    ------
+    InputError
+        When nothing in it can be cut, when several sheets are drawn, or when outlines do not close.
+    """
+    asking = Asking(dict(options.answers)) if asking is None else asking
+    told_apart = sheet_by_name(by_layer(drawing.pieces, options, asking), options, asking)
+    if not told_apart.cut:
+        raise InputError(nothing_to_cut(drawing.pieces, told_apart.uses))
+    bridge_mm = REPAIR_FACTOR * options.join_tolerance_mm if options.repair else 0.0
+    cut = join(told_apart.cut, options.join_tolerance_mm, bridge_mm)
+    stock = join(told_apart.sheet, options.join_tolerance_mm, bridge_mm)
+    marks = join(told_apart.mark, options.join_tolerance_mm)
+    joined_notes = [note for joined in (stock, cut) for note in _join_notes(joined, "cut", options)]
+    joined_notes += _join_notes(marks, "marked", options)
+    sheet_notes = _open_on_the_sheet(stock, options)
+    single, doubled_notes = drawn_once(cut.rings, options, asking)
+    rings, outline, why_sheet, frame_notes = _frame(single, stock.rings, drawing, told_apart, options, asking)
+    rings, parts, thin, part_notes = _without_thin(rings, options, asking)
+    open_lines = decide_open_lines(cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking)
+    if not rings:
+        raise InputError("nothing to cut: the drawing holds no closed contour")
+    parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *thin, *open_lines.marks])
+    scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
+    parts = with_tabs(parts, told_apart.tab, options)
+    bridges = bridges_of_drawing(told_apart.bridge, parts, options)
+    sheet, sheet_because, choice_notes = choose_sheet(outline, rings, drawing.page, options, why_sheet)
+    notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *doubled_notes, *frame_notes]
+    notes += [*open_lines.notes, *part_notes, *mark_notes, *scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
+    reading = reading_of((drawing.units, drawing.because), sheet, sheet_because, told_apart.taken(), notes, asking.used)
+    return Nest(sheet, parts, notes=tuple(notes), scrap=scrap, bridges=bridges, reading=reading)
+
+
+def taken_apart(drawing: Drawing, options: ReadOptions, asking: Asking) -> tuple[tuple[str, DrawnCurve], ...]:
+    """Every line of a drawing with what its layer is taken for."""
+    told = sheet_by_name(by_layer(drawing.pieces, options, asking), options, asking)
+    groups = {
+        "cut": told.cut, "mark": told.mark, "sheet": told.sheet, "scrap": told.scrap, "bridge": told.bridge,
+        "tab": told.tab, "ignore": told.ignored,
+    }  # fmt: skip
+    return tuple((purpose, piece) for purpose, pieces in groups.items() for piece in pieces)
+
+
+def _without_thin(
+    rings: tuple[DrawnCurve, ...], options: ReadOptions, asking: Asking
+) -> tuple[tuple[DrawnCurve, ...], tuple[Part, ...], list[DrawnCurve], list[Note]]:
+    """The rings and the parts that they make, without those that are all kerf; and those of them that are marked."""
+    parts, notes = assemble(rings)
+    thin = thin_parts(parts, options)
+    if not thin or len(thin) == len(parts):
+        return rings, parts, [], notes
+    said = asking.ask(thin_question(thin, options))
+    if said == "cut":
+        return rings, parts, [], notes
+    curves = {id(contour.curve) for part in thin for contour in part}
+    gone = [ring for ring in rings if id(ring.curve) in curves]
+    rings = tuple(ring for ring in rings if id(ring.curve) not in curves)
+    parts, notes = assemble(rings)
+    marked = gone if said == "mark" else []
+    text = f"left out, as answered (thin): {counted(ring.layer for ring in gone)}"
+    return rings, parts, marked, [*notes, *([] if marked else [Note("warning", text)])]
+
+
+def _frame(
+    rings: tuple[DrawnCurve, ...],
+    stock: tuple[DrawnCurve, ...],
+    drawing: Drawing,
+    told_apart: ByLayer,
+    options: ReadOptions,
+    asking: Asking,
+) -> tuple[tuple[DrawnCurve, ...], tuple[DrawnCurve, ...], str, list[Note]]:
+    """The rings of parts, those of the sheet and why, where a rectangle around everything may be either."""
+    frame = () if stock or not rings else frame_of_drawing(rings)
+    if not frame or answered_as_cut(told_apart, frame[0]):
+        return rings, stock, "", []
+    use, why = use_of_frame(frame, rings, drawing.page, options, asking)
+    if use == "part":
+        return rings, stock, "", []
+    return tuple(p for p in rings if p not in frame), frame, why, [frame_note(frame)]
+
+
+def _open_on_the_sheet(stock: Joined, options: ReadOptions) -> list[Note]:
+    """Open lines on the sheet's layer burn nothing; only where the outline itself is open is there no sheet."""
+    if not stock.chains:
+        return []
+    if not stock.rings:
+        raise OpenLines(
+            f"the sheet does not close, on layer '{stock.chains[0].layer}'",
+            stock.chains,
+            tuple(open_end_problems(stock.chains, options)),
+        )
+    count = len(stock.chains)
+    lines = "line" if count == 1 else "lines"
+    text = f"{count} open {lines} on the sheet's layer left out, the first {ends(stock.chains[0])}"
+    return [Note("warning", text)]
+
+
+def _join_notes(joined: Joined, done: str, options: ReadOptions) -> list[Note]:
+    """What was closed or passed over; gaps within the tolerance are what it is there for, and need no word."""
+    severity: Severity = "repaired" if options.repair else "warning"
+    notes = [
+        Note("repaired", f"a gap of {g.width_mm:.3f} mm at ({g.at[0]:.3f}, {g.at[1]:.3f}) is closed")
+        for g in joined.gaps
+        if g.width_mm > options.join_tolerance_mm
+    ]
+    notes += [Note(severity, f"the line {ends(p)} is drawn twice; it is {done} once") for p in joined.repeats]
+    notes += [Note(severity, f"the line {p.place} has no length: left out") for p in joined.specks]
+    if len(notes) > MOST_NOTES:
+        notes[MOST_NOTES:] = [Note(severity, f"… and {len(notes) - MOST_NOTES} more lines mended or left out")]
+    return notes
+
+
+# Rings and marks become parts by how they lie in each other.
+
+HOLES = re.compile(r"hole|inner|inside|innen|loch|bohr|cut-?outs?$|отверст", re.IGNORECASE)
+"""Layers that say that what is drawn on them is the inside of a part."""
+
+
+def assemble(rings: Sequence[DrawnCurve], marks: Sequence[DrawnCurve] = ()) -> tuple[tuple[Part, ...], list[Note]]:
+    """Parts P1, P2, … in the order their outer rings are drawn in, and notes on what was left out.
+
+    A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. Where rings overlap,
+    so that one at odd depth lies in no part, it is a part, too: the check of the nest tells the overlap. A ring that is
+    the same line as an earlier one is dropped; a mark belongs to the part that has most of it.
+    """
+    if not rings:
+        return (), []
+    repeats: dict[int, int] = {}
+    for first, again in coincident([r.curve for r in rings]):
+        repeats.setdefault(again, repeats.get(first, first))
+    kept = [k for k in range(len(rings)) if k not in repeats]
+    depth, parent = surrounding([rings[k].area for k in kept])
+    odd = np.flatnonzero(depth % 2).tolist()
+    stray = {n for n in odd if depth[parent[n]] % 2}  # only where rings overlap
+    outers = [n for n, d in enumerate(depth.tolist()) if d % 2 == 0 or n in stray]
+    holes: dict[int, list[int]] = {n: [] for n in outers}
+    for n in odd:
+        if n not in stray:
+            holes[int(parent[n])].append(n)
+    names, parts = {}, []
+    for number, n in enumerate(outers, 1):
+        part = f"P{number}"
+        names[kept[n]] = f"{part}.outer"
+        names |= {kept[h]: f"{part}.hole{k}" for k, h in enumerate(holes[n], 1)}
+        inner = tuple(Contour(names[kept[h]], part, "hole", rings[kept[h]].curve) for h in holes[n])
+        parts.append(Part(part, Contour(names[kept[n]], part, "outer", rings[kept[n]].curve), inner))
+    notes = [_repeat(rings[k], rings[first], names[first]) for k, first in sorted(repeats.items())]
+    marked, lost = with_marks(parts, marks)
+    return marked, notes + lost
+
+
+def _repeat(again: DrawnCurve, first: DrawnCurve, name: str) -> Note:
+    """A note on a ring drawn twice; drawn once as a hole, by its layer, and once not, it is given to two parts."""
+    text = f"the ring {again.place} is the same line as {name}; it is cut once, as {name}"
+    if bool(HOLES.search(again.layer)) == bool(HOLES.search(first.layer)):
+        return Note("warning", text, (name,))
+    return Note("warning", text, (f"the ring on layer '{again.layer}'", name), common=True)
+
+
+def with_marks(parts: Sequence[Part], marks: Sequence[DrawnCurve]) -> tuple[tuple[Part, ...], list[Note]]:
+    """The parts with these marks, and notes on marks that are on no part."""
+    if not marks:
+        return tuple(parts), []
+    metal = metal_of(parts)
+    lines = np.array([m.curve.line() for m in marks], dtype=object)
+    k, on = shapely.STRtree(metal).query(lines, predicate="intersects")
+    shared = shapely.length(shapely.intersection(lines[k], metal[on]))
+    most = np.lexsort((on, -shared, k))
+    owner = {int(mark): int(part) for mark, part in zip(k[most][::-1], on[most][::-1], strict=True)}
+    made: list[list[Contour]] = [[] for _ in parts]
+    for n, mark in enumerate(marks):
+        if n in owner:
+            part, own = parts[owner[n]].id, made[owner[n]]
+            own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve))
+    lost = [
+        Note("warning", f"the mark {m.place} is on no part: left out") for n, m in enumerate(marks) if n not in owner
+    ]
+    return tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True)), lost
+
+
+# Tabs of a drawing: short lines on the outer contour of a part, or across it.
+
+ALONG = 0.9
+"""A line lies along a contour if so much of it is on it: then it is as long as the tab is wide."""
+
+
+def with_tabs(parts: Sequence[Part], pieces: Sequence[DrawnCurve], options: ReadOptions) -> tuple[Part, ...]:
+    """The parts with the tabs that are drawn, in the order in which they are drawn.
+
+    The middle of a line says where its tab is. A line along the contour is as long as its tab is wide; of one across
+    it, and of anything that closes, the profile says how wide the tab is.
+
+    Raises
+    ------
+    InputError
+        If something on their layers touches no outer contour, or those of two parts.
+    """
+    if not pieces:
+        return tuple(parts)
+    tabs: dict[int, list[Tab]] = {}
+    outlines = np.array([part.outer.line for part in parts], dtype=object)
+    tree = shapely.STRtree(outlines)
+    for piece in pieces:
+        line = piece.curve.line()
+        near = sorted(tree.query(line, "dwithin", distance=options.join_tolerance_mm).tolist())
+        if not near:
+            raise _refused(piece, "lies on no outer contour of a part")
+        if len(near) > 1:
+            names = " and ".join(parts[k].outer.id for k in near[:2])
+            raise _refused(piece, f"lies on two outer contours, {names}")
+        (k,) = near
+        tabs.setdefault(k, []).append(_tab(line, outlines[k], options.join_tolerance_mm))
+    return tuple(replace(part, tabs=tuple(tabs[k])) if k in tabs else part for k, part in enumerate(parts))
+
+
+def _tab(line: shapely.LineString, outline: shapely.LineString, within_mm: float) -> Tab:
+    on = shapely.intersection(line, shapely.buffer(outline, within_mm))
+    along = not line.is_ring and on.length > ALONG * line.length
+    middle = shapely.line_interpolate_point(line, 0.5, normalized=True) if along else shapely.centroid(on)
+    at = shapely.line_interpolate_point(outline, shapely.line_locate_point(outline, middle))
+    return Tab((float(at.x), float(at.y)), float(line.length) if along else 0.0)
+
+
+def _refused(piece: DrawnCurve, why: str) -> InputError:
+    advice = f"a tab is a short line on one, or across it; to cut the line: {setting('cut', piece.layer)}"
+    return InputError(f"the tab {piece.place} {why}; {advice}")
+
+
+# Bridges of a drawing: rectangles, each from one part to another.
+
+SKEW = 0.01
+"""How far the sides of a rectangle may be from a right angle, as a share of their length."""
+
+
+def bridges_of_drawing(pieces: Sequence[DrawnCurve], parts: Sequence[Part], options: ReadOptions) -> tuple[Bridge, ...]:
+    """The bridges in the order in which they are drawn.
+
+    Raises
+    ------
+    InputError
+        If something on their layers is no rectangle, or none whose ends lie in two parts.
+    """
+    joined = join(pieces, options.join_tolerance_mm)
+    for piece in (*joined.chains, *joined.specks):
+        raise _refused_bridges(piece, "does not close")
+    if not joined.rings:
+        return ()
+    metal = metal_of(parts)
+    return tuple(_bridge(ring, parts, metal, k) for k, ring in enumerate(joined.rings, 1))
+
+
+def _bridge(ring: DrawnCurve, parts: Sequence[Part], metal: NDArray[np.object_], number: int) -> Bridge:
+    if (corners := _corners(ring)) is None:
+        raise _refused_bridges(ring, "is no rectangle")
+    for k in (0, 1):
+        start, end = (_middle(corners[at], corners[(at + 1) % 4]) for at in (k, k + 2))
+        one, other = (_part_at(at, parts, metal) for at in (start, end))
+        if one is not None and other is not None and one != other:
+            return Bridge((one, other), start, end, math.dist(corners[k], corners[k + 1]), number)
+    raise _refused_bridges(ring, "does not go from one part to another: each end lies in a part, or on its edge")
+
+
+def _corners(ring: DrawnCurve) -> list[Point] | None:
+    """The four corners of a rectangle; None of anything else."""
+    segments = ring.curve.segments
+    if len(segments) != 4 or any(segment.is_arc for segment in segments):
+        return None
+    corners = [segment.start for segment in segments]
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = corners
+    long_mm = max(segment.length_mm for segment in segments)
+    parallel = math.hypot(bx - ax - (cx - dx), by - ay - (cy - dy)) <= SKEW * long_mm
+    square = abs(math.dist(corners[0], corners[2]) - math.dist(corners[1], corners[3])) <= SKEW * long_mm
+    return corners if parallel and square else None
+
+
+def _middle(one: Point, other: Point) -> Point:
+    return (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
+
+
+def _part_at(at: Point, parts: Sequence[Part], metal: NDArray[np.object_]) -> str | None:
+    point = shapely.Point(at)
+    near = [part.id for part, area in zip(parts, metal, strict=True) if shapely.distance(area, point) <= TOUCH_MM]
+    return near[0] if near else None
+
+
+def _refused_bridges(piece: DrawnCurve, why: str) -> InputError:
+    advice = f"a bridge is drawn as a rectangle from part to part; to cut it as a part: {setting('cut', piece.layer)}"
+    return InputError(f"the bridge {piece.place} {why}; {advice}")
+
+
+# What a drawing holds on layers for lines that cut up scrap: left out, or cut where the planner says so.
+
+
+def scrap_of_drawing(pieces: Sequence[DrawnCurve], options: ReadOptions) -> tuple[tuple[Contour, ...], list[Note]]:
+    """The scrap lines of a drawing in the order in which they are drawn, and a word on what is left out."""
+    if not pieces:
+        return (), []
+    if options.scrap_lines == "ignore":
+        layers = counted(p.layer for p in pieces)
+        text = f"left out, as lines that cut up scrap: {layers}; drawing: {{scrap_lines: cut}} has them cut"
+        return (), [Note("warning", text)]
+    joined = join(pieces, options.join_tolerance_mm)
+    notes = [Note("warning", f"the scrap line {p.place} is drawn twice; it is cut once") for p in joined.repeats]
+    notes += [Note("warning", f"the scrap line {p.place} has no length: left out") for p in joined.specks]
+    if joined.rings:
+        text = "left out, as a line that cuts up scrap has two ends, and these close"
+        notes.append(Note("warning", f"{text}: {counted(p.layer for p in joined.rings)}"))
+    return as_scrap(p.curve for p in joined.chains), notes

@@ -1,0 +1,153 @@
+"""What an SVG file must get right before it is drawn: a library that makes the best of everything loses contours."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+from kerfwise.encoder.errors import InputError
+
+from .drawing import check_copies
+from .svg_css import styled, too_long
+from .svg_visible import Seen, laid_out
+
+UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter", "symbol", "style"})
+"""Elements whose shapes are tools of drawing, and no lines to cut; they are drawn where something uses them."""
+XLINK = "{http://www.w3.org/1999/xlink}href"
+
+_NUMBER = r"(?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_LENGTH = re.compile(rf"\s*(?:{_NUMBER}\s*(?:mm|cm|in|pt|pc|px|q|em|ex|rem|vw|vh|%)?|auto)\s*", re.IGNORECASE)
+_COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])([^MmZzLlHhVvCcSsQqTtAa]*)")
+_ARC = re.compile(r"[\s,]*".join(["", *(f"({_NUMBER})",) * 3, "[01]", "[01]", *(f"({_NUMBER})",) * 2]))
+_TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
+_SIZES = {
+    "rect": ("x", "y", "width", "height", "rx", "ry"),
+    "circle": ("cx", "cy", "r"),
+    "ellipse": ("cx", "cy", "rx", "ry"),
+    "line": ("x1", "y1", "x2", "y2"),
+    "svg": ("width", "height"),
+    "use": ("x", "y", "width", "height"),
+}
+
+
+def validate_svg(data: bytes) -> tuple[bytes, Seen]:
+    """The file with what it shows and nothing else: styles on their shapes, clones drawn; and what was taken out.
+
+    Raises
+    ------
+    InputError
+        For a shape with a number or a path that cannot be read, by name and line: SVG would leave it out, or part of
+        it. For more clones than can be drawn, and for styles that cannot be told.
+    xml.etree.ElementTree.ParseError
+        For what is no XML.
+    """
+    root = ElementTree.fromstring(data)
+    for number, element in enumerate(root.iter()):
+        for wrong in _wrong(element):
+            name = f" '{element.get('id')}'" if element.get("id") else ""
+            raise InputError(
+                f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG",
+                line=_line_of(data, number),
+            )
+    _check_clones(root)
+    styled(root)
+    seen = laid_out(root)
+    for element in list(root.iter()):
+        for child in list(element):
+            if _tag(child) in UNDRAWN:
+                element.remove(child)
+    return ElementTree.tostring(root), seen
+
+
+def _line_of(data: bytes, number: int) -> int | None:
+    """The line on which an element begins, by its number in the file."""
+    lines: list[int] = []
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = lambda name, attributes: lines.append(parser.CurrentLineNumber)
+    try:
+        parser.Parse(data, True)
+    except (expat.ExpatError, ValueError):
+        return None
+    return lines[number] if number < len(lines) else None
+
+
+def _check_clones(root: ElementTree.Element) -> None:
+    named = {element.get("id", ""): element for element in root.iter()} | {"": root}
+
+    def made_of(name: str) -> tuple[int, list[tuple[str, int]]]:
+        inner = list(named[name].iter()) if name in named else []
+        clones = [element for element in inner if _tag(element) == "use"]
+        hrefs = (clone.get("href") or clone.get(XLINK) or "" for clone in clones)
+        return len(inner) - len(clones), [(href.removeprefix("#"), 1) for href in hrefs if href.startswith("#")]
+
+    check_copies("", made_of, "clone")
+
+
+def _tag(element: Any) -> str:
+    return str(element.tag).rpartition("}")[2]
+
+
+def _wrong(element: Any) -> Iterator[str]:
+    tag = _tag(element)
+    yield from filter(None, (too_long(name, value) for name, value in element.items()))
+    for key in _SIZES.get(tag, ()):
+        given = element.get(key)
+        if given is not None and not _LENGTH.fullmatch(given):
+            yield f"{key} is {given!r}, expected a length"
+    box = element.get("viewBox", "") if tag in ("svg", "symbol") else ""
+    if box.strip() and (not _only_numbers(box) or len(re.findall(_NUMBER, box)) != 4):
+        yield f"its viewBox {_short(box)!r} is not four numbers"
+    points = element.get("points", "") if tag in ("polygon", "polyline") else ""
+    if not _only_numbers(points):
+        yield f"its points {_short(points)!r} are no list of numbers"
+    if tag == "path":
+        yield from path_data_problem(element.get("d", ""))
+
+
+def path_data_problem(d: str) -> Iterator[str]:
+    """What is wrong with the data of a path, the first of it.
+
+    Examples
+    --------
+    >>> list(path_data_problem("M10 10 Q zz")), list(path_data_problem("m1-1a1 1 0 01.5.5z"))
+    (["Q is followed by '', expected 4 numbers or a multiple"], [])
+    """
+    text = d.strip()
+    if text in ("", "none"):
+        return
+    if text[0] not in "Mm":
+        yield f"its path begins with {_short(text)!r}, expected M"
+        return
+    if rest := _COMMAND.sub("", text).strip():
+        yield f"its path holds {_short(rest)!r}"
+        return
+    for letter, numbers in _COMMAND.findall(text):
+        if not _follow(letter.upper(), numbers):
+            takes = {"Z": "nothing", "A": "7 numbers"}.get(letter.upper(), f"{_TAKES.get(letter.upper())} numbers")
+            more = "" if letter in "Zz" else " or a multiple"
+            yield f"{letter} is followed by {_short(numbers.strip())!r}, expected {takes}{more}"
+            return
+
+
+def _follow(letter: str, numbers: str) -> bool:
+    """Whether these numbers may follow a command."""
+    if letter == "Z":
+        return not numbers.strip()
+    if letter == "A":
+        at = 0
+        while found := _ARC.match(numbers, at):
+            at = found.end()
+        return at > 0 and not numbers[at:].strip(" \t\r\n,")
+    count = len(re.findall(_NUMBER, numbers))
+    return _only_numbers(numbers) and count > 0 and count % _TAKES[letter] == 0
+
+
+def _only_numbers(text: str) -> bool:
+    return not re.sub(_NUMBER, "", text).strip(" \t\r\n,")
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 30 else text[:29] + "…"

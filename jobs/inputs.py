@@ -1,0 +1,329 @@
+"""What a job is given: a nest and the profile it is to be cut by, as files, names or objects."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import join_names
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.nc.program import ARCS_REFITTED
+from kerfwise.rules.profile.load import DEFAULT, load_profile
+from kerfwise.rules.profile.profile import Profile
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.readers.options import FrameName, ReadOptions
+    from kerfwise.jobs.nest_job.job import Job
+    from kerfwise.postproc.check.reader.program import NcProgram
+    from kerfwise.postproc.check.reader.read_program import Trusted
+
+
+NestLike = Nest | str | Path
+"""A nest, or the path of its file."""
+ProfileLike = Profile | str | Path
+"""A profile, the name of a shipped one, or the path of its file."""
+Tell = Callable[[str], None]
+"""Called with a sentence that the user should read while a job runs."""
+MOST_NAMED = 8
+"""So many contours are named in a sentence."""
+
+
+def silent(text: str) -> None:
+    """Tells nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """A nest, as the profile has it cut, the profile, and its job file, if one was read."""
+
+    nest: Nest
+    profile: Profile
+    job: Job | None = None
+
+
+def plant_of(profile: ProfileLike = DEFAULT, trust: bool = False) -> Profile:
+    """The profile itself, the shipped one of that name, or the one in that file; see `load_profile` for `trust`.
+
+    Raises
+    ------
+    InputError
+        If there is none (with the nearest name), or it is wrong anywhere: with file, line and column.
+    """
+    if isinstance(profile, Profile):
+        return profile
+    return load_profile(_path("profile", profile, "a Profile, a name or a path"), trust=trust)
+
+
+def drawn_nest(
+    nest: NestLike,
+    profile: Profile,
+    *,
+    units: str | None = None,
+    sheet_mm: tuple[float, float] | None = None,
+    frame: FrameName | None = None,
+    repair: bool = False,
+    refit_arcs_mm: float | None = None,
+) -> Nest:
+    """The nest as it is drawn, read as the profile's section `drawing` says, unless it is said here.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or what it holds cannot be cut.
+    """
+    if isinstance(nest, Nest):
+        return nest
+    from kerfwise.encoder.readers import read_nest
+
+    options = reading(profile, units, sheet_mm, frame, repair, refit_arcs_mm)
+    return read_nest(_path("nest", nest, "a Nest or a path"), options)
+
+
+def reading(
+    profile: Profile,
+    units: str | None = None,
+    sheet_mm: tuple[float, float] | None = None,
+    frame: FrameName | None = None,
+    repair: bool = False,
+    refit_arcs_mm: float | None = None,
+) -> ReadOptions:
+    """How a nest file is read: as the profile's section `drawing` says, unless it is said here."""
+    options = profile.read_options()
+    return replace(
+        options,
+        units=units or options.units,
+        sheet_size_mm=sheet_mm or options.sheet_size_mm,
+        frame=frame or options.frame,
+        repair=repair,
+        refit_arcs_mm=refit_arcs_mm or options.refit_arcs_mm,
+    )
+
+
+def tabs_not_left(nest: Nest, plant: Profile) -> str:
+    """That the nest draws tabs and the profile leaves none, in a sentence; "" where it is not so."""
+    drawn = [part.outer.id for part in nest.parts if part.tabs]
+    if not drawn or plant.tabs() is not None:
+        return ""
+    shown = ", ".join(drawn[:3]) + (", …" if len(drawn) > 3 else "")
+    return (
+        f"the nest draws tabs ({shown}), and the profile's rule that leaves tabs is off: they are cut; "
+        "`kerfwise rules` says which rule it is"
+    )
+
+
+def common_cuts_not_made(given: Inputs) -> str:
+    """Which parts are cut all round though they have common edges, and why, in a sentence; "" where none are."""
+    edges, tabs = given.profile.common_options(), given.profile.tabs()
+    if edges is None:
+        return ""
+    from kerfwise.encoder.candidates.common_paths import whole_for_tabs, whole_for_want_of_an_order
+
+    kerf_mm = given.profile.material.kerf_mm
+    try:
+        whole, held = whole_for_tabs(given.nest, kerf_mm, edges, tabs) if tabs is not None else ([], [])
+        stuck = whole_for_want_of_an_order(given.nest, kerf_mm, edges, [given.nest.index[name] for name in held])
+    except InputError:  # such a contour is told of when its candidates are made
+        return ""
+    if not whole:
+        return (
+            f"cuts.common: no common cuts for {join_names(stuck, MOST_NAMED)}: "
+            f"in any order some part would be left with "
+            "two stretches to cut, as rounded corners between two neighbours are; these parts are all cut all round"
+            if stuck
+            else ""
+        )
+    return (
+        f"cuts.common: no common cuts for {join_names(whole, MOST_NAMED)}: "
+        f"tabs hold {join_names(held, MOST_NAMED)}, and parts "
+        "that hang together by common edges are all cut all round where tabs hold one of them; without tabs on these "
+        "their edges are cut once"
+    )
+
+
+def differences(plan: Plan, given: Inputs) -> Iterator[str]:
+    """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
+    from kerfwise.models.plan.read_plan import source_changes
+
+    yield from source_changes(plan, given.nest, given.profile)
+    if plan.origin != given.profile.machine.origin:
+        yield f"the plan's origin is {plan.origin}, here it is {given.profile.machine.origin}: the plan's counts"
+
+
+def is_plan_file(path: str | Path) -> bool:
+    """Whether a file is read as a plan; any other is read as an NC program."""
+    return str(path).lower().endswith(".json")
+
+
+def read_program_of(path: str | Path, given: Inputs, tell: Tell = silent, trusted: Trusted | None = None) -> NcProgram:
+    """An NC program of the nest; cuts that are along none of its contours are told.
+
+    What it leaves to the machine's material is refused, unless that is `trusted`.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or understood, or is one of another nest.
+    """
+    from kerfwise.postproc.clock import read_program
+    from kerfwise.postproc.verdict.check_plan import cuts_elsewhere
+
+    program = read_program(program_text(path), given.nest, given.profile, str(path), trusted)
+    if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, str(path)):
+        tell(f"{elsewhere} of {len(program.burns)} cuts of the program run along no contour of the nest")
+    return program
+
+
+def program_text(path: str | Path) -> str:
+    """The text of an NC program, its line ends as they are in the file.
+
+    Raises
+    ------
+    InputError
+        If there is none to read; with the place, if it is not UTF-8.
+    """
+    try:
+        data = read_limited(path)
+    except OSError as error:
+        raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
+    except ValueError as error:  # a NUL, or half a character
+        raise InputError(f"cannot read the program: no file can have this name ({error})", file=path) from None
+    return decoded(data, path)
+
+
+def decoded(data: bytes, path: str | Path) -> str:
+    """The text of a program's bytes; InputError with the place, if they are not UTF-8."""
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        raise InputError(
+            f"not an NC program: byte 0x{data[error.start]:02X} is not UTF-8; save the program as UTF-8 or ASCII",
+            file=path,
+            line=before.count(b"\n") + 1,
+            column=len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1,
+        ) from None
+
+
+def _path(what: str, given: object, expected: str) -> str | Path:
+    if isinstance(given, str | Path):
+        return given
+    raise InputError(f"{what}: expected {expected}, got {type(given).__name__}")
+
+
+# How a nest was read when its plan or program was made, so that nobody has to say it again.
+
+_HEAD_BYTES = 4000
+_SAID = re.compile(rf'"refit_arcs_mm": "([0-9.]+)"|{ARCS_REFITTED} ([0-9.]+) MM', re.IGNORECASE)
+
+
+def refit_said(made: Plan | str | Path | None) -> float | None:
+    """How near to flattened outlines a plan, or the head of its file or program, says that arcs were made, mm.
+
+    None where it says nothing, and for a file that cannot be read, which whoever reads it whole says.
+    """
+    if isinstance(made, Plan):
+        said = made.nest.get("refit_arcs_mm")
+        return None if said is None else float(said)
+    if made is None:
+        return None
+    try:
+        with Path(made).open("rb") as file:
+            found = _SAID.search(file.read(_HEAD_BYTES).decode("utf-8", "replace"))
+        return None if found is None else float(found[1] or found[2])
+    except (OSError, ValueError):
+        return None
+
+
+def refit_as_made(given_mm: float | None, made: Plan | str | Path | None, profile: Profile, tell: Tell) -> float | None:
+    """How near to flattened outlines arcs are made: as is given, or as what was made of the nest says.
+
+    That is told where it goes before the profile, and so is what is given where the other does not say the same. None
+    where neither says it: the profile's section `drawing` does then.
+    """
+    if made is None:
+        return given_mm
+    said_mm, name = refit_said(made), "the plan" if isinstance(made, Plan) else Path(str(made)).name
+    if given_mm is not None:
+        if said_mm is None:
+            tell(f"arcs are refitted within {given_mm:g} mm (--refit-arcs); {name} does not say that they were for it")
+        elif f"{given_mm:.9g}" != f"{said_mm:.9g}":
+            tell(f"arcs are refitted within {given_mm:g} mm (--refit-arcs); for {name} they were within {said_mm:g} mm")
+        return given_mm
+    if said_mm is None or said_mm == profile.drawing.refit_arcs_mm:
+        return None
+    tell(f"arcs are refitted within {said_mm:g} mm (--refit-arcs), as they were for {name}")
+    return said_mm
+
+
+def expect_torches(profile: Profile, nest: Nest, resumes: bool) -> None:
+    """Refuse what does not go together with several torches; `resumes` says that some of the nest is cut already.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    if profile.machine.torches.several and (why := next(_why_not(profile, nest, resumes), None)):
+        raise InputError(
+            f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}", file=profile.file or None
+        )
+
+
+def _why_not(profile: Profile, nest: Nest, resumes: bool) -> Iterator[str]:
+    cuts, limit = profile.cuts, profile.temperature_limit()
+    if resumes:
+        yield "a program that goes on after a stop is planned for one torch: cut the rest with one"
+    if profile.link_options() is not None:
+        yield "links are not planned together with several torches: say cuts.links.longest: 0 mm"
+    if profile.common_options() is not None:
+        yield "common cuts are not planned together with several torches: say cuts.common.shortest: off"
+    if cuts.pierce_pass is not None:
+        yield "a pierce pass is not planned together with several torches: say cuts.pierce_pass: off"
+    if limit is not None:
+        yield f"{limit.rule} simulates the heat of one torch: turn it off"
+    if profile.objective.heat and profile.heat.absorbed_power_w:
+        yield "the price of heat is simulated for one torch: say objective: {heat: 0}"
+    if any(getattr(setting.options, "zone_heat_kj", None) is not None for setting in profile.settings().values()):
+        yield "the heat of zones is counted for one torch: say zone_heat: unlimited"
+
+
+def expect_one_torch(profile: Profile, what: str, plan: Plan | None = None) -> None:
+    """Refuse what knows one torch only, where the profile has several, or a plan uses them.
+
+    Raises
+    ------
+    InputError
+        That says so.
+    """
+    if profile.machine.torches.several or (plan is not None and any(c.cut.torch > 1 for c in plan.cuts)):
+        whose = "the profile has" if profile.machine.torches.several else "the plan uses"
+        raise InputError(f"{what} knows one torch, and {whose} several (machine.torches)", file=profile.file or None)
+
+
+def of_first_torch(plan: Plan) -> Plan:
+    """The plan with the cuts of the first torch alone."""
+    first = tuple(planned for planned in plan.cuts if planned.cut.torch == 1)
+    return plan if len(first) == len(plan.cuts) else replace(plan, cuts=first)
+
+
+def expect_of_first(plan: Plan, contour: str) -> None:
+    """Refuse what only the cuts of the first torch can be asked.
+
+    Raises
+    ------
+    InputError
+        If the contour is one that another torch cuts: what it is cut with is named.
+    """
+    for planned in plan.cuts:
+        if planned.cut.contour == contour and planned.cut.torch > 1:
+            first = planned.cut.together
+            raise InputError(
+                f"{contour} is cut by torch {planned.cut.torch} at the time of {first}, by the same motion: ask about "
+                f"{first}"
+            )

@@ -1,0 +1,353 @@
+"""The main job: a nest and a profile become a plan, its program and the verdict on both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import groupby, pairwise
+from typing import TYPE_CHECKING
+
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.cut import Pierce
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.engines import Engine, Strategy
+from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
+from kerfwise.models.jit import running_s
+from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.models.plan.plan import IN_PASS, Plan, PlannedCut
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.reader.read_program import Trusted
+from kerfwise.postproc.clock import cost_of_plan, with_times
+from kerfwise.postproc.dialects import expect_words
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.nc.toolpaths import outside
+from kerfwise.postproc.verdict.check_plan import judge, report_of
+from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import Statement
+from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
+from kerfwise.rules.stating.state_rules import Stated
+
+from .adaptive_zones import FEW, SHARE, better_zones, is_look_worthwhile, zoned_by
+from .gantry import with_further_torches
+from .inputs import Inputs, Tell, expect_one_torch, silent
+from .progress import Listener
+from .request import NoPlan, Request, facts_of, make_request
+from .resume import lock_broken_cut_first
+from .time_limits import CommandLimit, JobLimit, PlanningLimit, Took, WholeLimit
+
+if TYPE_CHECKING:
+    from .cooler_orders import CoolerOrders
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FinishedPlan:
+    """What the main job has made: of which nest and profile, of which facts, and what came of them.
+
+    The profile has a lock on a cut that broke off, where the program goes on after a stop.
+    """
+
+    given: Inputs
+    facts: Facts
+    made: VerifiedPlan
+
+
+def plan_nest(
+    given: Inputs,
+    limits: SolveOptions,
+    *,
+    already: AlreadyCut = NOTHING_CUT,
+    relax: bool = False,
+    engine: Engine = "portfolio",
+    solver: str = "gecode",
+    strategy: Strategy = "ours",
+    listener: Listener | None = None,
+    tell: Tell = silent,
+    whole: WholeLimit | None = None,
+    planned_as: Callable[[Plan], None] | None = None,
+) -> FinishedPlan:
+    """Plan a nest, or what is left of it, write the program, and judge both.
+
+    Parameters
+    ----------
+    given
+        Nest and profile.
+    limits
+        Of the plan, as `options_for` makes them.
+    already
+        What a stopped program has cut.
+    relax
+        Where hard rules clash, the cheapest statements give way, marked in the plan.
+    engine, solver, strategy
+        Who plans; `solver` is that of the engine minizinc.
+    listener
+        Listens while the plan is made.
+    tell
+        Told what took long beside a limit in seconds.
+    whole
+        A limit of the command that this is part of, in place of one in seconds for the planning alone.
+    planned_as
+        Told the plan before it is judged.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have, the dialect does not fit, or a contour cannot be cut.
+    RulesConflict
+        If contours cannot be cut and hard rules cannot hold in any order.
+    NoPlan
+        If the hard rules cannot all hold, or no plan was found. What contradicts what is looked for within `limits`
+        once more, or in what is left of `whole`, unless the user has interrupted.
+    """
+    nest, profile = given.nest, lock_broken_cut_first(given.profile, already)
+    dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
+    expect_words(nest, profile, dialect, resumes=bool(already))
+    if engine == "minizinc":
+        expect_one_torch(profile, "the engine minizinc")
+        from kerfwise.rules.minizinc.installation import solver_named
+
+        solver_named(solver)  # the same goes for a MiniZinc that is missing or broken
+    limit: JobLimit = PlanningLimit(limits, tell) if whole is None else CommandLimit(whole, limits, tell)
+    listener, took = listener or Listener(), Took()
+    facts = facts_of(nest, profile, already, took)
+    try:
+        asked = make_request(facts, profile, relax, limit.facts_made(took))
+        left = limit.stated(took)
+        with listener:
+            made = solve_and_verify(
+                asked,
+                profile,
+                left,
+                limit.watched(listener),
+                engine,
+                solver,
+                strategy,
+                and_zones=True,
+                planned_as=planned_as,
+            )
+    except RulesConflict as error:
+        from kerfwise.models.engines.solution import Budget
+        from kerfwise.models.plan.conflict import NotAnswered, find_conflict
+
+        try:
+            conflict = None if listener.interrupted else find_conflict(facts, profile, Budget.of(limit.without_plan()))
+        except NotAnswered:
+            raise NoPlan(error, facts, profile, within_limit=False) from error
+        raise NoPlan(error, facts, profile, conflict) from error
+    limit.ended(made.judging_s)
+    return FinishedPlan(Inputs(nest, profile), made.facts, made)
+
+
+# The main job in one call: what is asked of a plan becomes a plan, its program, and the verdict on both.
+
+Write = Callable[[Plan, Nest, Profile], str]
+"""Makes the program of a plan."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class VerifiedPlan:
+    """A plan with the rules' verdicts in it, its NC program, the whole verdict, and what the engines had to say.
+
+    `facts` are those it was made of: zones may have moved along a plan that was found without them.
+    `judging_s` is how long the program and the judging of it took by the clock, which no limit counts.
+    """
+
+    plan: Plan
+    program: str
+    verdict: CheckResult
+    notes: tuple[str, ...]
+    facts: Facts
+    judging_s: float = 0.0
+
+
+def solve_and_verify(
+    asked: Request,
+    profile: Profile,
+    limits: SolveOptions,
+    progress: Progress | None = None,
+    engine: Engine = "portfolio",
+    solver: str = "gecode",
+    strategy: Strategy = "ours",
+    cooler: CoolerOrders | None = None,
+    *,
+    and_zones: bool = False,
+    write: Write | None = None,
+    trusted: Trusted | None = None,
+    planned_as: Callable[[Plan], None] | None = None,
+) -> VerifiedPlan:
+    """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
+
+    Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
+    simulated before of the same nest by the same rules. `and_zones` has zones move where that pays, and the
+    plan say what they cost, which takes a share of a limit in seconds, or work beside that of the plan. `write` makes
+    the program of the plan in another way; what of its words is `trusted` is not judged. `planned_as` is told the
+    plan before it is judged: nothing but its rules and its cost will change.
+
+    Raises
+    ------
+    RulesConflict
+        If no lawful plan exists, or none was found.
+    """
+    facts, started_s = asked.facts, running_s()
+    engine_named = engine if strategy == "ours" else "portfolio"
+    whole = limits
+    and_zones = (
+        and_zones
+        and facts.copies is None
+        and engine == "portfolio"
+        and strategy == "ours"
+        and is_look_worthwhile(facts.n, limits)
+        and bool(zoned_by(asked, profile))
+    )
+    if and_zones and limits.time_s is not None and facts.n <= FEW:  # of larger nests it has what the first plan leaves
+        limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
+
+    def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
+        part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
+        return _solved(Request(facts, stated), further, profile, part, progress, engine, solver, strategy)
+
+    cool: Solution | None = None
+    if strategy == "ours" and profile.objective.heat and profile.heat.absorbed_power_w:
+        from .heat_control import solve_priced
+
+        cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)
+        asked = Request(facts, stated)
+
+    @cache  # looking for what an order leaves takes long
+    def seen_in(route: tuple[int, ...]) -> tuple[Statement, ...]:
+        return lazy_statements(facts, profile)([facts.candidates[c].contour for c in route])
+
+    def planned(solution: Solution) -> Plan:
+        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_in(solution.route)))
+        plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
+        plan = with_further_torches(plan, facts, stated, solution)
+        plan = with_pierces(plan, facts.whole_nest, profile, limits)
+        return with_times(plan, facts.whole_nest, profile)
+
+    if (limit := profile.temperature_limit()) is not None:
+        from .heat_control import Cooler
+
+        again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
+
+        def attempt(share: float, further: tuple[Statement, ...]) -> Solution:
+            return solved(share, asked.stated, further)
+
+        def going() -> bool:
+            in_time = limits.time_s is None or running_s() - started_s < limits.time_s
+            return in_time and (progress is None or progress(limit.rule, None, None))
+
+        solution, plan = Cooler(facts, profile, limit, asked.stated.statements, attempt, planned, going).find(again)
+    else:
+        solution = solved(1.0, asked.stated) if cool is None else cool
+        plan = planned(solution)
+    if and_zones:
+        ends_s = None if whole.time_s is None else started_s + whole.time_s
+        stays, first = limit is not None or cool is not None, solution
+        best = better_zones(
+            asked, seen_in(solution.route), profile, solution, whole, ends_s, progress, may_move=not stays
+        )
+        asked, solution = best.asked, best.solution
+        if solution is not first:
+            facts = asked.facts
+            plan = planned(solution)
+        plan = replace(plan, zones_cost=best.cost(limits))
+    if planned_as is not None:
+        planned_as(plan)
+    began_s = running_s()
+    program = (write or write_program)(plan, facts.whole_nest, profile)
+    verdict = judge(facts.whole_nest, plan, program, profile, trusted)
+    judging_s = running_s() - began_s
+    plan = replace(plan, rules=report_of(verdict, profile), cost=cost_of_plan(plan, facts.whole_nest, profile))
+    return VerifiedPlan(plan, program, verdict, solution.notes, facts, judging_s)
+
+
+def _solved(
+    asked: Request,
+    further: tuple[Statement, ...],
+    profile: Profile,
+    limits: SolveOptions,
+    progress: Progress | None,
+    engine: Engine,
+    solver: str,
+    strategy: Strategy,
+) -> Solution:
+    """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones."""
+    facts, stated = asked.facts, asked.stated
+    refine = lazy_statements(facts, profile)
+    if strategy != "ours":
+        from kerfwise.models.engines.baselines import solve_by
+
+        return solve_by(strategy, facts, profile, stated.statements, limits, progress)
+    if engine == "minizinc":
+        from kerfwise.models.engines.minizinc_engine import solve_minizinc
+
+        return solve_minizinc(facts, profile, stated, limits, solver, refine, progress)
+    from kerfwise.models.engines.solve import solve
+
+    look_s = 0.0
+    if limits.time_s is not None:
+        began_s = running_s()
+        look_s = look_takes_s(facts, profile)
+        limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
+    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s)
+
+
+# The pierce pass: all holes of a zone, or of the sheet, in a way of their own, before the cuts that begin there.
+
+WORK = 0.5
+"""What the way of one pass may cost at the most."""
+WORK_SHARE = 0.05
+
+
+def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions) -> Plan:
+    """The plan with its pierce passes, where the profile asks for some; the order of its cuts stays.
+
+    Each pass comes right before the first cut that begins at one of its holes. Marks, links, scrap lines, cuts that
+    begin in an old kerf, and those that come in from the edge of the sheet have no hole.
+    """
+    if profile.cuts.pierce_pass is None:
+        return plan
+    from kerfwise.models.routing import way_through
+
+    home, cuts = profile.home_on(nest), [planned.cut for planned in plan.cuts]
+    ends = [home, *(cut.end for cut in cuts)]
+    options = SolveOptions(seed=limits.seed, work=min(WORK, WORK_SHARE * limits.work))
+    pierces: list[Pierce] = []
+    idle_mm, reasons = plan.totals.idle_mm, dict[int, str]()
+    for group in _groups(plan, nest, profile):
+        points, first = [cuts[k].pierce for k in group], group[0]
+        way = way_through(points, ends[first], points[0], options)
+        stops = [ends[first], *(points[k] for k in way), points[0]]
+        idle_mm += _length_mm(stops) - math.dist(ends[first], points[0])
+        told = "" if profile.cuts.pierce_pass == "sheet" else f" of zone {cuts[first].zone}"
+        for number, k in enumerate(way, 1):
+            cut = cuts[group[k]]
+            pierces.append(Pierce(cut.contour, cut.pierce, first + 1))
+            reasons[group[k]] = f"{IN_PASS}{told} (pierce {number} of {len(way)})"
+    planned = tuple(
+        replace(one, because=(*one.because, reasons[k])) if k in reasons else one for k, one in enumerate(plan.cuts)
+    )
+    return replace(plan, cuts=planned, pierces=tuple(pierces), totals=replace(plan.totals, idle_mm=idle_mm))
+
+
+def _groups(plan: Plan, nest: Nest, profile: Profile) -> Iterator[list[int]]:
+    """The numbers, from 0, of the cuts of each pass."""
+    off = outside(nest, [planned.cut.pierce for planned in plan.cuts]) if plan.cuts else []
+    whole = profile.cuts.pierce_pass == "sheet"
+    for _, rows in groupby(enumerate(plan.cuts), key=lambda row: 0 if whole else row[1].cut.zone):
+        group = [k for k, planned in rows if _has_hole(planned) and not off[k]]
+        if group:
+            yield group
+
+
+def _has_hole(planned: PlannedCut) -> bool:
+    return planned.kind not in ("mark", "scrap") and not planned.cut.linked and planned.cut.span is None
+
+
+def _length_mm(stops: list[Point]) -> float:
+    return sum(math.dist(a, b) for a, b in pairwise(stops))

@@ -1,0 +1,273 @@
+"""What is asked of a plan: facts, what rules state of them, the limits of a solve; and that no plan was found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.candidates import build_with_older_kerfs
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.compute import loose_in, remaining_facts
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.links import with_links
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.identical_parts import Group, align_copies, entries_of_copies, shared_candidates
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.progress_notice import amount, long_job
+from kerfwise.encoder.text import unknown
+from kerfwise.models.engines import ENGINES, Engine, member_of
+from kerfwise.models.engines.solution import MEMORY_GB, SolveOptions
+from kerfwise.models.jit import running_s
+from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.postproc.clock import contour_heat_kj
+from kerfwise.rules.lock import check_locks
+from kerfwise.rules.profile.profile import Profile, expect_common_cuts
+from kerfwise.rules.stating.state_rules import (
+    HOPELESS,
+    DroppedStatement,
+    Stated,
+    hopeless_anyway,
+    loose_orders,
+    state_rules,
+)
+
+from .gantry import drop_parts, facts_of_torches, first_groups, with_best_spacing
+from .inputs import expect_torches
+from .time_limits import Took
+
+if TYPE_CHECKING:
+    from kerfwise.models.plan.conflict import Conflict
+
+
+RELAX = 0.5
+"""Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Request:
+    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them.
+
+    `seconds` is how long it took to state them, by the clock.
+    """
+
+    facts: Facts
+    stated: Stated
+    seconds: float = 0.0
+
+
+def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> str:
+    return f"measuring {nest.file or 'the nest'}"
+
+
+@long_job(_measuring)
+def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> Facts:
+    """All facts of the nest, as the profile has it cut, under the profile's thresholds.
+
+    Where some of it is `already` cut they are those of what is left. `took` is told how long finding candidates takes.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have, a contour cannot be cut as the profile asks, or a rule in a model
+        file is on and there is no MiniZinc, or more contours than it bears.
+    RulesConflict
+        If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
+    """
+    if rules := profile.model_rules():
+        from kerfwise.rules.flat.compiler import minizinc_program
+
+        minizinc_program()
+        for rule in rules:
+            rule.expect_small(nest)
+    amount(len(nest.contours), "contour", "contours")
+    nest = profile.as_cut(nest)
+    check_locks(profile.locks, nest)
+    expect_common_cuts(profile)
+    expect_torches(profile, nest, bool(already))
+    if unknown := sorted(already.contours - nest.index.keys()):
+        had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
+        raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
+    loose = loose_in(nest, already.contours)
+    profile = with_best_spacing(nest, profile)
+    groups, step = first_groups(nest, profile), profile.machine.torches.step
+    try:
+        drawn = align_copies(nest, groups, step) if groups else nest
+        leads = profile.lead_options(nest)
+        leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
+        began_s = running_s()
+        candidates, met = build_with_older_kerfs(drawn, leads, already, loose)
+        if took is not None:
+            took.candidates_s = running_s() - began_s
+    except InputError as error:
+        unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
+        if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
+            besides = (
+                f"besides, {error.message}, and --relax (in Python: relax=True) does not help there:",
+                *error.details[:MOST_DETAILS],
+            )
+            raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
+        raise
+    if groups:
+        candidates, met, groups = _cut_alike(candidates, met, groups, step)
+    heat_kj = contour_heat_kj(nest, candidates, profile)
+    facts = compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met)
+    if profile.machine.torches.several and nest.contours:
+        return facts_of_torches(facts, groups, profile)
+    links = None if profile.no_links(nest) else profile.link_options()
+    return _left(with_links(facts, links, _burnt(already)), already)
+
+
+def _cut_alike(
+    candidates: tuple[Candidate, ...], met: OlderKerfs | None, groups: list[Group], step: Point
+) -> tuple[tuple[Candidate, ...], OlderKerfs | None, list[Group]]:
+    """Candidates of groups that all torches can make alike; a group that has none is none."""
+    kept, bare = shared_candidates(candidates, groups, step)
+    while bare:
+        groups = drop_parts(groups, bare)
+        kept, bare = shared_candidates(candidates, groups, step)
+    return tuple(candidates[k] for k in kept), None if met is None else met.of_kept(kept, len(candidates)), groups
+
+
+def _burnt(already: AlreadyCut) -> tuple[Cut, ...]:
+    return already.cuts if already.broken_off is None else (*already.cuts, already.broken_off)
+
+
+def _left(facts: Facts, already: AlreadyCut) -> Facts:
+    return remaining_facts(facts, already) if already else facts
+
+
+def make_request(
+    facts: Facts,
+    profile: Profile,
+    relax: bool = False,
+    limits: SolveOptions | None = None,
+) -> Request:
+    """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
+
+    The look for them ends within `limits`.
+
+    Raises
+    ------
+    RulesConflict
+        If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
+        if contours are left in metal that has fallen out.
+    """
+    loose, began_s = loose_orders(facts), running_s()
+    if relax:
+        from kerfwise.models.engines.solution import Budget
+        from kerfwise.models.plan.conflict import state_relaxed
+        from kerfwise.models.plan.plan import RELAXED
+
+        budget = None if limits is None else Budget.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
+        stated = state_relaxed(facts, profile, budget=budget)
+        left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
+        return Request(facts, replace(stated, dropped=(*stated.dropped, *left_out)), running_s() - began_s)
+    if loose:
+        raise RulesConflict(
+            "some contours cannot be cut any more (--relax, in Python relax=True, leaves them out)",
+            tuple(o.about.sentence for o in loose),
+        )
+    stated = state_rules(facts, profile)
+    return Request(facts, stated, running_s() - began_s)
+
+
+# The limits of a solve for one nest and one profile: whoever solves gets home and feeds from here.
+
+WORK = 30.0
+"""The deterministic limit where nobody gives another."""
+
+
+def options_for(
+    nest: Nest,
+    profile: Profile,
+    *,
+    work: float = WORK,
+    seed: int = 1,
+    time_s: float | None = None,
+    gap: float | None = None,
+    no_improvement_s: float | None = None,
+    engine: Engine = "portfolio",
+    memory_gb: float = MEMORY_GB,
+) -> SolveOptions:
+    """The limits given, with the machine's home on this nest and the feeds that plans are made with.
+
+    See `SolveOptions` for what each limit means.
+
+    Raises
+    ------
+    InputError
+        For a limit that is not above 0, a gap outside 0 … 1, a seed that is no whole number from 0, or an engine that
+        there is not.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.case import nest, part, rect
+    >>> from kerfwise.rules.profile.load import load_profile
+    >>> plate = nest(100, 100, part("A", rect(10, 10, 80, 80)))
+    >>> options = options_for(plate, load_profile(), work=2, engine="beam")
+    >>> options.work, options.member, options.home_mm, round(options.feeds.cut_mm_s, 1)
+    (2, 'beam', (0.0, 0.0), 41.7)
+    """
+    amounts = {"work": work, "time_s": time_s, "no_improvement_s": no_improvement_s, "memory_gb": memory_gb}
+    for name, this_amount in amounts.items():
+        if this_amount is not None:
+            _expect(name, this_amount, "a number over 0", _is_number(this_amount) and this_amount > 0)
+    if gap is not None:
+        _expect("gap", gap, "a share from 0 to 1, such as 0.01", _is_number(gap) and 0 <= gap <= 1)
+    _expect("seed", seed, "a whole number from 0", isinstance(seed, int) and seed >= 0)
+    if engine not in ENGINES:
+        raise InputError(unknown("engine", str(engine), ENGINES))
+    home_mm, feeds, member = profile.home_on(nest), feeds_of(profile), member_of(engine)
+    return SolveOptions(seed, work, time_s, home_mm, feeds, gap, no_improvement_s, member, memory_gb)
+
+
+def _is_number(given: object) -> bool:
+    return isinstance(given, int | float) and math.isfinite(given)
+
+
+def _expect(name: str, given: object, expected: str, fits: bool) -> None:
+    if not fits:
+        raise InputError(f"{name}: expected {expected}, got {given!r}")
+
+
+NOT_SHOWN = "which rules contradict each other, if any do, was not shown within the limit"
+
+
+class NoPlan(RulesConflict):
+    """No plan holds every hard rule, or none was found.
+
+    Attributes
+    ----------
+    conflict
+        Statements that contradict each other, in sentences with contour ids, and the cheapest way out. None where no
+        contradiction was shown: then `message` and `reasons` say all there is to say.
+    within_limit
+        Whether the look for a contradiction came to its end within the limit.
+    why
+        What went wrong in the first place.
+    facts, profile
+        What was to be planned.
+    """
+
+    def __init__(
+        self,
+        why: RulesConflict,
+        facts: Facts,
+        profile: Profile,
+        conflict: Conflict | None = None,
+        within_limit: bool = True,
+    ) -> None:
+        super().__init__(why.message, why.reasons)
+        self.why, self.facts, self.profile, self.conflict = why, facts, profile, conflict
+        self.within_limit = within_limit
+
+    def __str__(self) -> str:
+        if self.conflict is not None:
+            return str(self.conflict)
+        return str(self.why) if self.within_limit else f"{self.why}\n  note: {NOT_SHOWN}"

@@ -1,0 +1,247 @@
+"""An old program in a better order: its burns as they are, or its contours planned afresh."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from kerfwise.encoder.cut import Side
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.outlines import OPPOSITE
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.inputs import Inputs, ProfileLike, Tell, plant_of, silent
+from kerfwise.jobs.plan_nest import plan_nest
+from kerfwise.jobs.programs import OldJob, ProgramRequest, read_old_job
+from kerfwise.jobs.progress import Listener
+from kerfwise.jobs.request import options_for
+from kerfwise.models.engines import Engine
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.reader.read_program import read_on_machine
+from kerfwise.postproc.old.contours import NestOfBurns
+from kerfwise.postproc.old.loops import AmbiguousNest
+from kerfwise.postproc.old.program_pieces import SplitProgram, split_program
+from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.profile.load import DEFAULT
+from kerfwise.rules.profile.profile import Profile
+
+from .burn_order import (
+    SLACK_MM,
+    BurnWriter,
+    broken_more,
+    facts_of_burns,
+    no_gain_message,
+    order_by_travel,
+    plan_order,
+    read_back,
+    stays,
+)
+from .result import Measured, Paths, Resequenced
+
+_TOLD = 3
+
+
+def resequence(
+    path: str | Path,
+    profile: ProfileLike = DEFAULT,
+    *,
+    paths: Paths = "keep",
+    asked: ProgramRequest | None = None,
+    without_rules: bool = False,
+    work: float = 30.0,
+    time_s: float | None = None,
+    seed: int = 1,
+    engine: Engine = "portfolio",
+    listener: Listener | None = None,
+    tell: Tell = silent,
+) -> Resequenced:
+    """Put an old program's burns into the best order, or plan its contours afresh.
+
+    Parameters
+    ----------
+    path
+        File of the program.
+    profile
+        The plant; its dialect says which control the program is for.
+    paths
+        "keep" leaves every burn as it is, "new" makes leads and entries new.
+    asked
+        What the program does not say.
+    without_rules
+        Go on by travel alone where the rules cannot be asked, since nobody can tell what the burns cut. With "new"
+        there is nothing to go on with.
+    work, time_s, seed, engine
+        As for a plan of a nest.
+    listener
+        Listens while the plan is made.
+    tell
+        Told what the user should know.
+
+    Raises
+    ------
+    InputError
+        With file and line, for what cannot be read, or what nobody can be sure of.
+    RulesConflict
+        If contours are planned afresh, and no plan keeps the hard rules.
+    """
+    plant, listener = plant_of(profile), listener or Listener()
+    job = read_old_job(path, plant, asked, afresh=paths == "new", tell=tell)
+    if (hole := next((burn for burn in job.program.burns if burn.pierces_only), None)) is not None:
+        raise InputError(
+            "the torch is lit here and does not move, as in a pierce pass: in another order cuts could come before "
+            "their holes; such a program keeps its order",
+            file=job.name,
+            line=hole.line,
+        )
+    if job.told is not None:
+        limits = options_for(job.told.nest, job.profile, work=work, seed=seed, time_s=time_s, engine=engine)
+    else:
+        limits = SolveOptions(seed, work, time_s)
+    if paths == "new":
+        return _afresh(job, limits, engine, listener, tell)
+    return order_by_rules(job, limits, listener, tell, without_rules)
+
+
+def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listener, tell: Tell) -> Resequenced:
+    nest = job.nest
+    job, verdict = infer_start_side(job, nest, job.text, tell)
+    before = Measured.of(job.program, job.profile, nest, verdict)
+    done = plan_nest(Inputs(job.profile.as_cut(nest), job.profile), limits, engine=engine, listener=listener, tell=tell)
+    made = done.made
+    if not made.verdict.ok:
+        broken = (made.verdict.rule(name) for name in made.verdict.broken())
+        reasons = tuple(f"{j.id}: {v.text}" for j in broken for v in j.violations[:_TOLD])
+        raise RulesConflict(f"{job.name}: the check refuses the new plan; nothing is written", reasons)
+    after = Measured.of(read_on_machine(made.program, nest, job.profile), job.profile, nest, made.verdict)
+    proven = made.plan.solve.status == "optimal"
+    ends = "proven: no plan is better within these zones and entries" if proven else "found, not proven"
+    mended = broken_more(before.verdict, after.verdict)
+    if (worse := no_gain_message(before, after, job.profile)) and not mended:
+        ends = f"the old program stays: planned afresh it is no better ({worse})"
+        return replace(stays(job, before, nest, False, ends, listener), paths="new")
+    if worse:
+        ends += f"; it is no better otherwise ({worse}), but the old program breaks {', '.join(mended)}"
+    notes = list(job.notes)
+    extra = next((line.line for line in job.old.lines if "material" in line.state or "tool" in line.state), None)
+    if extra is not None:
+        notes.append(
+            f"line {extra}: what the program chooses on the machine (material, tool) is not in the new program, which "
+            "is written for the profile"
+        )
+        tell(notes[-1])
+    old = stays(job, before, nest, proven, ends, listener)
+    return replace(old, paths="new", program=made.program, after=after, plan=made.plan, notes=tuple(notes))
+
+
+_CANNOT_ASK = (
+    "what some burns cut cannot be told, so that nobody can say whether another order keeps the rules, and nothing is "
+    "written; mend what is named below, or take --without-rules (in Python without_rules=True): then only what lies "
+    "inside what, and what touches, keeps its turn"
+)
+
+
+def order_by_rules(
+    job: OldJob, limits: SolveOptions, listener: Listener, tell: Tell, without_rules: bool = False
+) -> Resequenced:
+    """Put the burns into the best order by the rules of the profile.
+
+    Where they make no nest the rules cannot be asked. Then nothing is done, or `without_rules` what lies inside and
+    what touches keeps its turn, and no more than that is kept.
+
+    Raises
+    ------
+    InputError
+        If the program cannot be taken apart, the burns make no nest, or they cannot be read back in their new order.
+    """
+    apart = split_program(job.old, job.name)
+    told, unclear = job.told, job.unclear
+    if told is not None:
+        try:
+            return _by_rules(job, told, apart, limits, listener, tell)
+        except AmbiguousNest as none:
+            unclear = none.unclear
+    if not without_rules:
+        raise InputError(_CANNOT_ASK, file=job.name, line=unclear[0].line, details=tuple(map(str, unclear)))
+    return order_by_travel(job, apart, unclear, limits, listener, tell)
+
+
+def _by_rules(
+    job: OldJob, told: NestOfBurns, apart: SplitProgram, limits: SolveOptions, listener: Listener, tell: Tell
+) -> Resequenced:
+    facts_of_burns(job, told)  # nothing is judged where burns are not clearly cuts
+    job, old = infer_start_side(job, told.nest, job.text, tell)
+    kept = facts_of_burns(job, told)
+    before = Measured.of(job.program, job.profile, told.nest, old)
+    try:
+        made = plan_order(job, kept, told, apart, limits, listener)
+    except RulesConflict as conflict:  # a lead that crosses another part is in the way of every order
+        ends = f"the old order stays: no order of these burns keeps the hard rules ({conflict.message})"
+        return stays(job, before, told.nest, False, ends, listener)
+    plan = made.plan
+    proven = plan.solve.status == "optimal"
+    ends = "proven: no order is better by these rules" if proven else "found, not proven"
+    order = BurnWriter(told, apart).order(plan)
+    program = read_back(made.program, job, apart, order)
+    after = Measured.of(program, job.profile, told.nest, made.verdict)
+    if worse := broken_more(after.verdict, before.verdict):
+        ends = f"the old order stays: the new one would break {', '.join(worse)}"
+        return stays(job, before, told.nest, False, ends, listener)
+    mended = broken_more(before.verdict, after.verdict)
+    if after.idle_mm > before.idle_mm - SLACK_MM and not mended:
+        ends = (
+            "the old order stays: the best by all rules" + ("" if proven else " that was found") + " has no less travel"
+        )
+        return stays(job, before, told.nest, proven, ends, listener)
+    if after.idle_mm > before.idle_mm:
+        ends += f"; it is longer since the old order breaks {', '.join(mended)}"
+    old_order = stays(job, before, told.nest, proven, ends, listener)
+    return replace(old_order, program=made.program, after=after, plan=plan)
+
+
+# From which side an old program that does not say so is taken to start: the one under which it keeps the rules.
+
+
+def infer_start_side(job: OldJob, nest: Nest, text: str, tell: Tell) -> tuple[OldJob, CheckResult]:
+    """The job with the side that the old program starts from, and the verdict on `text` by it.
+
+    What the program or the profile says holds. Else the side that the nest asks for does, but for a program that breaks
+    hard rules from there and none from the opposite one: the job has that in its profile then, and says so in a note,
+    for nearly even nests are decided by tenths of a millimetre.
+    """
+    side = compute_facts(nest, job.profile.fact_options(nest), ()).start_side
+    verdict = _judged(job, nest, text, side)
+    name = _left_open(job)
+    if name is None or not verdict.broken():
+        return job, verdict
+    other = replace(job, profile=_from_side(job.profile, name, OPPOSITE[side]))
+    opposite = _judged(other, nest, text, OPPOSITE[side])
+    if opposite.broken():
+        return job, verdict
+    note = (
+        f"the program does not say from which side cutting starts: both orders are judged from the {OPPOSITE[side]}, "
+        f"from where the old one breaks no hard rule, as it does from the {side}; for a check of the new program, "
+        f"give the profile rules: {{{name}: {{side: {OPPOSITE[side]}}}}}"
+    )
+    tell(note)
+    return replace(other, notes=(*job.notes, note)), opposite
+
+
+def _judged(job: OldJob, nest: Nest, text: str, side: Side) -> CheckResult:
+    return check_program(nest, text, job.profile, job.name, trusted=job.trusted, side=side)
+
+
+def _left_open(job: OldJob) -> str | None:
+    """The rule that decides the side; None where the program or the profile says it, or nothing asks for one."""
+    if any("START SIDE" in comment.upper() for comment in job.program.comments):
+        return None
+    for name, setting in job.profile.rules.items():
+        if getattr(setting.options, "side", None) == "auto" and setting.strength != "off":
+            return name
+    return None
+
+
+def _from_side(profile: Profile, name: str, side: Side) -> Profile:
+    setting = profile.rules[name]
+    fixed = replace(setting, options=replace(setting.options, side=side))
+    return replace(profile, rules={**profile.rules, name: fixed})

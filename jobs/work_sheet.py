@@ -1,0 +1,332 @@
+"""Work sheets: what the operator has on paper beside the machine."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.nest_job.job import Job
+from kerfwise.jobs.resequence.result import clock_text
+from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.report.legend import counted, duration
+from kerfwise.postproc.report.paper import BOX, MARGIN, ROOM, WIDTH, Paper, qr_items, shortened
+from kerfwise.postproc.report.picture import bare_picture
+from kerfwise.postproc.report.plot import pdf_bytes
+from kerfwise.postproc.report.scene import FAINT, INK, Scene, TextLine
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program, held_to_plan
+from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
+from kerfwise.rules.profile.overrides import lines_of
+from kerfwise.rules.profile.profile import Profile
+
+from .inputs import Inputs, Tell, differences, program_text, silent
+from .programs import Times, time_made
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class WorkSheet:
+    """One nest with its plan, as the operator has it on paper.
+
+    Attributes
+    ----------
+    nest, profile
+        The nest as the profile has it cut, and the profile.
+    plan
+        Of the nest; it passed the check.
+    times
+        What it takes, and costs.
+    program, program_name
+        The text of the NC program, and the name of its file.
+    about
+        More to say at the top, such as an order and when it is due: names and values.
+    changed
+        What is not as it was when the plan was made, a sentence each: the settings above may be others than its own.
+    """
+
+    nest: Nest
+    profile: Profile
+    plan: Plan
+    times: Times
+    program: str
+    program_name: str
+    about: Mapping[str, str] = field(default_factory=dict)
+    changed: tuple[str, ...] = ()
+
+    @property
+    def program_sha256(self) -> str:
+        """The hash of the program's file, as `sha256sum` says it."""
+        return hashlib.sha256(self.program.encode("utf-8")).hexdigest()
+
+    @property
+    def not_kept(self) -> tuple[str, ...]:
+        """What the plan does not keep of its rules, a sentence each: excuses, breaches, dropped and relaxed orders."""
+        return tuple(_not_kept(self.plan))
+
+
+def work_sheet(
+    given: Inputs,
+    plan: Plan,
+    program: str | Path | None = None,
+    *,
+    name: str = "",
+    about: Mapping[str, str] | None = None,
+    tell: Tell = silent,
+) -> WorkSheet:
+    """The work sheet of a plan.
+
+    Parameters
+    ----------
+    given
+        Nest and profile.
+    plan
+        The plan of the nest.
+    program
+        The file of its NC program; where none is given, the program is written anew from the plan, as `solve` does.
+    name
+        What the program's file is called, where no file is given; else it is named after the nest.
+    about
+        More to say at the top.
+    tell
+        Told what is not as it was when the plan was made; it stands on the sheet, too.
+
+    Raises
+    ------
+    InputError
+        If the plan or the program is of another nest, or the program cannot be read.
+    RulesConflict
+        If the check refuses the plan, or the program does not follow it: nobody should cut by such a sheet.
+    """
+    trusted_dialect(given.profile)
+    changed = tuple(differences(plan, given))
+    for text in changed:
+        tell(text)
+    times = time_made(given, plan)  # refuses the plan of another nest
+    verdict = check_plan(given.nest, plan, given.profile)
+    if not verdict.ok:
+        raise RulesConflict(f"the check refuses the plan: {', '.join(verdict.broken())}; no work sheet is made")
+    if program is None:
+        text = write_program(plan, given.nest, given.profile)
+        file = name or f"{Path(given.nest.file or 'nest').stem}.nc"
+    else:
+        text, file = program_text(program), Path(program).name
+        followed = check_program(given.nest, text, given.profile, str(program), plan)
+        followed = held_to_plan(followed, given.nest, text, plan, given.profile)
+        if not followed.ok:
+            wrong = ", ".join(followed.broken())
+            raise RulesConflict(f"{program}: the program does not follow the plan, or breaks rules: {wrong}")
+    return WorkSheet(given.nest, given.profile, plan, times, text, escape_text(file), about or {}, changed)
+
+
+def _not_kept(plan: Plan) -> Iterator[str]:
+    for rule in plan.rules:
+        for contours, why in rule.exceptions:
+            yield f"excused, {rule.id}: {', '.join(contours)}: {why}"
+    for dropped in plan.dropped:
+        named = f" ({' before '.join(dropped.contours)})" if dropped.contours else ""
+        yield f"{'RELAXED' if dropped.relaxed else 'dropped'}, {dropped.rule}{named}: {dropped.why}"
+    for rule in plan.rules:
+        if rule.breaches:
+            first = rule.breaches[0][1]
+            more = f" (and {len(rule.breaches) - 1} more)" if len(rule.breaches) > 1 else ""
+            yield f"soft rule {rule.id} is broken: {first}{more}"
+
+
+# The facts at the top of a work sheet, and what the operator ticks.
+
+_UNKNOWN = "as the machine has it"
+
+
+def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
+    """Names and values: stock, machine, feeds, settings, gas, time, lengths, cost."""
+    plan, totals, report = sheet.plan, sheet.plan.totals, sheet.times.report
+    machine, material = sheet.profile.machine, sheet.profile.material
+    feeds = (("cut", machine.cut_feed_mm_s), ("mark", machine.mark_feed_mm_s), ("travel", machine.travel_mm_s))
+    told = ", ".join(f"{name} {mm_s * 60:g}" for name, mm_s in feeds)
+    spent = (
+        ("cutting", report.cut_s),
+        ("travelling", report.idle_s),
+        ("piercing", report.pierce_s),
+        *([("waiting", report.dwell_s)] if report.dwell_s else []),
+    )
+    shares = ", ".join(f"{name} {clock_text(seconds)}" for name, seconds in spent)
+    yield "sheet", f"{_stock(sheet)}, {_parts(sheet)}"
+    if sheet.nest.reading is not None and sheet.nest.reading.taken:
+        yield "drawing", sheet.nest.reading.short()
+    yield "machine", f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
+    yield "feeds", f"{told} mm/min; kerf {material.kerf_mm:g} mm, pierce {machine.pierce_time_s:g} s"
+    yield "settings", _settings(sheet)
+    yield "gas", material.gas or _UNKNOWN
+    yield "time", f"{duration(report.total_s)} ({shares}; {report.model})"
+    lengths = f"torch on {totals.cut_mm / 1000:.2f} m, idle {totals.idle_mm / 1000:.2f} m"
+    passes = ", all of a zone or of the sheet first" if plan.pierces else ""
+    yield "path", f"{lengths}, {counted(totals.pierces, 'pierce')}{passes}"
+    if sheet.times.cost is not None:
+        yield "cost", str(sheet.times.cost)
+    if plan.already:
+        again = "; the last is cut again" if plan.broken_off is not None else ""
+        yield "goes on", f"after cut {plan.resumed_after}{again}"
+
+
+def checklist(sheet: WorkSheet) -> Iterator[str]:
+    """What is looked at before the program starts, and after it ends."""
+    yield f"sheet on the table: {_stock(sheet)}"
+    yield f"zero set: {_zero(sheet)}"
+    yield f"program loaded: {sheet.program_name}; its SHA-256 is that of the code above"
+    yield f"settings: {_settings(sheet)}; gas: {sheet.profile.material.gas or _UNKNOWN}"
+    yield f"{_parts(sheet)} counted and good; scrap: ______"
+
+
+def _settings(sheet: WorkSheet) -> str:
+    material = sheet.profile.material
+    known = (
+        ("{:g} A", material.amps),
+        ("{:g} V", material.volts),
+        ("power {:g} %", material.power),
+        ("pierce power {:g} %", material.pierce_power),
+        ("mark power {:g} %", material.mark_power),
+        ("pierce height {:g} mm", material.pierce_height_mm),
+        ("cut height {:g} mm", material.cut_height_mm),
+    )
+    return ", ".join(text.format(value) for text, value in known if value is not None) or _UNKNOWN
+
+
+def _stock(sheet: WorkSheet) -> str:
+    material, (left, bottom, right, top) = sheet.profile.material, sheet.nest.sheet.bounds
+    assumed = " assumed" if sheet.nest.reading is not None and sheet.nest.reading.assumed else ""
+    return f"{material.name}, {material.thickness_mm:g} mm, {right - left:g} × {top - bottom:g} mm{assumed}"
+
+
+def _parts(sheet: WorkSheet) -> str:
+    return counted(len({planned.part for planned in sheet.plan.cuts if planned.kind == "outer"}), "part")
+
+
+def _zero(sheet: WorkSheet) -> str:
+    x, y = sheet.plan.zero
+    if sheet.plan.origin == "drawing":
+        return "the machine's zero is that of the drawing"
+    return f"the machine's zero is the sheet's corner, at ({x:g}, {y:g}) of the drawing"
+
+
+# Work sheets as pages of A4: head, facts, picture, boxes to tick, what is not kept, locks, and the table of cuts.
+
+_QR = 78.0
+_MANY = 60
+"""Cuts from which on the picture gets more of the first page, so that its numbers can be read."""
+_HIGH = {False: 290.0, True: 470.0}
+_KEY = "bold numbers: outer contours, in cutting order; grey: parts; red dots: pierces; dashed: idle travel"
+_HEAD = ("", "#", "contour", "way", "mm", "begins", "note")
+_WIDTHS = (11, 19, 78, 22, 30, 36, 58)
+
+
+def sheets_pdf(sheets: Sequence[WorkSheet], date: str = "") -> bytes:
+    """The work sheets of several nests in one PDF, each from a page of its own on.
+
+    The same sheets give the same bytes: a date stands on them only where one is given.
+    """
+    pages = [page for sheet in sheets for page in pages_of(sheet, date)]
+    return pdf_bytes(pages, " · ".join(_title(sheet) for sheet in sheets[:3]) + (" …" if len(sheets) > 3 else ""))
+
+
+def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
+    """The pages of one work sheet."""
+    paper = Paper(f"{_title(sheet)} · {sheet.program_name} · sha256 {sheet.program_sha256[:16]}…")
+    _head(paper, sheet, date)
+    home = sheet.profile.at_origin(sheet.plan.origin).home_on(sheet.nest)
+    most_high = _HIGH[len(sheet.plan.cuts) > _MANY]
+    paper.picture(bare_picture(sheet.nest, sheet.plan, home, ROOM, most_high))
+    paper.skip(10.0)
+    paper.lines([_KEY], 6.5)
+    paper.heading("Before and after")
+    paper.lines(checklist(sheet), 8.0, BOX)
+    _signed(paper)
+    for heading, texts in (
+        ("Not as it was when the plan was made", [escape_text(text) for text in sheet.changed]),
+        ("What this plan does not keep", sheet.not_kept),
+        ("Locks", [escape_text(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
+        ("Metal lost", [escape_text(loss.sentence()) for loss in sheet.plan.losses]),
+        ("Not cut", [f"{escape_text(left.contour)}: {left.why}" for left in sheet.plan.left_out]),
+    ):
+        if texts:
+            paper.heading(heading)
+            paper.lines(texts, 7.5, "–")
+    paper.heading(f"{counted(len(sheet.plan.cuts), 'cut')}, in order")
+    rows = [_row(k, planned) for k, planned in enumerate(sheet.plan.cuts, sheet.plan.resumed_after + 1)]
+    paper.table(_HEAD, rows, _WIDTHS, blocks=2)
+    return paper.scenes()
+
+
+def _title(sheet: WorkSheet) -> str:
+    return escape_text(Path(sheet.nest.file or "nest").name)
+
+
+def _head(paper: Paper, sheet: WorkSheet, date: str) -> None:
+    """Title and facts, and beside them the QR code of the program's hash."""
+    right, sha256 = WIDTH - MARGIN, sheet.program_sha256
+    paper.put(qr_items(f"SHA256 {sha256}".upper(), right - _QR, MARGIN, _QR))
+    for k in range(4):
+        text = sha256[16 * k : 16 * k + 16]
+        paper.put([TextLine(right - _QR / 2, MARGIN + _QR + 8 + 7.5 * k, text, 6.0, FAINT)])
+    room = ROOM - _QR - 14
+    title = shortened(_title(sheet), 15.0, 0.85 * room)
+    paper.put([TextLine(MARGIN, paper.y + 8, title, 15.0, INK, "start", bold=True)])
+    paper.skip(25.0)
+    line = " · ".join(text for text in (f"program {sheet.program_name}", f"profile {sheet.profile.name}", date) if text)
+    paper.put([TextLine(MARGIN, paper.y, shortened(escape_text(line), 9.0, room), 9.0, INK, "start")])
+    paper.skip(12.0)
+    paper.pairs(
+        [*((escape_text(name), escape_text(text)) for name, text in sheet.about.items()), *facts_of_sheet(sheet)], room
+    )
+    paper.y = max(paper.y, MARGIN + _QR + 40) + 4
+
+
+def _signed(paper: Paper) -> None:
+    """Lines to write on."""
+    paper.room_for(18.0)
+    paper.skip(6.0)
+    for k, name in enumerate(("operator", "machine", "date, time")):
+        paper.put([TextLine(MARGIN + 180 * k, paper.y + 4, f"{name} ____________________", 8.0, INK, "start")])
+    paper.skip(12.0)
+
+
+def _row(order: int, planned: PlannedCut) -> tuple[str, ...]:
+    cut = planned.cut
+    notes = [
+        *([planned.kind] if planned.kind not in ("outer", "hole") else []),
+        *(["linked"] if cut.linked else []),
+        *([f"waits {planned.dwell_s:.1f} s"] if planned.dwell_s else []),
+        *([counted(len(cut.tabs), "tab")] if cut.tabs else []),
+        *(["excused"] if cut.excused else []),
+    ]
+    begins = clock_text(cut.start_s)
+    return (
+        BOX,
+        str(order),
+        escape_text(cut.contour),
+        cut.direction,
+        f"{planned.length_mm:.0f}",
+        begins,
+        ", ".join(notes),
+    )
+
+
+# What a work sheet says of the job that a nest belongs to.
+
+
+def about_of_job(job: Job | None) -> dict[str, str]:
+    """Names and values for the top of the sheet: order, due date, how many sheets; nothing where there is no job.
+
+    Examples
+    --------
+    >>> about_of_job(Job(order="4711", quantity=3))
+    {'order': '4711', 'sheets': '3 of the same'}
+    """
+    if job is None:
+        return {}
+    about = {"order": job.order or "", "due": "" if job.due is None else job.due.isoformat()}
+    about["sheets"] = f"{job.quantity} of the same" if job.quantity > 1 else ""
+    return {name: text for name, text in about.items() if text}

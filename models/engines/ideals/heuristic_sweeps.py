@@ -1,0 +1,131 @@
+"""Sweeps that improve a plan without a proof: windows put in their best order, and layers of the most promising states.
+
+The sweep over ideals does it exactly, for whatever a state can hold (a neighbourhood of exponential size that is
+searched whole, as in Balas and Simonetti 2001).
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+
+from .lattice import TABLE_BYTES, SweepBudget, SweptLayer, SweptStretch, TooLarge, sweep_layers, walk_back
+from .prove import applies
+from .stretch import ConditionsByContour, Local, chain_orders, localise
+from .stretch_bounds import LeastIn, least_rest
+from .stretch_tables import HOME, add_settled, dearest, entrance_of, make_moves, never, travel_between
+
+WIDTH, STEP = 12, 4
+"""Contours in a window, and from one window to the next."""
+SETTING_UP = 1e6
+"""Additions that it takes as long as to set a window up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Polished:
+    """A route after the windows, and the work they took, in deterministic seconds."""
+
+    incumbent: Incumbent
+    work: float
+
+
+def polish(
+    problem: Problem,
+    incumbent: Incumbent,
+    work: float,
+    progress: Progress | None = None,
+    most_bytes: float = TABLE_BYTES,
+) -> Polished:
+    """Improve a route window by window, until no window has a better order or `work` is spent.
+
+    The tables of a window take no more than `most_bytes`. What comes back is never dearer, and lawful if the route was.
+    Where a state cannot hold what is asked, nothing is tried.
+    """
+    if not applies(problem) or problem.n == 0:
+        return Polished(incumbent, 0.0)
+
+    def go() -> bool:
+        return progress is None or progress("windows", incumbent.cost, None)
+
+    budget = SweepBudget.of(work, go, most_bytes)
+    with ThreadPoolExecutor(1) as thread:
+        windows = _Windows(problem, budget, thread)
+        last = max(0, problem.n - WIDTH)
+        starts = [*range(0, last, STEP), last]
+        waiting = set(starts)
+        try:
+            while waiting:
+                for start in sorted(waiting):
+                    waiting.discard(start)
+                    better = windows.best(incumbent, start)
+                    if better is not None:
+                        incumbent = better
+                        waiting |= {s for s in starts if abs(s - start) < WIDTH and s != start}
+        except TooLarge:
+            pass
+    return Polished(incumbent, work - max(0.0, budget.work.left))
+
+
+class _Windows:
+    """What all windows of a problem share."""
+
+    def __init__(self, problem: Problem, budget: SweepBudget, thread: Executor) -> None:
+        self._problem, self._budget, self._thread = problem, budget, thread
+        self._least, self._dearest = LeastIn(problem), dearest(problem)
+        self._parts = ConditionsByContour(problem)
+
+    def best(self, incumbent: Incumbent, start: int) -> Incumbent | None:
+        """The route with the window from position `start` in its best order, if that is better."""
+        route, problem = incumbent.route, self._problem
+        stop = min(start + WIDTH, problem.n)
+        order = problem.site_contour[list(route)].tolist()
+        earlier, group = frozenset(order[:start]), tuple(order[start:stop])
+        inside = self._parts.of(group)
+        local = localise(inside, group, earlier)
+        before = np.array([route[start - 1] if start else HOME])
+        after = np.array([route[stop] if stop < problem.n else HOME])
+        stays = replace(local, orders=chain_orders(local.orders))
+        known = self._sweep(inside, stays, earlier, before, after, self._dearest)
+        if known is None:
+            return None
+        found = self._sweep(inside, local, earlier, before, after, known[0] - 1)
+        if found is None:
+            return None
+        better = (*route[:start], *local.sites[found[1]].tolist(), *route[stop:])
+        # groups and blocks that reach beyond the window are judged here, on the whole route
+        cost = route_cost(problem, better)
+        return Incumbent(better, cost) if cost < incumbent.cost and not broken(problem, better) else None
+
+    def _sweep(
+        self, problem: Problem, local: Local, earlier: frozenset[int], before: Ints, after: Ints, limit: int
+    ) -> tuple[int, list[int]] | None:
+        """The cheapest way through a window from one site to another, and its cost; None if it is over the limit."""
+        everything = frozenset(range(problem.n))
+        self._budget.work.spend(SETTING_UP)
+        moves, over = make_moves(problem, local, earlier, before, limit)
+        rests = least_rest(local, everything - frozenset(local.contours), self._least)
+        stretch = SweptStretch(local, moves, over, rests, limit, never(limit))
+        allowed = replace(self._budget, work=self._budget.work.part(1.0))
+        layers = sweep_layers(stretch, entrance_of([0], limit), allowed, self._thread)
+        self._budget.work.spend(allowed.work.operations_spent)
+        if not len(layers[-1].contour):
+            return None
+        total = layers[-1].values + self._onward(local, earlier, layers[-1], after)
+        best = int(np.argmin(total))
+        if total[best] > limit:
+            return None
+        return int(total[best]), walk_back(stretch, layers, best)[0]
+
+    def _onward(self, local: Local, earlier: frozenset[int], end: SweptLayer, after: Ints) -> Ints:
+        """What it costs to leave a window to the site `after` it, from every state at its end."""
+        ways = local.sites_of(end.contour)
+        onward = travel_between(self._problem, ways, after)
+        add_settled(self._problem, earlier | frozenset(local.contours), ways, after, onward)
+        return onward[:, 0]

@@ -1,0 +1,190 @@
+"""Compiled kernels kept on disk between runs, in files that cannot hurt: what is broken, foreign or old is not run.
+
+Numba's own cache fails for ever on a file that is empty or cut short, runs one that is damaged, mixes up kernels where
+two runs write at once, and refuses to start where nothing may be written. Only who compiles or loads a kernel imports
+this, and numba with it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import pickle
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from functools import cache, cached_property
+from pathlib import Path
+from types import CodeType
+from typing import Any, cast
+
+import numba
+import numpy as np
+from numba import extending
+from numba.core import caching, serialize, types
+
+from kerfwise.encoder.errors import Advice
+from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
+
+_caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
+_told: set[str] = set()
+
+
+def dispatcher_of(
+    function: Callable[..., object],
+    options: Mapping[str, Any],
+    keep: bool,
+    kernel: type,
+    compiling: Callable[[], AbstractContextManager[None]],
+    note_compiled: Callable[[], None],
+) -> Any:
+    """What numba makes of a function: it compiles for each kind of arguments, or loads what is kept for it.
+
+    Where nothing can be kept, it is compiled in each run anew, and that is said once. It is done within `compiling`,
+    and `note_compiled` is called where something was compiled. Functions that it calls may be of the class `kernel`.
+    """
+    _take(kernel)
+    dispatcher: Any = numba.njit(**options)(function)
+    if keep:
+        dispatcher._cache = _cache_of(function)
+    make = dispatcher._compile_for_args
+
+    def make_off_the_clock(*given: Any, **named: Any) -> Any:
+        with compiling():
+            not_kept = sum(dispatcher.stats.cache_misses.values())
+            try:
+                return make(*given, **named)
+            finally:
+                if sum(dispatcher.stats.cache_misses.values()) > not_kept:
+                    note_compiled()
+
+    dispatcher._compile_for_args = make_off_the_clock
+    return dispatcher
+
+
+@cache
+def _take(kernel: type) -> None:
+    """Have numba take objects of a class for the dispatcher that they have, where a kernel calls them."""
+    _numba.typeof_impl.register(kernel)(lambda value, _: cast(Any, types).Dispatcher(value.dispatcher))
+
+
+def _cache_of(function: Any) -> Any:
+    try:
+        return Kept(function)
+    except (OSError, RuntimeError):  # numba found no place
+        _tell("compiled kernels cannot be kept here and are compiled anew each time; NUMBA_CACHE_DIR names a place")
+        return _caching.NullCache()
+
+
+def _tell(text: str) -> None:
+    """Say something once."""
+    if text not in _told:
+        _told.add(text)
+        warnings.warn(text, Advice, stacklevel=2)
+
+
+class Files:
+    """The kept kernels of one function: a sealed file for each kind of arguments, by numba and source.
+
+    `stamp` tells the source; it is asked when the first kernel is looked for, once all that it calls is defined.
+    """
+
+    def __init__(self, folder: str, name: str, stamp: Callable[[], object]) -> None:
+        self.folder, self.name, self._stamp = Path(folder), name, stamp
+
+    @cached_property
+    def made_by(self) -> bytes:
+        """Which numba and which source a kernel has to be compiled by."""
+        return hashlib.sha256(repr((numba.__version__, self._stamp())).encode()).digest()
+
+    def load(self, key: object) -> Any:
+        """What is kept for a key; None where nothing is, or nothing that may be run."""
+        try:
+            content = read_sealed(self.path(key), self.made_by)
+        except DamagedFile:
+            _tell("kept kernels are damaged, and are compiled anew")
+            return None
+        return None if content is None else pickle.loads(content)
+
+    def save(self, key: object, kernel: object) -> None:
+        """Keep a kernel, in place of what was kept for the key.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        write_sealed(self.path(key), self.made_by, _serialize.dumps(kernel))
+
+    def flush(self) -> None:
+        """Forget all."""
+        for path in self.folder.glob(f"{self.name}.*.kernel"):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+    def path(self, key: object) -> Path:
+        """The file for a key."""
+        return self.folder / f"{self.name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.kernel"
+
+
+def source_of(function: Any) -> tuple[list[str], list[str]]:
+    """All that a kernel is compiled from: digests of the files that it and the kernels it calls stand in, and numbers.
+
+    Numba itself looks at the kernel's own file alone, and runs on with what it has kept where another has changed.
+    """
+    files: set[str] = set()
+    numbers: set[str] = set()
+    seen, waiting = {function}, [function]
+    while waiting:
+        one = waiting.pop()
+        files.add(one.__code__.co_filename)
+        for name in _names(one.__code__):
+            value = one.__globals__.get(name)
+            called = getattr(value, "py_func", None)
+            if called is not None and called not in seen:
+                seen.add(called)
+                waiting.append(called)
+            elif isinstance(value, int | float | complex | tuple | np.generic):
+                numbers.add(f"{name} = {value!r}")
+    return sorted(map(_digest, files)), sorted(numbers)
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """Names of globals, those of inner functions and comprehensions too."""
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
+
+
+@cache
+def _digest(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+
+_NumbasOwn: Any = _caching.FunctionCache
+
+
+class Kept(_NumbasOwn):  # type: ignore[misc]
+    """Numba's cache of a function, over `Files`; what cannot be read or written is done without."""
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        self._cache_file = Files(self._cache_path, self._impl.filename_base, lambda: source_of(function))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The kernel kept for a signature, or None."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # whatever numba and LLVM say of it, it can be compiled
+            _tell("kept kernels cannot be read, and are compiled anew")
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a kernel, where that can be done."""
+        try:
+            super().save_overload(sig, data)
+        except Exception as error:
+            why = getattr(error, "strerror", None) or type(error).__name__
+            _tell(f"compiled kernels cannot be kept ({why}) and are compiled anew each time")
+            self.disable()

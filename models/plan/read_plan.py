@@ -1,0 +1,278 @@
+"""Reads kerfwise-plan/1 files; what does not fit the published schema is refused in place."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
+from itertools import islice
+from operator import itemgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import places, read_limited, schema_message, strict_json
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_crossings
+from kerfwise.encoder.nest import KINDS, Loss, Nest
+from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
+from kerfwise.models.physics.time_and_cost import Cost, TimeReport
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_sections import ForOneNest, changed_since
+
+from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals, ZonesCost
+
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
+
+MOST_ERRORS = 20
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read a kerfwise-plan/1 file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not JSON, or holds what the format does not allow, with line and column.
+    """
+    try:
+        text = read_limited(path).decode("utf-8-sig")
+    except InputError as error:
+        raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None
+    except OSError as error:
+        raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
+    except ValueError as error:  # no file can have this name
+        raise InputError(f"not a plan: {error}", file=path) from None
+    return plan_in(text, path)
+
+
+def plan_in(text: str, path: str | Path = "the plan") -> Plan:
+    """The plan that a text is, which stands at `path`.
+
+    Raises
+    ------
+    InputError
+        As `read_plan` does.
+    """
+    try:
+        data = strict_json(text)  # NaN becomes a text, which the schema refuses in place
+    except InputError as error:
+        raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None
+    except json.JSONDecodeError as error:
+        message = f"not a plan: expected JSON as solve writes it with --plan ({error.msg})"
+        raise InputError(message, file=path, line=error.lineno, column=error.colno) from None
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits; brackets thousands deep
+        raise InputError(f"not a plan: {error}", file=path) from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
+    _check_schema(data, text, path)
+    _check_order(data, path)
+    try:
+        return _plan_of(data)
+    except InputError as error:
+        raise InputError(f"the plan is damaged: {error.message}", file=path) from None
+
+
+def _check_order(data: dict[str, Any], path: str | Path) -> None:
+    """Cuts count from 1, those made before first."""
+    already = data.get("already_cut", [])
+    made = len(already)
+    if data.get("resumed_after", 0) != made:
+        says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {made} cuts as already cut"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+    if sorted(cut["order"] for cut in already) != list(range(1, made + 1)):
+        raise InputError("the plan is damaged: the order of what is already cut does not count 1, 2, 3 …", file=path)
+    if sorted(cut["order"] for cut in data["cuts"]) != list(range(made + 1, made + len(data["cuts"]) + 1)):
+        counts = ", ".join(str(made + k) for k in (1, 2, 3))
+        raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
+
+
+@cache
+def validator() -> Draft202012Validator:
+    """The validator of the schema beside this file."""
+    from jsonschema import Draft202012Validator as Validator
+
+    return Validator(json.loads((files(__package__) / "plan.schema.json").read_text(encoding="utf-8")))
+
+
+def _check_schema(data: dict[str, Any], text: str, path: str | Path) -> None:
+    """Hold a plan against the schema; cuts that plainly fit are not shown to it, which would take long over many."""
+    cuts = data.get("cuts")
+    shown, numbers = data, []
+    if isinstance(cuts, list):
+        numbers = [k for k, cut in enumerate(cuts) if not _plain(cut)]
+        shown = {**data, "cuts": [cuts[k] for k in numbers]}
+    found: list[tuple[list[str | int], str]] = []
+    for error in islice(validator().iter_errors(shown), MOST_ERRORS):
+        steps = list(error.absolute_path)
+        if len(steps) > 1 and steps[0] == "cuts":
+            steps[1] = numbers[int(steps[1])]
+        found.append((steps, schema_message(error)))
+    if not found:
+        return
+    at = places(text, [steps for steps, _ in found])
+    first = min(range(len(found)), key=lambda k: (at[k][0] or 0, at[k][1] or 0))
+    more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    message = f"the plan is damaged: {_spoken(found[first][0])}: {found[first][1]}{more}"
+    raise InputError(message, file=path, line=at[first][0], column=at[first][1])
+
+
+def _spoken(steps: list[str | int]) -> str:
+    """A path as "cuts 3, lead_in 1": lists count from 1."""
+    words = "".join(f" {step + 1}" if isinstance(step, int) else f", {step}" for step in steps)
+    return words.removeprefix(", ") or "the file"
+
+
+def _plain(cut: object) -> bool:
+    """True for a cut that the schema has nothing to say about."""
+    if not isinstance(cut, dict) or len(_CUT_KINDS.keys() & cut.keys()) < len(_CUT_KINDS):
+        return False
+    if not all(type(cut[key]) in kinds for key, kinds in _CUT_KINDS.items()):
+        return False
+    texts = [*cut["because"], *(cut.get("excused", ()) if isinstance(cut.get("excused", ()), list | tuple) else (0,))]
+    return (
+        cut["kind"] in KINDS
+        and cut["direction"] in ("cw", "ccw")
+        and 0 <= cut["zone"] <= LIMIT_MM
+        and all(len(cut[key]) == 2 and _plain_row(cut[key]) for key in ("entry", "pierce"))
+        and all(isinstance(row, list) and 2 <= len(row) <= 3 and _plain_row(row) for key in _PATHS for row in cut[key])
+        and all(abs(cut[key]) <= 1e12 for key in ("length_mm", "start_s", "end_s"))
+        and all(isinstance(text, str) for text in texts)
+        and not _SELDOM & cut.keys()
+    )
+
+
+def _plain_row(row: list[object]) -> bool:
+    return all(type(x) in (int, float) and -LIMIT_MM <= x <= LIMIT_MM for x in row)  # type: ignore[operator]
+
+
+_PATHS = ("lead_in", "lead_out")
+_SELDOM = {"dwell_s", "linked", "span", "tabs", "torch", "together"}
+_NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
+_CUT_KINDS: dict[str, tuple[type, ...]] = {
+    "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
+    "lead_in": _LIST, "lead_out": _LIST, "direction": _TEXT, "length_mm": _NUMBER, "start_s": _NUMBER,
+    "end_s": _NUMBER, "because": _LIST,
+}  # fmt: skip
+
+
+def _plan_of(data: dict[str, Any]) -> Plan:
+    return Plan(
+        nest=data["nest"],
+        profile=data["profile"],
+        start_side=data["start_side"],
+        start_side_because=data["start_side_because"],
+        cuts=_cuts(data["cuts"]),
+        totals=_record(Totals, data["totals"]),
+        solve=_record(SolveReport, data["solve"]),
+        rules=tuple(
+            RuleReport(
+                r["id"],
+                r["strength"],
+                r["holds"],
+                tuple((tuple(e["contours"]), e["why"]) for e in r["exceptions"]),
+                tuple((tuple(b["contours"]), b["why"]) for b in r.get("breaches", ())),
+                r.get("file", ""),
+                r.get("file_sha256", ""),
+                r.get("in_place_of_shipped", False),
+            )
+            for r in data["rules"]
+        ),
+        dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
+        time=_record(TimeReport, data["time"]) if "time" in data else None,
+        made_with=ForOneNest.of_json(data["job"]) if "job" in data else None,
+        cost=Cost.of_json(data["totals"]["cost"]) if "cost" in data["totals"] else None,
+        left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
+        losses=tuple(Loss(row["contour"], tuple(row["touches"]), row["loss_mm"]) for row in data.get("losses", ())),
+        zones_cost=ZonesCost.of_json(data["zones_cost"]) if "zones_cost" in data else None,
+        origin=data.get("origin", "drawing"),
+        zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),
+        already_cut=_cuts(data.get("already_cut", [])),
+        broken_off=_cut(data["broken_off"]) if "broken_off" in data else None,
+        pierces=tuple(
+            Pierce(p["contour"], (float(p["at"][0]), float(p["at"][1])), p["before"], p["start_s"], p["end_s"])
+            for p in data.get("pierces", ())
+        ),
+    )
+
+
+def _cuts(rows: list[dict[str, Any]]) -> tuple[PlannedCut, ...]:
+    return tuple(_cut(row) for row in sorted(rows, key=itemgetter("order")))
+
+
+def _cut(c: dict[str, Any]) -> PlannedCut:
+    return PlannedCut(
+        Cut(
+            c["contour"],
+            (float(c["entry"][0]), float(c["entry"][1])),
+            c["direction"],
+            (float(c["pierce"][0]), float(c["pierce"][1])),
+            _path(c, "lead_in"),
+            _path(c, "lead_out"),
+            c["zone"],
+            c["start_s"],
+            c["end_s"],
+            tuple(c.get("excused", ())),
+            c.get("linked", False),
+            _span(c["span"]) if "span" in c else None,
+            tuple(Tab((float(t["at"][0]), float(t["at"][1])), float(t["width"])) for t in c.get("tabs", ())),
+            c.get("torch", 1),
+            c.get("together", ""),
+        ),
+        c["part"],
+        c["kind"],
+        c["length_mm"],
+        tuple(c["because"]),
+        c.get("dwell_s", 0.0),
+    )
+
+
+def _span(ends: dict[str, Any]) -> Span:
+    (x0, y0), (x1, y1) = ends["from"], ends["to"]
+    return Span((float(x0), float(y0)), (float(x1), float(y1)))
+
+
+def _path(cut: dict[str, Any], key: str) -> Curve | None:
+    """A lead; one that goes nowhere is its one point."""
+    if not cut[key]:
+        return None
+    path = checked_curve(cut[key], closed=False)
+    if has_too_many_crossings(path.vertices[:, :2], closed=False, most=MOST_MEETINGS):
+        raise InputError(f"its {key} crosses or touches itself more than {MOST_MEETINGS} times: no torch runs so")
+    return path
+
+
+def _record(kind: Any, data: dict[str, Any]) -> Any:
+    """The dataclass with the keys it knows; others are not this version's."""
+    return kind(**{name: data[name] for name in kind.__slots__ if name in data})
+
+
+# What a plan was made from, against what it is read with.
+
+_SHA_DIGITS = 12
+
+
+def source_changes(plan: Plan, nest: Nest, profile: Profile) -> Iterator[str]:
+    """A sentence for each thing that is not as it was when the plan was made: nest, profile, what is for one nest."""
+    if plan.nest.get("sha256") != nest.sha256:
+        yield "the nest is not the one the plan was made with (its sha256 differs)"
+    if told := profile_change(plan, profile):
+        yield told
+    yield from changed_since(plan.made_with, profile.for_one_nest)
+
+
+def profile_change(plan: Plan, profile: Profile) -> str:
+    """That a plan was made with another profile than this, with which, and what to do; "" where it was not."""
+    own, sha256 = plan.profile.get("name", ""), plan.profile.get("sha256", "")
+    if sha256 == profile.sha256:
+        return ""
+    told = f"the profile is not the one the plan was made with (its sha256 differs): this is '{profile.name}', "
+    if not own:
+        return f"{told}the plan does not say which that was"
+    begins = f", whose sha256 begins {sha256[:_SHA_DIGITS]}" if sha256 else ""
+    return f"{told}that was '{own}'{begins}: give it with -p (in Python profile=)"

@@ -1,0 +1,238 @@
+"""What a plan says of itself against what its cuts come to, and a program against its plan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import shapely
+
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.plant_sections import Origin
+from kerfwise.rules.rule import Violation
+
+from .result import Judgement, RelaxedStatement
+from .torch_run import TorchRun, tolerance_mm
+
+# A program held against the plan that it is said to be made from, where the program itself says nothing of it.
+#
+# Some controls take no comments. Then names, zones, the start side, excuses, and what was cut before a stop, are the
+# plan's, and the program has to follow the plan, cut by cut.
+
+_RULE = "follows-plan"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlanClaims:
+    """What a plan says: its cuts, those made before a stop among them, what it relaxes, and the machine's zero."""
+
+    cuts: CutSequence
+    relaxed: tuple[RelaxedStatement, ...] = ()
+    origin: Origin = "drawing"
+
+    def names_of_burns(self) -> list[str]:
+        """The first contour of each burn that the plan asks for."""
+        return [cut.contour for cut in self.cuts.new if not cut.linked]
+
+    def completed(self, cuts: CutSequence) -> CutSequence:
+        """The cuts of a program, with what the plan says of them and the program does not."""
+        told = {cut.contour: cut for cut in self.cuts}
+        side = cuts.start_side if cuts.start_side is not None else self.cuts.start_side
+        return replace(cuts, cuts=tuple(_completed(cut, told.get(cut.contour)) for cut in cuts), start_side=side)
+
+
+def _completed(cut: Cut, told: Cut | None) -> Cut:
+    """The cut with what the plan knows of it; where it joins the torch's ring as planned, its entry is the plan's.
+
+    Beside a corner the ring is as near to several points of the contour, so that nobody can tell the entry from it.
+    """
+    if told is None:
+        return cut
+    excused = tuple(dict.fromkeys((*cut.excused, *told.excused)))
+    joins = told.lead_in is not None and math.dist(_join(cut), _join(told)) <= 2 * tolerance_mm()
+    return replace(cut, zone=cut.zone or told.zone, excused=excused, entry=told.entry if joins else cut.entry)
+
+
+def _join(cut: Cut) -> Point:
+    """Where the torch joins its ring: the end of the lead-in."""
+    if cut.lead_in is None:
+        return cut.pierce
+    x, y = cut.lead_in.vertices[-1, :2].tolist()
+    return x, y
+
+
+def strays_from(planned: PlanClaims, nest: Nest, made: CutSequence, kerf_mm: float) -> Iterator[Violation]:
+    """Where a program does not follow its plan: another contour, another entry, pierce or direction, more or fewer."""
+    if made.made != planned.cuts.made:
+        text = f"it goes on after cut {made.made}, the plan after cut {planned.cuts.made}"
+        yield Violation(_RULE, (), text)
+        return
+    for k, (cut, asked) in enumerate(zip(made.new, planned.cuts.new, strict=False), made.made + 1):
+        if cut.contour != asked.contour:
+            text = f"cut {k} is of {cut.contour}, the plan says {asked.contour}"
+            yield Violation(_RULE, (cut.contour, asked.contour), text, (k,))
+        else:
+            closed = cut.contour in nest.index and nest.contour(cut.contour).curve.closed
+            for text in _differences(cut, asked, closed, kerf_mm):
+                yield Violation(_RULE, (cut.contour,), f"cut {k} of {cut.contour} {text}", (k,))
+    asked_holes = planned.cuts.pierces
+    for k, (hole, said) in enumerate(zip(made.pierces, asked_holes, strict=False), 1):
+        if hole.before != said.before or math.dist(hole.at, said.at) > 2 * tolerance_mm(kerf_mm):
+            text = f"pierce {k} of its passes is not the one of the plan, at ({said.at[0]:z.2f}, {said.at[1]:z.2f})"
+            yield Violation(_RULE, (said.contour,) if said.contour else (), text, (hole.before,))
+    if len(made.pierces) != len(asked_holes):
+        text = f"it makes {len(made.pierces)} holes in pierce passes, the plan {len(asked_holes)}"
+        yield Violation(_RULE, (), text)
+    if len(made.new) != len(planned.cuts.new):
+        yield Violation(_RULE, (), f"it makes {len(made.new)} cuts, the plan {len(planned.cuts.new)}")
+
+
+def _differences(cut: Cut, asked: Cut, closed: bool, kerf_mm: float) -> Iterator[str]:
+    allowed_mm = 2 * tolerance_mm(kerf_mm)
+    if cut.direction != asked.direction:
+        yield f"goes {cut.direction if closed else 'the other way'}, the plan says {asked.direction}"
+    if cut.torch != asked.torch:
+        yield f"is made by torch {cut.torch}, the plan says torch {asked.torch}"
+    if cut.linked != asked.linked:
+        yield (
+            "is linked with the cut before, the plan has it pierced" if cut.linked else "is pierced, the plan links it"
+        )
+    for what, at, said in (("enters", cut.entry, asked.entry), ("begins", cut.pierce, asked.pierce)):
+        apart_mm = math.dist(at, said)
+        if what == "begins" and cut.linked and asked.linked and asked.lead_in is not None:
+            # It leaves its ring at a low angle, and after a kerf it is out of it: somewhere there it is seen to begin.
+            along_mm, off_mm = asked.lead_in.project(at)
+            apart_mm = off_mm if along_mm <= kerf_mm else apart_mm
+        if apart_mm > allowed_mm:
+            yield f"{what} at {_at(at)}, {apart_mm:.2f} mm from where the plan does, {_at(said)}"
+
+
+def _at(point: Sequence[float]) -> str:
+    return f"({point[0]:z.2f}, {point[1]:z.2f})"
+
+
+_IDLE_MM, _LENGTH_MM, _LENGTH_SHARE, _TIME_S = 0.1, 0.1, 0.001, 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """What a plan states: totals, the torch-on length of each cut, and which rules hold (none where it is silent).
+
+    `of_all` is false for a plan made with another profile than it is judged by: it knows nothing of further rules.
+    """
+
+    cut_mm: float
+    idle_mm: float
+    pierces: int
+    time_s: float
+    lengths_mm: tuple[float, ...]
+    rules: Mapping[str, bool] = field(default_factory=dict)
+    of_all: bool = True
+
+
+def idle_mm(nest: Nest, cuts: CutSequence) -> float:
+    """Idle travel: home, every pierce and end in order, those of pierce passes among them, and home again, mm."""
+    ends = [cuts.home, *(end_of(nest, cut) for cut in cuts.way)]
+    starts = [*(cut.pierce for cut in cuts.way), cuts.home]
+    pierced = cuts.pierced
+    ways = (
+        (a, *(hole.at for hole in pierced.get(k, ())), b) for k, (a, b) in enumerate(zip(ends, starts, strict=True), 1)
+    )
+    return math.fsum(math.dist(a, b) for way in ways for a, b in pairwise(way))
+
+
+def totals(
+    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Claims, unpierced: Collection[int] = ()
+) -> list[Violation]:
+    """Totals, lengths and times that do not fit the cuts; those at the positions `unpierced` begin in an old kerf."""
+    found: list[Violation] = []
+
+    def wrong(text: str, position: int | None = None) -> None:
+        contours = () if position is None else (cuts[position - 1].contour,)
+        found.append(Violation("totals", contours, text, () if position is None else (position,)))
+
+    idle = idle_mm(nest, cuts)
+    if abs(idle - claims.idle_mm) > _IDLE_MM:
+        wrong(f"the idle travel is {idle:.3f} mm, the plan says {claims.idle_mm:.3f} mm")
+    allowed = 0.0
+    for run in runs:
+        slack = _LENGTH_MM + _LENGTH_SHARE * run.length_mm
+        allowed += slack
+        said = claims.lengths_mm[run.position - 1 - cuts.made]
+        if abs(run.length_mm - said) > slack:
+            wrong(f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {said:.3f} mm", run.position)
+    cut = math.fsum(run.length_mm for run in runs)
+    if abs(cut - claims.cut_mm) > max(allowed, _LENGTH_MM):
+        wrong(f"the torch is on for {cut:.3f} mm, the plan says {claims.cut_mm:.3f} mm")
+    fewest, most = _pierces(nest, cuts, unpierced)
+    if not fewest <= claims.pierces <= most:
+        wrong(f"there are {fewest} pierces, the plan says {claims.pierces}")
+    _times(cuts, claims, wrong)
+    return found
+
+
+def _times(cuts: CutSequence, claims: Claims, wrong: Callable[..., None]) -> None:
+    """What is wrong with the order of times: cuts, and holes of passes, follow each other."""
+    before = 0.0
+    pierced = cuts.pierced
+    for position, one in enumerate(cuts.new, cuts.made + 1):
+        for hole in pierced.get(position, ()):
+            if hole.start_s < before - _TIME_S or hole.end_s < hole.start_s:
+                wrong(f"the hole of {hole.contour} is pierced before what comes before it has ended", position)
+            before = max(before, hole.end_s)
+        if one.torch == 1 and (one.start_s < before - _TIME_S or one.end_s < one.start_s):
+            wrong(f"cut {position} of {one.contour} begins before the one before it has ended, or ends first", position)
+        before = max(before, one.end_s)
+    if claims.time_s < before - _TIME_S:
+        wrong(f"the last cut ends at {before:.1f} s, the plan says that all takes {claims.time_s:.1f} s")
+
+
+def end_of(nest: Nest, cut: Cut) -> Point:
+    """Where the torch goes off: at the end of the lead-out, of an open mark, or of the round, which is its start."""
+    if cut.lead_out is not None:
+        return cut.end
+    contour = nest.contours[nest.index[cut.contour]] if cut.contour in nest.index else None
+    if contour is not None and not contour.curve.closed:
+        x, y = contour.curve.vertices[-1 if cut.direction == "ccw" else 0, :2].tolist()
+        return x, y
+    if cut.lead_in is not None:
+        x, y = cut.lead_in.vertices[-1, :2].tolist()
+        return x, y
+    return cut.entry
+
+
+def _pierces(nest: Nest, cuts: CutSequence, unpierced: Collection[int]) -> tuple[int, int]:
+    """Cuts that pierce the sheet; an edge start right at the edge may count or not."""
+    new = enumerate(cuts.new, cuts.made + 1)
+    cut = (c for k, c in new if not c.linked and k not in unpierced and c.contour in nest.index)
+    torch = [c.pierce for c in cut if nest.contour(c.contour).kind != "mark"]
+    points = shapely.points(torch) if torch else []
+    sheet = shapely.make_valid(nest.sheet.polygon)
+    counts = [
+        int(shapely.contains(shapely.buffer(sheet, by), points).sum()) for by in (-tolerance_mm(), tolerance_mm())
+    ]
+    return counts[0], counts[1]
+
+
+def claims_kept(claims: Claims, judged: Sequence[Judgement]) -> tuple[list[Violation], list[str]]:
+    """Rules that the plan says hold and that do not, or the other way round: violations if hard, warnings if soft."""
+    violations: list[Violation] = []
+    warnings: list[str] = []
+    for judgement in judged if claims.rules else ():
+        said = claims.rules.get(judgement.id)
+        if said == judgement.holds or judgement.verdict in ("not judged", "off"):
+            continue
+        if said is None and not claims.of_all:
+            continue
+        state = "holds" if judgement.holds else "is broken"
+        says = "nothing of it" if said is None else "that it holds" if said else "that it is broken"
+        text = f"rule {judgement.id} {state}, the plan says {says}"
+        if judgement.strength == "hard":
+            violations.append(Violation("claims", (), text))
+        else:
+            warnings.append(text)
+    return violations, warnings

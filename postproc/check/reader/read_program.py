@@ -1,0 +1,283 @@
+"""A program read as the control of the profile's machine runs it, whole, in the coordinates of the drawing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
+from kerfwise.rules.profile.plant_sections import Origin
+from kerfwise.rules.profile.profile import Frame, Profile
+
+from .controls import CONTROLS, QTPLASMAC, Control, in_file
+from .essi import read_essi
+from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of
+from .program import LineEffect, NcProgram, State
+from .qtplasmac import OldWords
+from .rs274 import Machine, blocks, expect_words_for, read_nc
+from .tools import HALTS
+from .words import Block, Word
+
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_ORIGIN = re.compile(
+    rf"ORIGIN (?P<origin>DRAWING|SHEET CORNER)(?:, AT X(?P<x>{_NUMBER}) Y(?P<y>{_NUMBER}) OF THE DRAWING)?",
+    re.IGNORECASE,
+)
+_ORIGINS: Mapping[str, Origin] = {"DRAWING": "drawing", "SHEET CORNER": "sheet-corner"}
+
+
+def read_on_machine(
+    text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None
+) -> NcProgram:
+    """Read a program as the machine runs it; where the control holds the pierce delay itself, its clock has it too.
+
+    Where the machine's zero lies on the drawing the program's own comment says, else the profile. Words that leave the
+    feed, and what else a material has, to the machine are refused, unless they are `trusted`.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
+    """
+    machine = profile.machine
+    if trusted is None:
+        control, held_s = control_of(profile)
+        unlit_mm, torches = _unlit_mm(profile), machine.torches.count
+        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, unlit_mm, torches)
+    else:
+        program = old_on_machine(text, profile, trusted, file).program
+    origin, zero = stated_origin(program)
+    if zero is None:
+        zero = profile.at_origin(origin or machine.origin).frame_on(nest).corner
+    return replace(shift_program(program, zero), origin=origin, zero=zero if origin else None)
+
+
+def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = "") -> OldProgram:
+    """Read a program of which there is no nest, line by line, in its own coordinates.
+
+    Raises
+    ------
+    InputError
+        As `read_old` does; for a dialect that does not fit the profile's process.
+    """
+    machine, (control, held_s) = profile.machine, control_of(profile)
+    unlit_mm, torches = _unlit_mm(profile), machine.torches.count
+    return read_old(
+        text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s, unlit_mm, torches
+    )
+
+
+def _unlit_mm(profile: Profile) -> float:
+    """How far the torch may move on unlit within a burn: over tabs, where the profile has any but at the end."""
+    tabs = profile.tabs()
+    return 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
+
+
+def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
+    """The control that runs the profile's programs, and how long it holds the torch by itself to cut, and to mark.
+
+    That of a laser tells marks from cuts by the profile's power, where it says one.
+
+    Raises
+    ------
+    InputError
+        For a dialect that does not fit the profile's process.
+    """
+    machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
+    by_machine = pierce_dwell_of(profile, dialect) == "machine"
+    held_s = (machine.pierce_time_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
+    control = CONTROLS[dialect.control]
+    if not control.beam or material.power is None:
+        return control, held_s
+    cuts = material.power
+    marks = 0.0 if material.mark_power is None else material.mark_power
+    marks_up_to = min(control.marks_up_to, (cuts + marks) / 200 * control.full_power)
+    return replace(control, marks_up_to=marks_up_to), held_s
+
+
+def with_program_origin(program: NcProgram, profile: Profile) -> Profile:
+    """The profile with the origin that the program says it has."""
+    return profile if program.origin is None else profile.at_origin(program.origin)
+
+
+def origin_warning(program: NcProgram, profile: Profile) -> Iterator[str]:
+    """A warning where a program says another origin than the profile."""
+    if program.origin is not None and program.origin != profile.machine.origin:
+        asked = profile.machine.origin
+        yield f"the program's origin is {program.origin}, the profile says {asked}: the program's counts"
+
+
+def stated_origin(program: NcProgram) -> tuple[Origin | None, Point | None]:
+    """The origin that a program states, and the point of the drawing that is its zero."""
+    found = next(filter(None, map(_ORIGIN.fullmatch, program.comments)), None)
+    if found is None:
+        return None, None
+    origin = _ORIGINS[found["origin"].upper()]
+    if found["x"] is None:
+        return origin, (0.0, 0.0) if origin == "drawing" else None
+    return origin, (float(found["x"]), float(found["y"]))
+
+
+def shift_program(program: NcProgram, zero: Point) -> NcProgram:
+    """The program in the coordinates of a drawing, a point of which is its zero."""
+    frame = Frame(zero)
+    if frame.corner == (0.0, 0.0):
+        return program
+    return replace(
+        program,
+        burns=tuple(replace(burn, path=burn.path.moved(*frame.corner)) for burn in program.burns),
+        rapids=tuple((line, frame.on_drawing(at)) for line, at in program.rapids),
+        end=frame.on_drawing(program.end),
+    )
+
+
+# A whole old program: what it does, and what each line changes, so that its burns can be put in another order.
+
+
+@dataclass(frozen=True, slots=True)
+class Trusted:
+    """Words that leave something to the machine are taken: `feed_mm_min` is the feed of its material, where known."""
+
+    feed_mm_min: float | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OldProgram:
+    """What a program does, line by line, in its own coordinates.
+
+    `kerfs_mm` are those of the materials that it describes. `fed_by` are the lines where a feed was needed that the
+    program does not say. `begin` is where it finds the torch.
+    """
+
+    program: NcProgram
+    lines: tuple[LineEffect, ...]
+    kerfs_mm: tuple[float, ...]
+    fed_by: tuple[int, ...]
+    text: str = field(repr=False, default="")
+    begin: Point = (0.0, 0.0)
+
+
+def read_old(
+    text: str,
+    control: Control = QTPLASMAC,
+    feed_mm_min: float | None = None,
+    travel_mm_s: float = 100.0,
+    file: str = "",
+    home: Point = (0.0, 0.0),
+    held_s: tuple[float, float] = (0.0, 0.0),
+    tab_mm: float = 0.0,
+    torches: int = 1,
+) -> OldProgram:
+    """Read a program that somebody else wrote; `feed_mm_min` is what the machine's material has for a feed.
+
+    `tab_mm` and `torches` are as for `read_nc`.
+
+    Raises
+    ------
+    InputError
+        With line and column, as `read_nc` does; and for a torch that is on in a rapid, or units that nobody states.
+
+    Examples
+    --------
+    >>> text = "G21\\nG0 X5 Y5\\nF#<_hal[plasmac.cut-feed-rate]>\\nM3 $0 S1\\nG1 X15\\nM5 $0\\nM2\\n"
+    >>> old = read_old(text, feed_mm_min=600)
+    >>> old.program.burns[0].feeds_mm_s, [row.line for row in old.lines if row.travels]
+    ((10.0,), [2])
+    """
+    expect_words_for(torches, control, file)
+    if control.arcs:
+        steps: list[LineEffect] = []
+        program = read_essi(text, travel_mm_s, file, home, control, held_s, steps)
+        _expect_cold_rapids(program, file)
+        return OldProgram(program, tuple(steps), (), (), text, home)
+    further = OldWords(control.filtered, feed_mm_min)
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further, torches)
+    traced: list[LineEffect] = []
+    with in_file(file):
+        for block in blocks(text, machine):
+            idle_mm, at, waited_s = machine.track.idle_mm, machine.track.at, machine.track.wait_s
+            machine.run(block)
+            _note(block, further, control)
+            if machine.track.at != at:
+                _expect_units(block, further.state, control)
+            travels = machine.track.idle_mm > idle_mm or _names_place(block, machine)
+            traced.append(
+                LineEffect(
+                    block.line,
+                    len(machine.track.burns),
+                    travels,
+                    machine.track.wait_s > waited_s,
+                    any(word.value in HALTS for word in block.m),
+                    dict(further.state),
+                    next((word.text for word in block.g if word.value == 0.0), ""),
+                )
+            )
+        machine.expect_end()
+        if machine.track.open is not None:
+            raise InputError(
+                "the program ends with the torch on, and nobody can be sure where it should have gone out; put it out",
+                line=machine.line or None,
+            )
+        program = machine.done()
+        _expect_cold_rapids(program, file)
+    return OldProgram(program, tuple(traced), tuple(sorted(further.kerfs_mm)), tuple(further.used), text, home)
+
+
+def _names_place(block: Block, machine: Machine) -> bool:
+    """Whether it names a place for the torch, off, to go to, though it may be there already."""
+    named = any(letter in block.words for letter in "XY")
+    return named and machine.track.open is None and not block.has_g(DWELL)
+
+
+def _expect_units(block: Block, state: State, control: Control) -> None:
+    """Refuse to guess what a number of the first move counts."""
+    if control.known_g & {20.0, 21.0, 70.0, 71.0} and "units" not in state:
+        raise block.refused(
+            "it moves before it has said its units (G21 for mm, G20 for inches), and nobody can be sure of them; "
+            "write them at its top"
+        )
+
+
+def _note(block: Block, further: OldWords, control: Control) -> None:
+    """Keep note of what the words of a block have set."""
+    state = further.state
+    for word in block.g:
+        if word.value not in MOTION | UNCHANGING | {DWELL, NO_MOTION}:
+            with_it = "PQ" if word.value == ROUNDING else ""
+            state[group_of(word)] = (_with(word, block, with_it),)
+    for word in block.m:
+        switches = word.value in control.starts or word.value in control.stops
+        group = group_of(word)
+        if group not in ("stops", "outputs") and not switches and (group != "torch" or control.beam):
+            state[_set_by(word, block)] = (_with(word, block, "P" if group == "overrides" else ""),)
+    feed = block.words.get("F")
+    waits = control.dwell == "F" and block.has_g(DWELL)
+    if feed is not None and not waits and further.fed != block.line:
+        state["F"] = (feed.text,)
+    if control.beam and "S" in block.words:
+        state["power"] = (block.words["S"].text,)
+
+
+def _set_by(word: Word, block: Block) -> str:
+    """What an M word sets: those that undo each other set the same."""
+    group = group_of(word)
+    if word.value in (14.0, 15.0) or (word.value in (50.0, 51.0) and "P" not in block.words):
+        return "height"
+    return f"override {max(word.value, 49.0):g}" if group == "overrides" else group
+
+
+def _with(word: Word, block: Block, letters: str) -> str:
+    return " ".join((word.text, *(block.words[letter].text for letter in letters if letter in block.words)))
+
+
+def _expect_cold_rapids(program: NcProgram, file: str) -> None:
+    if program.hot_rapids:
+        raise InputError(
+            "a rapid with the torch on: nobody can be sure what it cuts; post the program without",
+            file=file or None,
+            line=program.hot_rapids[0].line,
+        )

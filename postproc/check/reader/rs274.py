@@ -1,0 +1,187 @@
+"""A small reader of RS274 programs of its own: what the torch does, line by line, as paths in mm.
+
+It takes nothing from the writer: modal motion G0 to G3, G20 and G21, G90 and G91, arcs by I and J or by R, M3 and M5,
+G4, and what each control has of its own (`controls`). It reads what LinuxCNC reads and as LinuxCNC does, or refuses it
+with the place: what it does not understand, what it cannot check, and what different programs read differently.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
+
+from .controls import QTPLASMAC, Control, Row, in_file, row_of, rows_of
+from .essi import read_essi
+from .grammar import ModalState, refuse_conflicts
+from .program import NcProgram, Track
+from .qtplasmac import Filter, OldWords
+from .tools import Beam, Tools, ToolsOn, finish_program
+from .words import Block, block_of
+
+
+def read_nc(
+    text: str,
+    travel_mm_s: float = 100.0,
+    file: str = "",
+    home: Point = (0.0, 0.0),
+    control: Control = QTPLASMAC,
+    held_s: tuple[float, float] = (0.0, 0.0),
+    tab_mm: float = 0.0,
+    torches: int = 1,
+) -> NcProgram:
+    """Read a program; `travel_mm_s` is the speed of its rapids, for the times, `home` where it finds the torch.
+
+    The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark. A torch that
+    goes off, moves on at a feed for no more than `tab_mm`, and is lit again, burns on. Of `torches` side by side words
+    say which burn.
+
+    Raises
+    ------
+    InputError
+        With line and column, for what is malformed, not understood or not checked, and for a program without an end;
+        for several torches, where the control has no words for them.
+
+    Examples
+    --------
+    >>> program = read_nc("G21 G90\\nG0 X5 Y5\\nM3 $0 S1\\nG1 X15 F600\\nM5 $0\\nM2\\n")
+    >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
+    [(0, 3, 10.0)]
+    """
+    expect_words_for(torches, control, file)
+    if control.arcs:
+        return read_essi(text, travel_mm_s, file, home, control, held_s)
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, torches=torches)
+    with in_file(file):
+        for block in blocks(text, machine):
+            machine.run(block)
+        machine.expect_end()
+        return machine.done()
+
+
+def expect_words_for(torches: int, control: Control, file: str = "") -> None:
+    """Refuse several torches where nobody can tell which of them burn."""
+    if torches > 1 and control.selects is None:
+        text = (
+            f"no words by which {control.title} selects torches are known here, and the profile has {torches} torches"
+        )
+        raise InputError(f"{text}: say machine: {{torches: {{count: 1}}}}", file=file or None)
+
+
+class Machine:
+    """Runs blocks in the order in which the control executes their words; `further` are words it takes besides."""
+
+    def __init__(
+        self,
+        travel_mm_s: float,
+        control: Control,
+        held_s: tuple[float, float],
+        home: Point,
+        tab_mm: float = 0.0,
+        further: OldWords | None = None,
+        torches: int = 1,
+    ) -> None:
+        self.control = control
+        self.further = further
+        self.track = Track(travel_mm_s, home, tab_mm=tab_mm)
+        self.tools: ToolsOn = (
+            Beam(self.track, control, held_s) if control.beam else Tools(self.track, control, held_s, count=torches)
+        )
+        self.moves = ModalState(self.track, control)
+        self.filter = Filter(self.track) if control.filtered else None
+        self.comments: list[str] = []
+        self.line = 0
+        self.blocks = 0
+        """How many rows so far were more than comments."""
+        self._without_conflicts: set[tuple[object, ...]] = set()
+
+    def run(self, block: Block) -> None:
+        """Comments, feed, tools, wait, modes, motion, end."""
+        self.line = block.line
+        self.blocks += bool(block.g or block.m or block.words)
+        for text in block.comments:
+            self.track.comment = text
+            self.comments.append(text)
+        if self._names_program(block):
+            return
+        motion = self.moves.of(block)
+        self._refuse_conflicts(block, motion)
+        self.moves.feed(block)
+        if block.m or self.control.beam:
+            self.tools.switch(block, motion, self.moves.modal(block))
+        self.moves.wait(block)
+        if self.control.bare:  # there the torch, which this very block may have switched, tells a line from travel
+            motion = self.moves.of(block)
+        self.moves.move(block, motion)
+        if block.m:
+            self.tools.halt(block)
+
+    def _refuse_conflicts(self, block: Block, motion: float | None) -> None:
+        """See `refuse_conflicts`: whether there are any hangs on words, not on the numbers of those by letter."""
+        codes = (tuple([word.value for word in block.g]), tuple([word.value for word in block.m]))
+        kind = (motion, *codes, *block.words)
+        if kind not in self._without_conflicts:
+            refuse_conflicts(block, motion, self.control)
+            self._without_conflicts.add(kind)
+
+    def _names_program(self, block: Block) -> bool:
+        """Whether a block only gives the program's number, as some controls want it to."""
+        if block.g or block.m or self.track.burns or self.track.open is not None:
+            return False
+        return list(block.words) == [self.control.program]
+
+    def expect_end(self) -> None:
+        """Refuse a program that has come to no end."""
+        if not self.tools.ended:
+            raise InputError("the program has no end: expected M2 or M30", line=self.line or None)
+
+    def done(self) -> NcProgram:
+        """What the program did."""
+        return finish_program(self.track, self.tools, self.line, self.comments, self.blocks)
+
+
+def blocks(text: str, machine: Machine) -> Iterator[Block]:
+    """The blocks of a program; behind its end it holds nothing but comments."""
+    opened: bool | None = None
+    control = machine.control
+    for line, raw in rows_of(text, control.longest, control.obeyed):
+        row = row_of(raw, line)
+        _expect_fit(row, line, control)
+        if opened is None and raw.strip():
+            opened = row.code == "%" and not row.comments
+            if opened:
+                continue
+        if row.code == "%" and not row.comments and opened and not machine.tools.ended:
+            machine.tools.ended = True  # a closing % ends a program as M2 does
+        elif row.code == "%" and machine.tools.ended:
+            continue
+        elif row.code and machine.tools.ended:
+            raise InputError(
+                "words behind the program's end, which no control runs: not supported here; delete them",
+                line=line,
+                column=row.columns[0],
+            )
+        elif row.code or row.comments:
+            as_written = row
+            if machine.further is not None:
+                row = machine.further.plain(row, line, machine.moves)
+            block = block_of(row, line)
+            if machine.filter is not None and (row is as_written or row.code):
+                machine.filter.pass_(raw, row, line, machine.moves.absolute)
+            if not machine.tools.ended:
+                yield block
+
+
+def _expect_fit(row: Row, line: int, control: Control) -> None:
+    """Refuse a comment where the control knows none, and more words in a line than it holds."""
+    if row.comments and not control.comments:
+        text = f"a comment, which {control.title} does not know: not supported here; post the program without"
+        raise InputError(text, line=line, column=row.comment_at)
+    if len(row.code) > control.longest_code:
+        raise InputError(
+            f"the line has {len(row.code)} characters without blanks and comments: {control.title} takes "
+            f"{control.longest_code}; write it shorter",
+            line=line,
+            column=row.columns[control.longest_code],
+        )

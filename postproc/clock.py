@@ -1,0 +1,330 @@
+"""The clock: how long plans and programs take by the profile's model, what that costs, and the heat of each contour."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.cut import Pierce
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import TOLERANCE_MM
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.scrap import remnant_of
+from kerfwise.encoder.torch_path import compensated
+from kerfwise.models.physics.motion import Accelerated, ConstantFeed, Motion
+from kerfwise.models.physics.time_and_cost import (
+    Cost,
+    Job,
+    Run,
+    RunTimes,
+    Spent,
+    TimeReport,
+    cost_of,
+    machine_feeds,
+    motion_of,
+    report_times,
+    times_of,
+)
+from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.postproc.check.reader.program import NcProgram, at_holes
+from kerfwise.postproc.check.reader.read_program import Trusted, read_on_machine
+from kerfwise.postproc.nc.program import blocks_of_plan, count_blocks
+from kerfwise.postproc.nc.toolpaths import Toolpath, outside, toolpaths, torch_path, unlit_on
+from kerfwise.rules.profile.plant_sections import MATERIALS
+from kerfwise.rules.profile.profile import Profile
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Timed:
+    """A job, the motion that it was timed with, and its times."""
+
+    job: Job
+    motion: Motion
+    times: RunTimes
+
+    @property
+    def report(self) -> TimeReport:
+        """What a plan, and `kerfwise time`, say of it."""
+        return report_times(self.times, self.motion, self.job.nc_blocks)
+
+
+def time_job(job: Job, profile: Profile) -> Timed:
+    """The times of a job by the model of the profile."""
+    motion = motion_of(profile, job.nc_blocks)
+    return Timed(job, motion, times_of(job, motion, machine_feeds(profile)))
+
+
+def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
+    """What the program of a plan will do; its blocks are counted without writing it.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
+    """
+    paths = toolpaths(plan, nest, profile)
+    profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
+    home = profile.home_on(nest)
+    runs, at, pierced = [], home, plan.sequence().pierced
+    for order, made in enumerate(paths, plan.resumed_after + 1):
+        for pierce in pierced.get(order, ()):
+            runs.append(Run(_stands(pierce.at), travels_mm=(math.dist(at, pierce.at),)))
+            at = pierce.at
+        travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
+        runs.append(
+            Run(
+                made.path,
+                made.marks,
+                not (made.edge_start or made.pierced),
+                travels_mm,
+                made.planned.dwell_s,
+                standing_s=profile.machine.at_hole_s if made.pierced else None,
+                feed_share=made.feed_share,
+                linked=made.linked,
+                unlit_mm=sum(high - low for low, high in made.unlit),
+            )
+        )
+        at = _end(made.path)
+    return Job(tuple(runs), (math.dist(at, home),), blocks_of_plan(plan, nest, profile, paths))
+
+
+def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None, kerf_starts: bool = False) -> Job:
+    """What a program does, as the check reads it; the nest, if there is one, tells which cuts come in from the edge.
+
+    With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
+    profile's machine does it for, where its dialect leaves that to the machine. With `kerf_starts` nothing is pierced
+    where an earlier path has run.
+    """
+    starts = [_start(burn.path) for burn in program.burns]
+    edge_starts = [False] * len(starts) if nest is None else outside(nest, starts)
+    if kerf_starts:
+        edge_starts = [a or b for a, b in zip(edge_starts, _starts_in_older_kerfs(program, starts), strict=True)]
+    runs = []
+    holes = at_holes(program)
+    for burn, edge_start, hole in zip(program.burns, edge_starts, holes, strict=True):
+        pierced = not (edge_start or hole)
+        run = Run(burn.path, burn.tool != 0, pierced, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
+        run = replace(run, standing_s=0.0) if hole else run
+        if own is not None:
+            run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
+        runs.append(run)
+    return Job(tuple(runs), program.homing_mm, program.blocks)
+
+
+def time_program(program: NcProgram, nest: Nest | None, profile: Profile) -> Timed:
+    """The times of a program by the model of the profile: by its own words where that is the constant feed."""
+    own = profile if profile.time.model == "constant" else None
+    return time_job(job_of_program(program, nest, own, profile.kerf_starts), profile)
+
+
+def read_program(text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None) -> NcProgram:
+    """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood.
+    """
+    return read_on_machine(text, nest, profile, file, trusted)
+
+
+def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
+    """The plan with the times of its program by the model of the profile, which it then states."""
+    timed = time_job(job_of_plan(plan, nest, profile), profile)
+    spans, pierced = iter(timed.times.spans), plan.sequence().pierced
+    cuts, pierces = [], []
+    begin = end = 0.0
+    for order, planned in enumerate(plan.cuts, plan.resumed_after + 1):
+        for pierce in pierced.get(order, ()):
+            begin, end = next(spans)
+            pierces.append(replace(pierce, start_s=begin, end_s=end))
+        begin, end = next(spans) if planned.cut.torch == 1 else (begin, end)
+        cuts.append(replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end)))
+    totals = replace(plan.totals, time_s=timed.times.total_s)
+    return replace(plan, cuts=tuple(cuts), totals=totals, time=timed.report, pierces=tuple(pierces))
+
+
+def _stands(at: Point) -> Curve:
+    """A path that goes nowhere."""
+    return Curve.of([at], closed=False)
+
+
+def _starts_in_older_kerfs(program: NcProgram, starts: Sequence[Point]) -> list[bool]:
+    """Whether each burn begins on the path of an earlier one."""
+    burnt = [k for k, burn in enumerate(program.burns) if burn.tool == 0]
+    tree = shapely.STRtree([program.burns[k].path.line() for k in burnt])
+    later, earlier = tree.query(shapely.points(np.array(starts).reshape(-1, 2)), "dwithin", distance=TOLERANCE_MM)
+    found = {k for k, row in zip(later.tolist(), earlier.tolist(), strict=True) if burnt[row] < k}
+    return [k in found for k in range(len(starts))]
+
+
+def _start(path: Curve) -> Point:
+    x, y = path.vertices[0, :2].tolist()
+    return x, y
+
+
+def _end(path: Curve) -> Point:
+    x, y = path.vertices[-1, :2].tolist()
+    return x, y
+
+
+# The heat that cutting each contour leaves in the sheet, known before anything is planned: zones may have a budget.
+#
+# The torch leaves the profile's absorbed power in the sheet while it is on, as the simulation has it. For how long
+# depends on where and how a contour is entered and, by the model `blocks`, on the length of the program: the longest
+# time counts.
+
+J_PER_KJ = 1000.0
+
+
+def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> NDArray[np.float64]:
+    """The most heat that cutting each contour leaves in the sheet, kJ, (n,); none for marks.
+
+    No plan of these candidates, and no program of it, leaves more. At constant feeds it is exact for the entry that
+    takes longest, where there are no links; with them a link as long as may be counts, for outer contours.
+    """
+    motion, machine = _slowest(nest, candidates, profile), profile.machine
+    # On an axis that takes time to stop, a path that begins elsewhere stops there instead of where it was timed from.
+    law, feed_mm_s = profile.corner_feed(), machine_feeds(profile).cut_mm_s
+    if isinstance(motion, ConstantFeed):
+        feed_mm_s = motion.feeds.cut_mm_s
+    # The corner at which a ring is opened here, and the one that a lead makes with it, which no part of it shows.
+    corner_mm = 0.0 if law is None else 4 * law.reach_mm * (1 / law.share - 1)
+    stop_s = motion.feeds.cut_mm_s / motion.acceleration_mm_s2 if isinstance(motion, Accelerated) else 0.0
+    links = profile.link_options()
+    link_s = 0.0 if links is None else motion.run_s(_straight(links.longest_mm), False)
+    rounds_s: dict[int, float] = {}
+    longest_s = np.zeros(len(nest.contours))
+    for candidate in candidates:
+        number, contour = candidate.contour, nest.contours[candidate.contour]
+        if contour.kind == "mark":
+            continue
+        if number not in rounds_s:
+            ring = compensated(contour, profile.material.kerf_mm)
+            corner_s = corner_mm / (feed_mm_s * contour.feed_share)
+            rounds_s[number] = motion.run_s(ring.opened_at(0.0), False, contour.feed_share) + stop_s + corner_s
+        leads = (lead for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+        leads_s = sum(motion.run_s(lead, False, contour.feed_share) for lead in leads)
+        on_s = rounds_s[number] + leads_s + (machine.unpierced_s if candidate.unpierced else machine.pierce_time_s)
+        if contour.kind == "outer" and links is not None:
+            out_s = 0.0 if candidate.lead_out is None else motion.run_s(candidate.lead_out, False, contour.feed_share)
+            on_s = max(on_s, rounds_s[number] + out_s + link_s / contour.feed_share)
+        longest_s[number] = max(longest_s[number], on_s)
+    return np.asarray(profile.heat.absorbed_power_w * longest_s / J_PER_KJ)
+
+
+def _straight(length_mm: float) -> Curve:
+    return Curve.of([(0.0, 0.0), (length_mm, 0.0)], closed=False)
+
+
+def _slowest(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Motion:
+    """How the machine moves through the longest program that a plan of these candidates may have.
+
+    A program states the feed that was set, and is simulated at that: where it is lower than what the machine would
+    reach, it counts.
+    """
+    feeds, law = machine_feeds(profile), profile.time.feed_by_blocks
+    if profile.time.model != "blocks" or law is None:
+        return motion_of(profile, 0)
+    feed = law.mm_s(_most_blocks(nest, candidates, profile))
+    return ConstantFeed(replace(feeds, cut_mm_s=min(feeds.cut_mm_s, feed)))
+
+
+def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> int:
+    """How many blocks a program has at the most: an entry may divide a line or arc, and the torch may have to wait."""
+    limit = profile.temperature_limit()
+    dwells = limit is not None and limit.dwells
+    paths = list(_paths(nest, candidates, profile))
+    each = profile.cuts.pierce_pass is not None
+    pierces = [Pierce("", made.planned.cut.pierce, k) for k, made in enumerate(paths, 1) if each and not made.marks]
+    return count_blocks(paths, nest, profile, pierces) + (2 if dwells else 1) * len(nest.contours)
+
+
+def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Iterator[Toolpath]:
+    """A path for every contour, of the candidate whose leads have most lines and arcs."""
+    chosen: dict[int, Candidate] = {}
+    for candidate in candidates:
+        if candidate.contour not in chosen or _lead_moves(candidate) > _lead_moves(chosen[candidate.contour]):
+            chosen[candidate.contour] = candidate
+    for number, candidate in chosen.items():
+        contour = nest.contours[number]
+        cut = candidate.as_cut(contour.id)
+        kerf_mm = profile.material.kerf_mm
+        path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
+        planned = PlannedCut(cut, contour.part, contour.kind, candidate.cut_mm)
+        yield Toolpath(planned, path, contour.kind == "mark", candidate.unpierced, contour.feed_share, unlit)
+
+
+def _lead_moves(candidate: Candidate) -> int:
+    return sum(len(lead.segments) for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+
+
+# What a sheet of a nest costs by the prices of the profile: plans, batches, work sheets and comparisons ask here.
+
+_M3_PER_MM3 = 1e-9
+
+
+def cost_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Cost | None:
+    """What one sheet of a plan costs: machine, gas, power, consumables, the sheet less its remnant, and the total.
+
+    Where a plan goes on after a stop, that is what the rest costs: the sheet was paid before.
+
+    Parameters
+    ----------
+    plan
+        With its times; none is worked out again.
+    nest
+        As the profile has it cut.
+    profile
+        Whose `prices` count.
+
+    Returns
+    -------
+    Cost or None
+        Of one sheet, in `Cost.currency`; `Cost.total`, `Cost.parts`, `str(cost)`. None where the profile has no prices,
+        or the plan says nothing of its times.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> from dataclasses import replace
+    >>> from kerfwise.rules.profile.plant_sections import Prices
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> plan = kerfwise.solve(nest, work=2).plan
+    >>> plant = replace(kerfwise.load_profile(), prices=Prices(machine_hour=80, sheet_kg=1.2))
+    >>> cost = cost_of_plan(plan, nest, plant)
+    >>> [name for name, amount in cost.parts]
+    ['machine', 'sheet']
+    """
+    stock = None if plan.already_cut else nest
+    return None if plan.time is None else cost_of_sheet(plan.time, plan.totals.pierces, stock, profile)
+
+
+def cost_of_sheet(spent: Spent, pierces: int, nest: Nest | None, profile: Profile) -> Cost | None:
+    """What one sheet costs that takes so long and so many pierces; without its nest the sheet itself is left out."""
+    prices, flow = profile.prices, profile.material.gas_flow_m3_h or 0.0
+    sheet, remnant = (0.0, 0.0) if nest is None else _sheet(nest, profile)
+    return cost_of(spent, prices, pierces, flow, sheet, remnant)
+
+
+def _sheet(nest: Nest, profile: Profile) -> tuple[float, float]:
+    """What the sheet costs, and what the remnant that the profile saves is still worth."""
+    prices, area_mm2 = profile.prices, nest.sheet.polygon.area
+    if not (prices.sheet_kg or prices.sheet_each) or not area_mm2:
+        return 0.0, 0.0
+    if nest.reading is not None and nest.reading.assumed:  # nobody has stated a sheet: it has no price
+        return 0.0, 0.0
+    kg_per_mm2 = MATERIALS[profile.heat.material].density * profile.material.thickness_mm * _M3_PER_MM3
+    whole = prices.sheet_each or area_mm2 * kg_per_mm2 * prices.sheet_kg
+    side = profile.cuts.scrap.remnant
+    if side is None or not prices.remnant_share:
+        return whole, 0.0
+    width_mm, height_mm = remnant_of(nest, profile.material.kerf_mm, side).size_mm
+    return whole, whole * prices.remnant_share * width_mm * height_mm / area_mm2

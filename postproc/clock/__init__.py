@@ -1,1 +1,0 @@
-"""The clock: plans and programs over time, and the heat they leave."""

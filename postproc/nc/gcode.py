@@ -1,0 +1,385 @@
+"""G-code: what moves and switches the torch, block by block, as a dialect spells it."""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point, Segment
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.torch_path import CornerFeed, Paced, paced
+from kerfwise.postproc.dialects import Dialect, powers_of
+from kerfwise.postproc.dialects.dialect import DWELL
+
+CHORD_MM = 0.001
+RISE_MM = 0.0025
+SPECK_MM = 1e-4
+FLAT_RAD = 1e-3
+_BY_RADIUS_RAD = 1.6
+"""An arc that turns further is split where a dialect gives the radius: near a half turn its centre hangs on the last
+digit."""
+
+
+class GcodeWriter:
+    """Writes blocks in a dialect; `at` is where the torch stands, in the program's coordinates, mm.
+
+    `powers` are S words, by the names that stand for them; without them those of the dialect hold.
+
+    Points are rounded first and centres computed from the rounded points, so that the radius at an arc's end equals
+    the radius at its start to about one unit of the last decimal: controls compare the two (LinuxCNC to 0.0283 mm,
+    GRBL to 0.005 mm). Positions that count from the last one are differences of rounded ones, so that nothing adds up.
+
+    Examples
+    --------
+    >>> from kerfwise.postproc.dialects import load_dialect
+    >>> pen = GcodeWriter(load_dialect("linuxcnc"), (0.0, 0.0))
+    >>> pen.rapid((10, 5)), pen.path(Curve.of([(10, 5, 1.0), (20, 5)], closed=False), 10.0)
+    ('G0 X10 Y5', ['G3 X20 Y5 I5 J0 F600'])
+    """
+
+    def __init__(self, dialect: Dialect, at: Point, powers: Mapping[str, int] | None = None) -> None:
+        self.dialect = dialect
+        self.powers = powers_of(dialect) if powers is None else powers
+        # Where positions count from the last one, the first is where the torch stands, whatever its digits.
+        self._zero = at if dialect.positions == "incremental" else (0.0, 0.0)
+        self.at = self._rounded(at)
+        self._marks: bool | None = None
+        self.torches = 1
+        self._lit: set[int] | None = None
+
+    def select(self, marks: bool) -> tuple[str, ...]:
+        """Select the torch, or what marks, where the other was in use."""
+        if marks == self._marks:
+            return ()
+        self._marks = marks
+        return self.dialect.mark_station if marks else self.dialect.torch_station
+
+    def leave(self, torches: Collection[int]) -> list[str]:
+        """Deselect all further torches but these: before the first cut all others."""
+        lit = set(range(2, self.torches + 1)) if self._lit is None else self._lit
+        blocks = [
+            text for torch in sorted(lit - set(torches)) for text in self._torch(self.dialect.torch_deselect, torch)
+        ]
+        self._lit = set() if self._lit is None else lit & set(torches)
+        return blocks
+
+    def add(self, torches: Collection[int]) -> list[str]:
+        """Select these further torches, where they are not."""
+        new = set(torches) - (self._lit or set())
+        self._lit = {*(self._lit or ()), *new}
+        return [text for torch in sorted(new) for text in self._torch(self.dialect.torch_select, torch)]
+
+    @staticmethod
+    def _torch(blocks: Sequence[str], torch: int) -> list[str]:
+        return [block.format(torch=torch, output=torch - 1) for block in blocks]
+
+    def rapid(self, point: Point) -> str:
+        """Travel to a point with the torch off."""
+        end = self._rounded(point)
+        block = _spelt(self.dialect.rapid, self._words(end))
+        self.at = end
+        return block
+
+    def start(self, marks: bool, dwell_s: float, feed_mm_s: float) -> list[str]:
+        """Start the torch, or what marks, and wait for `dwell_s`, where that is more than nothing."""
+        blocks = self.dialect.mark_on if marks else self.dialect.torch_on
+        wait = f"{{{DWELL}}}"
+        made: list[str] = []
+        for block in blocks if wait in blocks else (*blocks, wait):
+            if block != wait:
+                made.append(block.format(mm_min=self._feed(feed_mm_s), dwell="", **self.powers))
+            elif dwell_s > 0:
+                made += self.wait(dwell_s)
+        return made
+
+    def stop(self, marks: bool) -> tuple[str, ...]:
+        """Stop it."""
+        return self.dialect.mark_off if marks else self.dialect.torch_off
+
+    def wait(self, seconds: float) -> list[str]:
+        """The blocks that wait."""
+        time = {"seconds": number(seconds, 3), "milliseconds": number(seconds * 1000, 0)}
+        return [block.format(**time) for block in self.dialect.dwell]
+
+    def path(
+        self,
+        path: Curve,
+        feed_mm_s: float,
+        corners: CornerFeed | None = None,
+        unlit: Sequence[tuple[float, float]] = (),
+    ) -> list[str]:
+        """The blocks that run an open path from its first point, at which the torch already stands.
+
+        With `corners` the feed changes where they say. Over the stretches `unlit`, mm from its start, the torch goes
+        out, and moves on.
+
+        Arcs beyond a half turn are split, because near a full turn the last decimal decides between all and
+        nothing; others where the dialect allows less. Arcs that turn less than 0.001 rad become chords within 0.001 mm,
+        those that rise less than 0.0025 mm one line: LinuxCNC refuses a radius under 0.00127 mm.
+        """
+        dialect = self.dialect
+        blocks: list[str] = []
+        in_force = ""
+        ends, at_mm = [mm for stretch in unlit for mm in stretch], 0.0
+        self.at = self._rounded(path.segments[0].start) if path.segments else self.at
+        words: dict[float, str] = {}
+        for stretch, share in _split(paced(path, corners), ends) if ends else paced(path, corners):
+            while ends and ends[0] <= at_mm + SPECK_MM:
+                blocks += self._over_tab(len(ends) % 2 == 1, feed_mm_s)
+                in_force, ends = "", ends[1:]
+            at_mm += stretch.length_mm if ends else 0.0
+            if share not in words:
+                words[share] = dialect.feed.format(mm_min=self._feed(feed_mm_s * share))
+            word = words[share]
+            for piece in self._pieces(stretch) if stretch.is_arc else (stretch,):
+                end = self._rounded(piece.end)
+                if end == self.at:
+                    continue
+                motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
+                if word == in_force:
+                    blocks.append(motion)
+                else:
+                    blocks += [word, motion] if dialect.feed_alone else [f"{motion} {word}"]
+                in_force, self.at = word, end
+        return blocks
+
+    def _over_tab(self, ends: bool, feed_mm_s: float) -> list[str]:
+        """Put the torch out where a tab begins, or light it again where it ends, without a wait."""
+        if not ends:
+            return list(self.dialect.tab_begin or self.dialect.torch_off)
+        if not self.dialect.tab_end:
+            return self.start(False, 0.0, feed_mm_s)
+        return [block.format(mm_min=self._feed(feed_mm_s), **self.powers) for block in self.dialect.tab_end]
+
+    def _arc(self, piece: Segment, end: Point) -> str:
+        arc = Segment(self.at, end, piece.bulge)
+        cx, cy = arc.centre
+        i, j = (cx, cy) if self.dialect.arc_centre == "absolute" else (cx - self.at[0], cy - self.at[1])
+        words = self._words(end)
+        if self.dialect.arc_centre == "radius":
+            words["r"] = self._number(math.dist(self.at, (cx, cy)))
+        else:
+            words |= {"i": self._number(i), "j": self._number(j)}
+        return _spelt(self.dialect.arc_ccw if piece.bulge > 0 else self.dialect.arc_cw, words)
+
+    def _words(self, end: Point) -> dict[str, str]:
+        x, y = end
+        if self.dialect.positions == "incremental":
+            x, y = x - self.at[0], y - self.at[1]
+        return {"x": self._number(x), "y": self._number(y)}
+
+    def _number(self, mm: float) -> str:
+        text = number(mm * self.dialect.scale, self.dialect.decimals)
+        return f"+{text}" if self.dialect.signed and not text.startswith("-") else text
+
+    def _feed(self, feed_mm_s: float) -> str:
+        return number(feed_mm_s * 60, 3 if self.dialect.decimals else 0)
+
+    def _pieces(self, segment: Segment) -> Iterator[Segment]:
+        """An arc as lines and arcs that every control makes the same way."""
+        dialect = self.dialect
+        rise_mm = segment.chord_mm * abs(segment.bulge) / 2
+        chords = dialect.arc_centre == "none"
+        if rise_mm < RISE_MM:
+            yield Segment(segment.start, segment.end)
+        elif not chords and (count := pieces_of_arc(segment, dialect)) > 1:
+            yield from (
+                piece for k in range(count) for piece in self._pieces(segment.between(k / count, (k + 1) / count))
+            )
+        elif chords or abs(segment.sweep_rad) < FLAT_RAD:
+            at = segment.start
+            for x, y in segment.flatten(dialect.chord_mm if chords else CHORD_MM).tolist():
+                yield Segment(at, (x, y))
+                at = (x, y)
+        else:
+            yield segment
+
+    def _rounded(self, point: Point) -> Point:
+        d, scale, (x, y) = self.dialect.decimals, self.dialect.scale, self._zero
+        if scale == 1.0 and self._zero == (0.0, 0.0):
+            return round(point[0], d), round(point[1], d)
+        return x + round((point[0] - x) * scale, d) / scale, y + round((point[1] - y) * scale, d) / scale
+
+
+def pieces_of_arc(segment: Segment, dialect: Dialect) -> int:
+    """In how many pieces an arc is written: none turns further than the dialect says."""
+    most = math.radians(dialect.greatest_sweep_deg)
+    if dialect.arc_centre == "radius":
+        most = min(most, _BY_RADIUS_RAD)
+    return max(1, math.ceil(abs(segment.sweep_rad) / most - 1e-6))
+
+
+def _spelt(motion: str, words: dict[str, str]) -> str:
+    """A block of a motion: its own text with the words filled in, or its word with all of them behind it."""
+    if "{" in motion:
+        return motion.format(**dict.fromkeys("xyijr", "0") | words)
+    spelt = " ".join([f"{letter.upper()}{text}" for letter, text in words.items()])
+    return f"{motion} {spelt}" if motion else spelt
+
+
+def _split(pieces: Iterable[Paced], at_mm: Sequence[float]) -> Iterator[Paced]:
+    """The lines and arcs of a path, taken apart at these lengths from its start."""
+    begin_mm = 0.0
+    for segment, share in pieces:
+        length_mm = segment.length_mm
+        inner = [mm - begin_mm for mm in at_mm if SPECK_MM < mm - begin_mm < length_mm - SPECK_MM]
+        if inner:
+            ends = pairwise([0.0, *inner, length_mm])
+            yield from ((segment.between(low / length_mm, high / length_mm), share) for low, high in ends)
+        else:
+            yield segment, share
+        begin_mm += length_mm
+
+
+# Blocks of a program as text: numbers, comments, and N words.
+
+
+def number(value: float, decimals: int) -> str:
+    """A number as a control reads it.
+
+    Examples
+    --------
+    >>> number(-0.00001, 4), number(12.5, 4), number(100, 4)
+    ('0', '12.5', '100')
+    """
+    text = f"{value:.{decimals}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def plain(text: str) -> str:
+    """`text` without anything a control could take for more than a comment: ASCII letters, digits and ` ._+:,/=-`.
+
+    Examples
+    --------
+    >>> plain("Плита (20 мм) №3; Ø12 é")
+    '_____ _20 ___ No3_ _12 e'
+    """
+    ascii_text = unicodedata.normalize("NFKD", text)
+    ascii_text = "".join(c for c in ascii_text if not unicodedata.combining(c))
+    return re.sub(r"[^A-Za-z0-9 ._+:,/=-]", "_", ascii_text)
+
+
+def comment(dialect: Dialect, head: str, text: str = "", tail: str = "") -> str:
+    """A comment block; where it is too long for the control, `text` is cut short. "" where there are no comments."""
+    if dialect.comment is None:
+        return ""
+    words = (head, plain(text)[: max(room_for(dialect, head, tail), 0)], tail)
+    return dialect.comment.format(text=" ".join(w for w in words if w))
+
+
+def room_for(dialect: Dialect, head: str, tail: str = "") -> int:
+    """How many characters fit into a comment between two texts."""
+    return dialect.max_line - len((dialect.comment or "{text}").format(text=f"{head}  {tail}"))
+
+
+def is_comment(block: str, dialect: Dialect) -> bool:
+    """Whether only a person reads the block."""
+    return not block or (dialect.comment is not None and block.startswith(dialect.comment.partition("{text}")[0]))
+
+
+def number_blocks(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
+    """The blocks with their N words, empty ones left out; comments have none.
+
+    Raises
+    ------
+    InputError
+        For a block longer than the control takes.
+    """
+    rule = dialect.line_numbers
+    count = 0
+    for block in filter(None, blocks):
+        line = block
+        if rule is not None and not is_comment(block, dialect) and block != "%":
+            line = f"N{rule.start + rule.step * count} {block}"
+            count += 1
+        if len(line.encode()) > dialect.max_line:
+            raise InputError(f"dialect '{dialect.name}': block longer than max_line {dialect.max_line}: {line}")
+        yield line
+
+
+def seconds_text(seconds: float) -> str:
+    """A time for a person to read.
+
+    Examples
+    --------
+    >>> seconds_text(4383.2)
+    '1 H 13 MIN 04 S'
+    """
+    minutes, rest = divmod(math.ceil(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} H {minutes:02d} MIN {rest:02d} S"
+
+
+# Names of contours in a program, where it cannot hold them as they are, and the map from the one to the other.
+#
+# (NAME 1 Plita-7.outer IS =D0=9F=D0=BB=D0=B8=D1=82=D0=B0.outer)
+#
+# A name is kept as it is where the check finds its contour by it: plain characters, short, and unlike every other
+# name. Any other is replaced by one that is; the map tells the name in UTF-8, bytes that are no letter, digit, `.` or
+# `-` as `=` and two hexadecimal digits. A name that has no room on one line goes on in the next comment with the same
+# number.
+
+_LONGEST_BESIDE = len("(BROKEN 123456  ZONE 123 CCW PIERCE -12345.123456 -12345.123456)")
+_KEPT = 24
+_ZONE = re.compile(r"\bZONE\b|\bLEAD\b|\bPIERCE\b", re.IGNORECASE)
+
+
+def program_names(nest: Nest, dialect: Dialect) -> Mapping[str, str]:
+    """Contour id → its name in the program: short, of plain characters, and its own."""
+    ids = [contour.id for contour in nest.contours]
+    seen = Counter(map(_folded, ids))
+    most = max(dialect.max_line - _LONGEST_BESIDE, 12)
+    names: dict[str, str] = {}
+    for number, name in enumerate(ids, 1):
+        if seen[_folded(name)] == 1 and len(name) <= most and not _ZONE.search(name) and _needs_no_change(name):
+            names[name] = plain(name)
+        else:
+            base = re.sub(r"[^A-Za-z0-9.]+", "_", plain(name)).strip("_.")[: min(_KEPT, most - 8)]
+            names[name] = _free(f"{base}-{number}" if base else f"contour-{number}", seen)
+            seen[_folded(names[name])] += 1
+    return names
+
+
+def name_comments(names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
+    """The map, for the names that are replaced."""
+    replaced = [(name, told) for name, told in names.items() if told != plain(name)]
+    for number, (name, told) in enumerate(replaced, 1):
+        head = f"NAME {number} {told} IS"
+        room = room_for(dialect, head)
+        line = ""
+        for char in _spelt_name(name):
+            if line and len(line) + len(char) > room:
+                yield comment(dialect, head, line)
+                line = ""
+            line += char
+        yield comment(dialect, head, line)
+
+
+def _needs_no_change(name: str) -> bool:
+    told = plain(name)
+    return told == told.strip() and _folded(told) == _folded(name) and bool(re.search(r"[A-Za-z0-9]", told))
+
+
+def _free(name: str, seen: Mapping[str, int]) -> str:
+    while seen.get(_folded(name), 0):
+        name += "x"
+    return name
+
+
+def _spelt_name(name: str) -> Iterator[str]:
+    for byte in name.encode("utf-8", "surrogatepass"):
+        char = chr(byte)
+        yield char if char.isascii() and (char.isalnum() or char in ".-") else f"={byte:02X}"
+
+
+def _folded(name: str) -> str:
+    """What the check keeps of a name."""
+    return re.sub(r"[^A-Za-z0-9.]+", "_", name).upper()

@@ -1,0 +1,360 @@
+"""The check of a plan and of its program, word by word where the plan is known, and whether both are of the nest."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import zip_longest
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.cut import HotSpot, Side
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.progress_notice import amount, long_job, notice_if_long
+from kerfwise.encoder.text import escape_text
+from kerfwise.models.plan.plan import Plan, RuleReport
+from kerfwise.postproc.check import (
+    CheckResult,
+    Claims,
+    Heating,
+    JudgedCuts,
+    PlanClaims,
+    RelaxedStatement,
+    Thermometer,
+    check_cuts,
+)
+from kerfwise.postproc.check import check_program as check_nc
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.postproc.check.reader.read_program import Trusted
+from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.nc.toolpaths import SHA_DIGITS
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_sections import changed_since
+from kerfwise.rules.rule import RuleFile, Violation
+
+__all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
+
+
+# The check of a plan and of its program: what they hold is handed to the check, and its verdicts back to the plan.
+
+
+def _of_plan(nest: Nest, plan: Plan, profile: Profile) -> str:
+    return f"checking the plan of {nest.file or 'the nest'}"
+
+
+@long_job(_of_plan)
+def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
+    """Judge a plan by geometry and the profile alone, and what it states of itself.
+
+    A plan whose `rules` are empty claims nothing about them; see `report_of` to fill them in.
+    """
+    amount(len(plan.cuts), "cut", "cuts")
+    claims = Claims(
+        plan.totals.cut_mm,
+        plan.totals.idle_mm,
+        plan.totals.pierces,
+        plan.totals.time_s,
+        tuple(planned.length_mm for planned in plan.cuts),
+        {rule.id: rule.holds for rule in plan.rules},
+        plan.profile.get("sha256") == profile.sha256 and not any(changed_since(plan.made_with, profile.for_one_nest)),
+    )
+    relaxed = _relaxed_of(plan)
+    thermometer = thermometer_of(nest, profile)
+    profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
+    return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
+
+
+def check_program(
+    nest: Nest,
+    nc_text: str,
+    profile: Profile,
+    file: str = "",
+    plan: Plan | None = None,
+    known: JudgedCuts | None = None,
+    trusted: Trusted | None = None,
+    side: Side | None = None,
+) -> CheckResult:
+    """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
+
+    Given a plan, the program has to follow it, and what the program's comments do not say is taken from there. What it
+    leaves to the machine's material is refused, unless that is `trusted`. `side` is the start side that it is judged by
+    where it states none. The rules do not judge once more what is `known` of the same cuts.
+
+    Raises
+    ------
+    InputError
+        With the line, for a program that is malformed or says something the reader does not understand.
+    """
+    planned = None if plan is None else PlanClaims(plan.sequence(), _relaxed_of(plan), plan.origin)
+    program = file or f"the program of {nest.file or 'the nest'}"
+    with notice_if_long(f"checking {program}"):
+        amount(nc_text.count("\n"), "line", "lines")
+        heat = thermometer_of(nest, profile)
+        return check_nc(nest, nc_text, profile, file, heat, planned=planned, known=known, trusted=trusted, side=side)
+
+
+def _relaxed_of(plan: Plan) -> tuple[RelaxedStatement, ...]:
+    """The statements that a plan says it has relaxed."""
+    return tuple(RelaxedStatement(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
+
+
+def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
+    """What measures the temperatures of a sheet by simulation; None where no rule asks for any."""
+    limit = profile.temperature_limit()
+    if limit is None:
+        return None
+
+    def measure(stretches: Sequence[Heating]) -> tuple[HotSpot, ...] | None:
+        from kerfwise.models.physics.heat.pacing import hot_spots
+        from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+
+        try:
+            burns = [torch_on(s.name, s.points, s.begin_s, s.end_s, s.pierce_s, s.slowness) for s in stretches]
+            path = in_order(burns, 0.0)
+        except InputError:  # times that contradict each other are judged as such
+            return None
+        heat = replace(profile.heat, model="physical")
+        return hot_spots(nest, path, heat, profile.material.thickness_mm, limit.most_c)
+
+    return measure
+
+
+def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trusted | None = None) -> CheckResult:
+    """Judge a plan and the program written from it: a rule holds if it holds in both.
+
+    A program in a dialect without comments is held against the plan, as `check --plan` does.
+
+    Raises
+    ------
+    InputError
+        If the program that the profile's dialect makes of the plan cannot be read back: with the block, for nobody has
+        the program.
+    """
+    planned = check_plan(nest, plan, profile)
+    written = _check_written(nest, plan, program, profile, planned.by_rules, trusted)
+    of_program = {judgement.id: judgement for judgement in written.rules}
+    rules = []
+    for judgement in planned.rules:
+        other = of_program.pop(judgement.id, None)
+        more = () if other is None else other.violations
+        rules.append(replace(judgement, violations=judgement.violations or more))
+        if other is not None and other.must_be_judged and judgement.unjudged is None:
+            rules[-1] = replace(rules[-1], unjudged=other.unjudged)
+    warnings = tuple(dict.fromkeys(planned.warnings + written.warnings))
+    result = CheckResult((*of_program.values(), *rules), warnings, written.measured)
+    return result if result.ok else _by_block(result, program)
+
+
+def _check_written(
+    nest: Nest,
+    plan: Plan,
+    program: str,
+    profile: Profile,
+    known: JudgedCuts | None,
+    trusted: Trusted | None = None,
+) -> CheckResult:
+    silent = load_dialect(profile.machine.dialect).comment is None
+    try:
+        return check_program(nest, program, profile, plan=plan if silent else None, known=known, trusted=trusted)
+    except InputError as error:
+        block = f" ({_block(program, error.line)})" if error.line is not None else ""
+        message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"
+        raise InputError(f"{message}: {error.message}; nothing is written", file=profile.file or None) from error
+
+
+def _by_block(result: CheckResult, program: str) -> CheckResult:
+    """The verdict on a program that is not written: for its lines, the blocks themselves."""
+
+    def told(text: str) -> str:
+        return re.sub(r"\bline (\d+)", lambda found: _block(program, int(found.group(1))), text)
+
+    rules = tuple(
+        replace(j, violations=tuple(replace(v, text=told(v.text)) for v in j.violations)) for j in result.rules
+    )
+    return replace(result, rules=rules, warnings=tuple(map(told, result.warnings)))
+
+
+def _block(program: str, line: int) -> str:
+    lines = program.split("\n")
+    return f"block {lines[line - 1].strip()!r}" if 0 < line <= len(lines) else f"line {line}"
+
+
+def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
+    """The verdicts on the profile's rules as a plan states them."""
+    book, files = profile.rulebook(), profile.rule_files()
+    return tuple(
+        RuleReport(
+            judgement.id,
+            judgement.strength,
+            judgement.holds,
+            tuple((excused.violation.contours, excused.why) for excused in judgement.excused),
+            tuple((v.contours, v.text) for v in judgement.violations if judgement.strength == "soft"),
+            *_told_of(files.get(judgement.id)),
+        )
+        for judgement in result.rules
+        if judgement.id in book and judgement.strength != "off"
+    )
+
+
+def _told_of(file: RuleFile | None) -> tuple[str, str, bool]:
+    """What a plan says of the file that a rule stands in: its name, its sha256, and whether it took a shipped place."""
+    return ("", "", False) if file is None else (escape_text(file.path.name), file.sha256, file.in_place_of_shipped)
+
+
+# A program held, word by word, against what the writer makes of its plan: whatever was changed by hand is told.
+#
+# The check judges what a program burns. What else its words do (powers, height control, the process, stations, waits
+# of the machine) it knows only in part; here every block has to be the plan's own. Comments, line numbers, blanks and
+# how a number is spelt do not count, and neither do pauses (M0, M1), which the reader judges.
+
+_RULE = "follows-plan"
+_COMMENT = re.compile(r"\([^()]*\)|;.*")
+_TOKEN = re.compile(r"[A-Z$%]+|[+-]?(?:\d+\.?\d*|\.\d+)|\S")
+_PAUSES = ({("M", 0.0)}, {("M", 1.0)})
+_LENGTHS = frozenset("XYIJR")
+_OFF_MM, _SHARE, _NAMED = 0.1, 1e-3, 3
+
+Word = tuple[str, float]
+
+
+def held_to_plan(result: CheckResult, nest: Nest, text: str, plan: Plan, profile: Profile) -> CheckResult:
+    """The verdict on a program, and where its words are others than those of its plan under this profile.
+
+    A plan that was told from an older program has that one's words: it is not asked.
+    """
+    if not plan.nest.get("sha256"):
+        return result
+    dialect = fitting_dialect(profile)
+    try:
+        own = write_program(plan, nest, profile)
+    except InputError:  # of another nest, say: the cuts differ, then
+        return result
+    found = [Violation(_RULE, (), words) for words in _differences(text, own, dialect)]
+    rules = tuple(
+        replace(rule, violations=(*rule.violations, *found)) if rule.id == _RULE else rule for rule in result.rules
+    )
+    return replace(result, rules=rules)
+
+
+def _differences(text: str, own: str, dialect: Dialect) -> Iterator[str]:
+    told = 0
+    for mine, other in zip_longest(_blocks(text, dialect), _blocks(own, dialect)):
+        if mine is None or other is None:
+            yield (
+                f"it ends before {_spelt(other)}, which the plan's own program says"
+                if mine is None
+                else f"line {mine[0]}: it says {_spelt(mine)} where the plan's own program has ended"
+            )
+            return
+        if _same(mine[2], other[2], dialect):
+            continue
+        told += 1
+        yield f"line {mine[0]}: it says {_spelt(mine)}, the plan's own program says {_spelt(other)} there"
+        if told >= _NAMED or [letter for letter, _ in mine[2]] != [letter for letter, _ in other[2]]:
+            return
+
+
+Row = tuple[int, str, list[Word]]
+
+
+def _spelt(row: Row | None) -> str:
+    return "" if row is None else f"`{escape_text(row[1])}`"
+
+
+def _blocks(text: str, dialect: Dialect) -> Iterator[Row]:
+    """Line, text and words of each block that a control acts on."""
+    for line, raw in enumerate(text.split("\n"), 1):
+        row = (raw if dialect.comment is None else _COMMENT.sub(" ", raw)).strip().upper()
+        words = _words(row, dialect)
+        if words and {*words} not in _PAUSES and row != "%":
+            yield line, row, words
+
+
+def _words(row: str, dialect: Dialect) -> list[Word]:
+    letter, words = "", list[Word]()
+    for token in _TOKEN.findall(row.replace(" ", "")):
+        try:
+            value = float(token)
+        except ValueError:
+            if letter:
+                words.append((letter, math.nan))
+            letter = token
+            continue
+        words.append((letter, value))
+        letter = ""
+    if letter:
+        words.append((letter, math.nan))
+    return words[1:] if words and words[0][0] == "N" else words
+
+
+def _same(mine: list[Word], other: list[Word], dialect: Dialect) -> bool:
+    if len(mine) != len(other):
+        return False
+    lengths = not mine[0][0] and dialect.signed  # a move of signed numbers
+    return all(
+        one == two and _near(a, b, _OFF_MM * dialect.scale if lengths or one in _LENGTHS else 0.0)
+        for (one, a), (two, b) in zip(mine, other, strict=True)
+    )
+
+
+def _near(a: float, b: float, off: float) -> bool:
+    return (math.isnan(a) and math.isnan(b)) or abs(a - b) <= max(off, _SHARE * abs(b) if off else 1e-6 + 1e-4 * abs(b))
+
+
+# Whether a program is one of the nest that it is given with: times and temperatures of another's mean nothing.
+
+_MADE_FROM = re.compile(rf"NEST (?P<file>.*?) ?SHA256 (?P<sha>[0-9a-f]{{{SHA_DIGITS}}})", re.IGNORECASE)
+_SAMPLES = 16
+_BESIDE_MM = 3.0
+"""How far beside a contour a path may run that cuts it, besides the kerf."""
+
+
+def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "") -> int:
+    """How many cuts of a program run along no contour of the nest; holes that are only pierced are no cuts.
+
+    Raises
+    ------
+    InputError
+        If most do, or the program says itself that it was made from another nest.
+    """
+    for found in filter(None, map(_MADE_FROM.fullmatch, program.comments)):
+        sha = found["sha"].lower()
+        if nest.sha256 and sha != nest.sha256[:SHA_DIGITS]:
+            raise InputError(
+                f"the program was made from another nest: it names {found['file'] or 'one'} with sha256 {sha}, that "
+                f"of {nest.file} begins {nest.sha256[:SHA_DIGITS]}; give the nest it was made from",
+                file=file or None,
+            )
+    if not nest.contours:
+        return len(program.burns)
+    if not program.burns:
+        raise InputError("the program cuts nothing: the torch is never on", file=file or None)
+    burns = [burn for burn in program.burns if not burn.pierces_only] or program.burns
+    along = along_contours(burns, nest, kerf_mm)
+    count, of_it = len(along), int(along.sum())
+    if of_it < count / 2:
+        share = f"only {of_it}" if of_it else "none"
+        raise InputError(
+            f"{share} of the {count} cuts of the program run along contours of {nest.file or 'the nest'}: is it the "
+            "nest of this program?",
+            file=file or None,
+        )
+    return count - of_it
+
+
+def along_contours(burns: Sequence[Burn], nest: Nest, kerf_mm: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Of each burn, whether at least half of it runs beside contours of the nest."""
+    paths = [burn.path.flatten(_BESIDE_MM / 10) for burn in burns]
+    lines = [shapely.LineString(path if len(path) > 1 else np.repeat(path, 2, axis=0)) for path in paths]
+    shares = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    points = shapely.line_interpolate_point(np.repeat(lines, _SAMPLES), np.tile(shares, len(lines)), normalized=True)
+    tree = shapely.STRtree([contour.line for contour in nest.contours])
+    near, _ = tree.query(points, predicate="dwithin", distance=kerf_mm + _BESIDE_MM)
+    beside = np.zeros(len(points), dtype=np.bool_)
+    beside[near] = True
+    return np.asarray(beside.reshape(-1, _SAMPLES).mean(axis=1) >= 0.5)

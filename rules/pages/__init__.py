@@ -1,1 +1,0 @@
-"""Pages: what every rule says of itself, as documentation, and the files that a new rule starts from."""

@@ -1,0 +1,178 @@
+"""What statements cost: a rule's price, links, the time that ways to cut add, and open common cuts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Link, Statement
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.candidates.candidate import Candidate
+    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.nest import Contour
+    from kerfwise.rules.profile.profile import Profile
+
+
+def soften(statements: Iterable[Statement], weight: float) -> Iterator[Statement]:
+    """The statements at a price, in their order; what its author wants weighed by itself keeps its own weight.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About, Precede
+    >>> about = About("r", (), "")
+    >>> [s.weight for s in soften([Precede(0, 1, about), Precede(1, 2, about, 5.0)], 25.0)]
+    [25.0, 5.0]
+    """
+    for statement in statements:
+        yield statement if statement.weight is not None else replace(statement, weight=weight)
+
+
+# What it is worth to go on from one contour to the next with the torch on: a pierce and a lead-in less, waste more.
+
+LINKS = "links"
+"""What these statements come from: no rule, but the profile's `cuts.links`."""
+
+
+def link_offers(facts: Facts, profile: Profile) -> Iterator[Link]:
+    """Each link of the facts that takes less time than a pierce would, but for those that a lock rules out.
+
+    A link costs its time at the feed of the contour that it leads to, less the pierce and the lead-in that it saves.
+    """
+    price, machine, law = price_of_second(profile), profile.machine, profile.time.feed_by_blocks
+    fastest = machine.cut_feed_mm_s
+    if profile.time.model == "blocks" and law is not None:
+        fastest = max(fastest, law.fastest_mm_s)  # lags in seconds are kept at the fastest feed, and so at any
+    unlinked = {lock.contour for lock in profile.locks if lock.linked is False}
+    for link in facts.links:
+        first = facts.candidates[link.reach[0]]
+        leave = facts.candidates[link.leave[0]]
+        contour, before = facts.nest.contours[first.contour], facts.nest.contours[leave.contour]
+        if contour.id in unlinked:
+            continue
+        saved_s = start_s(first, contour, profile) + lead_in_s(first, contour, profile)
+        more_s = link.length_mm / (machine.cut_feed_mm_s * contour.feed_share) - saved_s
+        idle_mm = max(math.dist(leave.end, facts.candidates[c].pierce) for c in link.reach)
+        if more_s < idle_mm / machine.travel_mm_s:
+            sentence = f"from {before.id} to {contour.id} the torch may stay on for {link.length_mm:.1f} mm of waste"
+            about = About(LINKS, (before.id, contour.id), sentence)
+            lead_mm = 0.0 if first.lead_in is None else first.lead_in.length_mm
+            burnt_s = (link.length_mm - lead_mm) / (fastest * contour.feed_share)
+            seconds = burnt_s - start_s(first, contour, profile)
+            yield Link(link.leave, link.reach, link.path, about, more_s * price, seconds)
+
+
+# What the way a contour is cut adds to the program's time: a pierce that an edge start saves, and longer leads.
+
+_LEAST_S = 1e-3
+
+
+def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
+    """Each candidate that takes longer than the quickest of its contour, at the price of the seconds it adds.
+
+    Together with idle travel this is all of T = L_on / V_on + L_off / V_off + N · t (Tavaeva and Petunin) that a plan
+    decides: the contours themselves are cut in any case. At the feeds that are set, whatever the time model.
+    """
+    price = price_of_second(profile)
+    if not price:
+        return
+    linked = counts_time(profile)  # then it counts what a pierce takes, each lead, and what is left of an outline
+    seconds = [_seconds(c, facts.nest.contours[c.contour], profile) for c in facts.candidates]
+    quickest: dict[int, float] = {}
+    for candidate, s in zip(facts.candidates, seconds, strict=True):
+        bare_s = _seconds(candidate, facts.nest.contours[candidate.contour], profile, bare=True) if linked else s
+        quickest[candidate.contour] = min(bare_s, quickest.get(candidate.contour, bare_s))
+    than = "the quickest way" if not linked else "its outline alone" if profile.common_options() is None else "at best"
+    for number, candidate in enumerate(facts.candidates):
+        more = seconds[number] - quickest[candidate.contour]
+        if more >= _LEAST_S:
+            name = facts.nest.contours[candidate.contour].id
+            sentence = f"{name} takes {more:.2f} s more to cut this way than {than}"
+            yield Forbid(number, About("objective", (name,), sentence), more * price)
+
+
+def price_of_second(profile: Profile) -> float:
+    """What a second costs beside idle travel, mm: as the profile says; with links or common cuts all time counts.
+
+    It counts as idle travel does, then.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.profile.load import load_profile
+    >>> price_of_second(load_profile())
+    0.0
+    """
+    if not counts_time(profile):
+        return profile.objective.time
+    return profile.objective.time + profile.objective.idle * profile.machine.travel_mm_s
+
+
+def counts_time(profile: Profile) -> bool:
+    """Whether pierces, leads and lengths of cuts are at stake, so that a plan's cost is its time."""
+    return profile.link_options() is not None or profile.common_options() is not None
+
+
+def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+    """Time until the torch moves."""
+    machine = profile.machine
+    if contour.kind == "mark":
+        return machine.mark_time_s
+    return machine.unpierced_s if candidate.unpierced else machine.pierce_time_s
+
+
+def lead_in_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+    """Time along the lead-in."""
+    return 0.0 if candidate.lead_in is None else candidate.lead_in.length_mm / _feed_mm_s(contour, profile)
+
+
+def _feed_mm_s(contour: Contour, profile: Profile) -> float:
+    machine = profile.machine
+    return machine.mark_feed_mm_s if contour.kind == "mark" else machine.cut_feed_mm_s * contour.feed_share
+
+
+def _seconds(candidate: Candidate, contour: Contour, profile: Profile, bare: bool = False) -> float:
+    """Time to cut a contour this way; `bare` without start, leads and overcut."""
+    leads_mm = sum(lead.length_mm for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+    run_mm = candidate.cut_mm
+    if candidate.out or candidate.still_in:  # else all ways of a contour have the same corners
+        run_mm += candidate.at_corners_mm(contour)
+    if bare:
+        return (run_mm - leads_mm) / _feed_mm_s(contour, profile)
+    return start_s(candidate, contour, profile) + run_mm / _feed_mm_s(contour, profile)
+
+
+# Which way round a contour with common edges is open: that depends on which of its neighbours are out.
+
+COMMON = "common-cuts"
+"""What these statements come from: no rule, but the profile's `cuts.common`."""
+
+
+def open_ways(facts: Facts) -> Iterator[AtLeast]:
+    """For each candidate of a contour with common edges: its neighbours are out, or still in, as it asks."""
+    index, gone = facts.nest.index, {cut.contour for cut in facts.already_cut}
+    for number, candidate in enumerate(facts.candidates):
+        if not candidate.out and not candidate.still_in:
+            continue
+        contour = candidate.contour
+        before = [index[name] for name in candidate.out if name not in gone]
+        after = [index[name] for name in candidate.still_in if name not in gone]
+        literals = (*(Before(k, contour) for k in before), *(Before(contour, k) for k in after))
+        never = any(name in gone for name in candidate.still_in)
+        bound = len(literals) + never
+        if bound:
+            about = _about(facts.nest.contours[contour].id, candidate)
+            yield AtLeast(literals, (1,) * len(literals), bound, about, when=number)
+
+
+def _about(name: str, candidate: Candidate) -> About:
+    neighbours = (*candidate.out, *candidate.still_in)
+    asked = [f"{_listed(candidate.out)} out" if candidate.out else ""]
+    asked += [f"{_listed(candidate.still_in)} still in" if candidate.still_in else ""]
+    way = "along what is left of it" if candidate.span is not None else "all round"
+    return About(COMMON, (name, *neighbours), f"{name} is cut {way} with {' and '.join(filter(None, asked))}")
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return ", ".join(names)

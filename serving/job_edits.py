@@ -1,0 +1,258 @@
+"""Changes that a planner makes to a job file: comments and order of keys stay, each checked on the nest."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.scalarstring import DoubleQuotedScalarString
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import unknown
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.nest_job.job import LOCKS, SET, TABS, Job, job_of
+from kerfwise.jobs.nest_job.request import Names
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.overrides import lines_of, read_lock
+
+from .plan_request import PlanRequest, request_inputs
+
+# Changes that a planner's hands make to a job file: each is checked on the nest before any of them counts.
+
+Undone = list[str]
+"""Locks that gave way, in a line each."""
+
+
+def edited(wanted: PlanRequest, given: Inputs, changes: Sequence[dict[str, Any]]) -> tuple[str | None, Undone]:
+    """The text of the job file with all changes made, None for no file, and the locks that gave way to new ones.
+
+    A change is `{"lock": LINE}`, `{"unlock": LINE}`, `{"set": KEY, "to": VALUE}`, `{"unset": KEY}` or
+    `{"profile": NAME}`.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be made, or what comes of all does not fit the nest: then none counts.
+    """
+    undone: Undone = []
+    text = JobText(wanted.job_text or "")
+    if given.profile.for_one_nest is not None:
+        text = text.without_numbers(dict(given.profile.for_one_nest.numbered))
+    for change in changes:
+        text = _changed(text, given.nest, change, undone)
+    made = text.text or (None if wanted.job_text is None else "")
+    request_inputs(replace(wanted, job_text=made))
+    return made, undone
+
+
+def _changed(text: JobText, nest: Nest, change: dict[str, Any], undone: Undone) -> JobText:
+    made: dict[str, Callable[[str], JobText]] = {
+        "lock": lambda line: _locked(text, nest, line, undone),
+        "unlock": text.without_lock,
+        "set": lambda key: text.with_setting(key, _text(change, "to")),
+        "unset": text.without_setting,
+        "profile": text.with_profile,
+    }
+    name = next((name for name in made if name in change), None)
+    if name is None:
+        raise InputError(unknown("change", next(iter(change), ""), made))
+    expect_keys(f"a change {name!r}", change, (name, "to") if name == "set" else (name,))
+    return made[name](_text(change, name))
+
+
+def expect_keys(what: str, said: Mapping[str, Any], keys: Collection[str]) -> None:
+    """InputError if anything has a key that means nothing there."""
+    if strange := [key for key in said if key not in keys]:
+        raise InputError(f"{what}: {unknown('key', strange[0], keys)}")
+
+
+def _text(change: dict[str, Any], key: str) -> str:
+    value = change.get(key)
+    if not isinstance(value, str) or not value.strip():
+        raise InputError(f"{key}: expected a text, got {value!r}")
+    return value
+
+
+def _locked(text: JobText, nest: Nest, line: str, undone: Undone) -> JobText:
+    """With one lock more, which takes the place of those that decide the same or the contrary."""
+    for old in conflicting_locks(nest, text, [read_lock(line)]):
+        text = text.without_lock(old)
+        undone.append(old)
+    return text.with_lock(line)
+
+
+def conflicting_locks(nest: Nest, text: JobText, locks: Sequence[Lock]) -> list[str]:
+    """The locks of a job file, in a line each, that decide the same as new ones, or the contrary."""
+    names = Names(nest, _no_number)
+    new = [one for lock in locks for one in names.on_nest(lock)]
+    return [
+        line
+        for line, _ in text.lines()
+        if not line.startswith("#")
+        for old in names.on_nest(read_lock(line))
+        if any(one.against(old) for one in new) and not all(one.locks == old.locks for one in new)
+    ]
+
+
+def _no_number(name: str) -> str:
+    raise InputError(f"{name}: say which contour it is by its id")
+
+
+# The text of a job file, changed by a planner's hands: comments and the order of keys stay as they are written.
+
+_WIDE = 4096
+"""No line is broken that was not."""
+
+
+@dataclass(frozen=True, slots=True)
+class JobText:
+    """A job file's text, "" for none. Each method gives the text with one thing changed.
+
+    Examples
+    --------
+    >>> text = JobText("quantity: 4  # sheets\\n").with_lock("P2 first").with_setting("leads.lead_in", "4 mm")
+    >>> print(text.text, end="")
+    quantity: 4  # sheets
+    locks:
+      - P2 first
+    set:
+      leads.lead_in: 4 mm
+    >>> text.without_lock("P2 first").without_setting("leads.lead_in").text
+    'quantity: 4  # sheets\\n'
+    """
+
+    text: str = ""
+
+    def job(self) -> Job:
+        """The job that it describes; InputError with line and column if it is wrong."""
+        return job_of(self.text.removeprefix("\ufeff"), "the job file")
+
+    def lines(self) -> tuple[tuple[str, Lock], ...]:
+        """Its locks in a line each, with the lock that each stands for, tabs among them."""
+        return tuple((line, lock) for lock in self.job().locks for line in lines_of(lock))
+
+    def with_lock(self, line: str) -> JobText:
+        """With one lock more; InputError for a line that is none."""
+        wanted = next(lines_of(read_lock(line)))
+        if any(wanted == stands for stands, _ in self.lines()):
+            return self
+        root = self._root()
+        root.setdefault(LOCKS, CommentedSeq())
+        if root[LOCKS] is None:
+            root[LOCKS] = CommentedSeq()
+        root[LOCKS].append(_scalar(wanted))
+        return _written(root)
+
+    def without_lock(self, line: str) -> JobText:
+        """Without a lock; InputError if it has none that says this."""
+        if all(line != stands for stands, _ in self.lines()):
+            raise InputError(f"there is no lock {line!r} in the job file")
+        root = self._root()
+        locks = root.get(LOCKS) or CommentedSeq()
+        for k in reversed(range(len(locks))):
+            said = [line for line, _ in JobText(_dumped({LOCKS: [locks[k]]})).lines()]
+            if line in said:
+                locks[k : k + 1] = [_scalar(other) for other in said if other != line]
+        tabs = root.get(TABS) or CommentedMap()
+        for name in list(tabs):
+            held = job_of(_dumped({TABS: {name: tabs[name]}}), "the job file").locks
+            left = [lock.tab for lock in held if next(lines_of(lock)) != line]
+            if len(left) < len(held):
+                tabs[name] = _points(left)
+                if not left:
+                    del tabs[name]
+        return _written(_swept(root))
+
+    def with_setting(self, key: str, value: str) -> JobText:
+        """With a value of the profile that this nest has otherwise."""
+        root = self._root()
+        if root.get(SET) is None:
+            root[SET] = CommentedMap()
+        if not (key in root[SET] and str(root[SET][key]) == value):
+            root[SET][key] = _value(value)
+        return _written(root)
+
+    def without_setting(self, key: str) -> JobText:
+        """Without it; InputError if the job file does not set it under this key."""
+        root = self._root()
+        if key not in (root.get(SET) or {}):
+            raise InputError(f"the job file does not set {key!r}")
+        del root[SET][key]
+        return _written(_swept(root))
+
+    def with_profile(self, name: str) -> JobText:
+        """For another profile."""
+        root = self._root()
+        root["profile"] = name
+        return _written(root)
+
+    def without_numbers(self, contours: dict[str, str]) -> JobText:
+        """With ids in the place of numbers such as #7: once the job file changes, #7 would be of another plan."""
+        changed = self
+        for line, lock in self.lines():
+            named = {key: contours.get(getattr(lock, key) or "") for key in ("contour", "part", "before")}
+            known: dict[str, Any] = {key: name for key, name in named.items() if name is not None}
+            if known:
+                changed = changed.without_lock(line).with_lock(next(lines_of(replace(lock, **known))))
+        return changed
+
+    def _root(self) -> CommentedMap:
+        self.job()  # what is wrong is said with its place
+        root = _yaml().load(self.text.removeprefix("\ufeff"))
+        return CommentedMap() if root is None else root
+
+
+def _points(tabs: Iterable[Any]) -> CommentedSeq:
+    points = CommentedSeq([list(point) for point in tabs if isinstance(point, tuple)])
+    points.fa.set_flow_style()
+    return points
+
+
+def _swept(root: CommentedMap) -> CommentedMap:
+    for key in (LOCKS, TABS, SET):
+        if key in root and not root[key]:
+            del root[key]
+    return root
+
+
+def _yaml() -> YAML:
+    yaml = YAML()
+    yaml.preserve_quotes = True
+    yaml.width = _WIDE
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    return yaml
+
+
+def _dumped(data: Any) -> str:
+    out = io.StringIO()
+    _yaml().dump(data, out)
+    return out.getvalue()
+
+
+def _written(root: CommentedMap) -> JobText:
+    text = JobText(_dumped(root) if root else "")
+    text.job()
+    return text
+
+
+def _scalar(line: str) -> str:
+    return DoubleQuotedScalarString(line) if any(sign in line for sign in "#\"'{[:") else line
+
+
+def _value(text: str) -> Any:
+    """A value as its author writes it: numbers stay numbers, `[1, 2]` a list."""
+    try:
+        return YAML(typ="safe").load(text) if text.strip() else text
+    except (YAMLError, ValueError):
+        raise InputError(f"{text!r} is not a value as a job file holds it") from None
+
+
+def settings_of(job: Job) -> Iterator[tuple[str, str]]:
+    """Keys and values that a job sets."""
+    return ((setting.key, setting.text) for setting in job.settings)

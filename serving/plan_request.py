@@ -1,0 +1,181 @@
+"""What is to be planned, and what passes between the server and its processes: plain texts, nothing worked out."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.readers.read import file_bytes
+from kerfwise.jobs.inputs import Inputs, Tell, drawn_nest, plant_of, silent
+from kerfwise.jobs.nest_job.job import Job, beside_name, job_of
+from kerfwise.jobs.nest_job.request import NestRequest, locked_for, profile_for
+from kerfwise.jobs.resume import already_cut
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.read_plan import plan_in
+
+BOM = "\ufeff"
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """What is to be planned.
+
+    Attributes
+    ----------
+    nest
+        Path of the nest's file.
+    job_text
+        What the job file beside it says, or is to say; None for no job file.
+    repair
+        Whether the drawing is mended.
+    old_plan, upto
+        The plan that is cut already up to this number, as JSON; None and 0 where nothing is cut.
+    trust
+        Whether Python rules that the profile names are run.
+    profile_now
+        What tells the profile's file of now from what it was before the page wrote it; "" where it has not.
+    """
+
+    nest: str
+    job_text: str | None = None
+    repair: bool = False
+    old_plan: str | None = None
+    upto: int = 0
+    trust: bool = False
+    profile_now: str = ""
+
+    @property
+    def key(self) -> str:
+        """The same for the same thing to be planned, and for no other."""
+        stands = [
+            self.nest,
+            self.job_text,
+            self.repair,
+            self.old_plan,
+            self.upto,
+            self.profile_now,
+            sha256_of(Path(self.nest)),
+        ]
+        return _sha256(repr(stands).encode())
+
+    def command(self, options: str = "") -> str:
+        """The command line that makes the same files, once the job file is saved.
+
+        Examples
+        --------
+        >>> PlanRequest("/nests/plate.dxf", repair=True).command()
+        'kerfwise solve plate.dxf --repair'
+        >>> PlanRequest("/nests/$(ls) 1.dxf").command()
+        "kerfwise solve '$(ls) 1.dxf'"
+        """
+        name, before = shlex.quote(Path(self.nest).name), shlex.quote(earlier_plan_name(self.nest))
+        again = f" --lock-from {before} --upto {self.upto}" if self.old_plan else ""
+        return f"kerfwise solve {name}{' --repair' if self.repair else ''}{again}{options}"
+
+
+def earlier_plan_name(nest: str) -> str:
+    """The name of the plan that is kept beside a nest because a part of it is cut already.
+
+    Examples
+    --------
+    >>> earlier_plan_name("/nests/plate.dxf")
+    'plate.before.plan.json'
+    """
+    return f"{Path(nest).stem}.before.plan.json"
+
+
+def job_in(wanted: PlanRequest) -> Job | None:
+    """The job that is wanted, as if its file stood beside the nest already.
+
+    Raises
+    ------
+    InputError
+        If it is wrong anywhere, with line and column.
+    """
+    if wanted.job_text is None:
+        return None
+    sha256 = _sha256(wanted.job_text.encode())
+    return replace(job_of(wanted.job_text.removeprefix(BOM), beside_name(Path(wanted.nest).name)), sha256=sha256)
+
+
+def enter_nest_folder(wanted: PlanRequest) -> str:
+    """Go to the nest's folder: names in messages and plans are then as on the command line there. The nest's name."""
+    path = Path(wanted.nest)
+    os.chdir(path.parent)
+    return path.name
+
+
+def request_inputs(wanted: PlanRequest, tell: Tell = silent) -> Inputs:
+    """Nest and profile, read as `kerfwise solve` reads them in the nest's folder.
+
+    Raises
+    ------
+    InputError
+        If something cannot be read, or is wrong: with its place.
+    """
+    name = enter_nest_folder(wanted)
+    job = job_in(wanted)
+    asked = NestRequest(job=False if job is None else job, last=old_plan(wanted))
+    plant = profile_for(asked, job, tell, lambda named: plant_of(named, wanted.trust))
+    read = drawn_nest(name, plant, repair=wanted.repair)
+    for note in read.notes:
+        tell(f"{note.severity}: {note.text}")
+    return locked_for(plant.as_cut(read), name, plant, asked, job, tell)
+
+
+def old_plan(wanted: PlanRequest) -> Plan | None:
+    """The plan that is cut in part."""
+    return None if wanted.old_plan is None else plan_in(wanted.old_plan, earlier_plan_name(wanted.nest))
+
+
+def already_of(wanted: PlanRequest, given: Inputs) -> AlreadyCut:
+    """What is cut already."""
+    old = old_plan(wanted)
+    return NOTHING_CUT if old is None else already_cut(given, old, wanted.upto)
+
+
+def sha256_of(nest: Path) -> str:
+    """Of a nest's file as it is now; InputError if it cannot be read."""
+    return _sha256(file_bytes(nest))
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+# What passes between the server and a process of it: questions with their answers, and what is told meanwhile.
+
+Answers = Mapping[str, Callable[..., Any]]
+"""Question → what answers it."""
+
+
+class Questions:
+    """Whoever has asked: told what is reached, and asked whether the answer is still wanted."""
+
+    def __init__(self, way: Connection, stop: Connection) -> None:
+        self._way, self._stop, self._stopped = way, stop, False
+
+    def tell(self, **told: Any) -> None:
+        """Tell something before the answer."""
+        self._way.send(("heard", told))
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the answer is to come to its end now."""
+        while not self._stopped and self._stop.poll():
+            self._stop.recv()
+            self._stopped = True
+        return self._stopped
+
+    def begin(self) -> None:
+        """Forget what was to be stopped before."""
+        while self._stop.poll():
+            self._stop.recv()
+        self._stopped = False

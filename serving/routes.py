@@ -1,0 +1,355 @@
+"""The addresses of the server: pages, what there is to know of a nest and its plans, and what changes something."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Mapping
+from functools import cache, partial
+from http import HTTPStatus
+from importlib.resources import files
+from pathlib import PurePosixPath
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.text import escape_text
+from kerfwise.postproc import report
+from kerfwise.postproc.report.page import page_and_policy
+
+from .guard import Answer, changes_in, gone, said_in, session_of, whole
+from .profile_editor import profile_told, values_of, write_profile
+from .server import Server, is_readable, save
+from .session import Item, Session, Turns, restore_plan
+
+# The addresses that are asked with GET: pages, and what there is to know of a nest and its plans.
+
+
+class Reading:
+    """What changes nothing; `first` is the name of the nest that the server was started with."""
+
+    def __init__(self, server: Server, first: str | None) -> None:
+        self._server, self._first = server, first
+
+    def answers(self) -> dict[str, Answer]:
+        """Each by its address."""
+        return {
+            "/": self.home,
+            "/files/{name:path}": self.file,
+            "/nest/{id}": self.nest,
+            "/api/nests": self.nests,
+            "/api/events": self.all_events,
+            "/api/{id}/page": self.page,
+            "/api/{id}/heat": self.heat,
+            "/api/{id}/state": self.state,
+            "/api/{id}/why": self.why,
+            "/api/{id}/move": self.move,
+            "/api/{id}/profile": self.profile,
+            "/api/{id}/rule": self.rule,
+            "/api/{id}/program": self.program,
+            "/api/{id}/events": self.events,
+        }
+
+    async def home(self, request: Request) -> Response:
+        """The nest that the server was started with, or the list of those in its folder."""
+        return HTMLResponse(list_page())
+
+    async def file(self, request: Request) -> Response:
+        """A script or style sheet of the list."""
+        return static_file(request.path_params["name"])
+
+    async def nest(self, request: Request) -> Response:
+        """The page of a nest."""
+        return worked_page(self._session(request).name)
+
+    async def nests(self, request: Request) -> Response:
+        """Names of the nests in the folder, and, as they can be shown, those under which none can be opened."""
+        names = [*self._server.folder.nests()]
+        readable = [name for name in names if is_readable(name)]
+        unreadable = [escape_text(name) for name in names if not is_readable(name)]
+        return JSONResponse({"nests": readable, "unreadable": unreadable, "first": self._first})
+
+    async def page(self, request: Request) -> Response:
+        """What the page shows (`kerfwise-page/1`), of `?plan=2` or the shown plan; of two with `?plan=1&with=2`."""
+        number, other, session = _plan(request), request.query_params.get("with"), self._session(request)
+        if other is None:
+            data = await self._server.page(session, number)
+        elif number is None:
+            raise InputError("with: expected plan too, the number of the other plan")
+        else:
+            data = await self._server.compared(session, number, whole(other))
+        return Response(data, media_type="application/json")
+
+    async def heat(self, request: Request) -> Response:
+        """How hot the shown plan makes the sheet, or null."""
+        return JSONResponse(await self._about(request, "heat"))
+
+    async def state(self, request: Request) -> Response:
+        """The session, and the name of the nest that the planner works for."""
+        return JSONResponse({**self._session(request).as_json(), "planner": self._server.planning.turns.of})
+
+    async def why(self, request: Request) -> Response:
+        """`?contour=P1.outer&plan=2`: as `kerfwise explain --json`, with `text`."""
+        contour = request.query_params.get("contour", "")
+        return JSONResponse(await self._about(request, "why", contour=contour))
+
+    async def move(self, request: Request) -> Response:
+        """`?contours=P1.outer&place=3&look=0`: whether they may be cut from that place on, and what it costs."""
+        said = request.query_params
+        contours = said.getlist("contours")
+        if not contours:
+            raise InputError("contours: expected the id of a contour or the name of a part")
+        given = {
+            "contours": contours,
+            "place": whole(said.get("place")),
+            "look": said.get("look") == "1",
+        }
+        return JSONResponse(await self._about(request, "move", **given))
+
+    async def program(self, request: Request) -> Response:
+        """The NC text of a plan."""
+        plan = self._session(request).looked_at(_plan(request))
+        if plan is None:
+            raise InputError("there is no plan yet")
+        return Response(plan.program, media_type="text/plain; charset=utf-8")
+
+    async def all_events(self, request: Request) -> Response:
+        """Server-sent events of all nests that are open, one stream for all tabs of a browser."""
+        return Stream(self._server.sessions, self._server.planning.turns)
+
+    async def events(self, request: Request) -> Response:
+        """Server-sent events: `state` when anything has changed, `progress` while the engines run, `planner`."""
+        return Stream(self._server.sessions, self._server.planning.turns, self._session(request).id)
+
+    async def profile(self, request: Request) -> Response:
+        """The rules of the nest's profile with strengths and options, and whether its file may be written."""
+        return JSONResponse(await profile_told(self._server, self._session(request)))
+
+    async def rule(self, request: Request) -> Response:
+        """`?rule=pierce`: its page, and pictures of what is wrong and what is right."""
+        wanted = self._session(request).wanted
+        return JSONResponse(await self._server.asked("rule", wanted=wanted, rule=request.query_params.get("rule", "")))
+
+    async def _about(self, request: Request, question: str, **given: Any) -> Any:
+        return await self._server.about(self._session(request), question, _plan(request), **given)
+
+    def _session(self, request: Request) -> Session:
+        return session_of(self._server, request)
+
+
+def _plan(request: Request) -> int | None:
+    """`?plan=2`; None for the shown one."""
+    number = request.query_params.get("plan")
+    return whole(number) if number else None
+
+
+# The addresses that are asked with POST: what changes something, or has something planned.
+
+
+class Writing:
+    """What changes a session carries the version that it has seen."""
+
+    def __init__(self, server: Server) -> None:
+        self._server = server
+
+    def answers(self) -> dict[str, Answer]:
+        """Each by its address."""
+        return {
+            "/api/open": self.open,
+            "/api/drop": self.drop,
+            "/api/{id}/edit": self.edit,
+            "/api/{id}/cut": self.cut,
+            "/api/{id}/back": self.back,
+            "/api/{id}/solve": self.solve,
+            "/api/{id}/cancel": self.cancel,
+            "/api/{id}/try": self.tried,
+            "/api/{id}/save": self.save,
+            "/api/{id}/effect": self.effect,
+            "/api/{id}/profile": self.write_profile,
+        }
+
+    async def open(self, request: Request) -> Response:
+        """`{"nest": NAME, "repair": false}` gives the session's state."""
+        said = await said_in(request, "nest", "repair")
+        path = self._server.folder.nest(str(said.get("nest", "")))
+        return JSONResponse((await self._server.open_nest(path, said.get("repair") is True)).as_json())
+
+    async def drop(self, request: Request) -> Response:
+        """A drawing as the body, `?name=plate.dxf&repair=0`: one that can be cut is written into the folder."""
+        said = request.query_params
+        session = await self._server.drop(said.get("name", ""), await request.body(), said.get("repair") == "1")
+        return JSONResponse(session.as_json(), HTTPStatus.CREATED)
+
+    async def edit(self, request: Request) -> Response:
+        """`{"version": 3, "changes": [{"lock": "P2 first"}, …]}`; see `edits.py` for what can be changed."""
+        session, said = await self._writing(request, "changes")
+        undone = await self._server.edit(session, changes_in(said.get("changes")))
+        return JSONResponse({**session.as_json(), "undone": undone})
+
+    async def cut(self, request: Request) -> Response:
+        """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""
+        session, said = await self._writing(request, "upto")
+        await self._server.cut_up_to(session, whole(said.get("upto")))
+        return JSONResponse(session.as_json())
+
+    async def back(self, request: Request) -> Response:
+        """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again."""
+        session, said = await self._writing(request, "to")
+        number = whole(said.get("to"))
+        await self._server.want(session, restore_plan(session, number), shown=number)
+        return JSONResponse(session.as_json())
+
+    async def solve(self, request: Request) -> Response:
+        """`{"version": 3, "work": 30, "relax": false}`: the planning begins; events tell how it goes."""
+        session, said = await self._writing(request, "work", "relax")
+        work = said.get("work")
+        if work is not None and not (isinstance(work, int | float) and 0 < work <= 10_000):
+            raise InputError(f"work: expected a number over 0, got {work!r}")
+        self._server.planning.solve(session, work, said.get("relax") is True)
+        return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
+
+    async def cancel(self, request: Request) -> Response:
+        """`{"at_once": false}`: the best plan so far is kept, unless it is to end at once."""
+        session, said = self._session(request), await said_in(request, "version", "at_once")
+        self._server.planning.cancel(session, said.get("at_once") is True)
+        return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
+
+    async def tried(self, request: Request) -> Response:
+        """`{"changes": […], "relax": false}`: what they would bring; nothing is changed. Who hangs up cancels it."""
+        session, said = self._session(request), await said_in(request, "version", "changes", "relax")
+        changes, relax = changes_in(said.get("changes") or []), said.get("relax") is True
+        return await self._planned(request, session, "tried", changes=changes, relax=relax)
+
+    async def effect(self, request: Request) -> Response:
+        """`{"changes": [{"rule": "pierce", "key": "clearance", "to": "2 mm"}]}`: what they would bring on the nest.
+
+        Nothing is changed. Who hangs up cancels it.
+        """
+        session, said = self._session(request), await said_in(request, "version", "changes")
+        return await self._planned(request, session, "effect", values=values_of(said.get("changes")))
+
+    async def save(self, request: Request) -> Response:
+        """`{"version": 3}`: the files of the shown plan and its job file, and the command line that makes the same."""
+        session, said = await self._writing(request)
+        shown = session.current
+        profile_sha256 = "" if shown is None else await self._server.asked("profile_sha256", wanted=shown.wanted)
+        session.expect(said.get("version"))  # the desk took its time, and another tab did not wait
+        told = save(session, self._server.folder, profile_sha256)
+        return JSONResponse({**session.as_json(), "saved": told})
+
+    async def write_profile(self, request: Request) -> Response:
+        """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile."""
+        session, said = await self._writing(request, "sha256", "changes", "as")
+        told = await write_profile(self._server, session, said)
+        return JSONResponse({**session.as_json(), "written": told})
+
+    async def _planned(self, request: Request, session: Session, question: str, **given: Any) -> Response:
+        hung_up = partial(gone, request)
+        asked = self._server.planning.asked(session.name, question, hung_up, wanted=session.wanted, **given)
+        return JSONResponse(await asked)
+
+    def _session(self, request: Request) -> Session:
+        return session_of(self._server, request)
+
+    async def _writing(self, request: Request, *keys: str) -> tuple[Session, dict[str, Any]]:
+        session, said = self._session(request), await said_in(request, "version", *keys)
+        session.expect(said.get("version"))
+        return session, said
+
+
+# The server's own pages and their files: read from the package, put together with nothing that a nest says.
+
+ENTRY = "worked.js"
+"""The module of `hands` that the page of a nest begins with."""
+_KINDS = {".js": "text/javascript", ".css": "text/css"}
+
+
+def list_page() -> str:
+    """The page that lists the nests of the folder, and takes drawings that are dropped on it."""
+    return files(__package__).joinpath("hands", "frame.html").read_text(encoding="utf-8")
+
+
+def worked_page(name: str) -> Response:
+    """The page of one nest, with hands: all that it shows it asks for. Its policy names its own script by hash."""
+    html, policy = page_and_policy({"title": name}, ENTRY, connect=True, more=_hands())
+    headers = {"content-security-policy": f"{policy}; frame-ancestors 'none'"}
+    return HTMLResponse(html.encode("utf-8", "surrogatepass"), headers=headers)
+
+
+@cache
+def _hands() -> dict[str, str]:
+    """The modules and the style sheet that the page of a nest has beside those of every page."""
+    folder = files(__package__).joinpath("hands")
+    return {
+        file.name: file.read_text(encoding="utf-8")
+        for file in sorted(folder.iterdir(), key=lambda file: file.name)
+        if file.name.endswith((".js", ".css")) and not file.name.startswith("list.")
+    }
+
+
+def static_file(name: str) -> Response:
+    """A script or style sheet of the package: of the hands, or of the page itself."""
+    plain = PurePosixPath(name)
+    kind = _KINDS.get(plain.suffix)
+    if kind is None or len(plain.parts) != 1 or plain.name != name:
+        return PlainTextResponse("there is no such file", 404)
+    folders = files(__package__).joinpath("hands"), files(report).joinpath("page_files")
+    found = next((file for folder in folders if (file := folder.joinpath(name)).is_file()), None)
+    if found is None:
+        return PlainTextResponse("there is no such file", 404)
+    return Response(found.read_bytes(), media_type=f"{kind}; charset=utf-8")
+
+
+# News of nests as server-sent events, for as long as a browser listens.
+
+SILENT_S = 15.0
+"""After so long without news a comment is sent, so that a connection that has gone is seen."""
+
+
+class Stream(StreamingResponse):
+    """Tells the state of a nest at once, or of all that are open, and then whatever changes.
+
+    Parameters
+    ----------
+    sessions
+        All that are open, by id; those that are opened later are told too.
+    turns
+        Whose turn it is to be planned.
+    of
+        The id of one nest, or "" for all.
+    """
+
+    def __init__(self, sessions: Mapping[str, Session], turns: Turns, of: str = "") -> None:
+        self._sessions, self._turns, self._of = sessions, turns, of
+        super().__init__(self._news(), media_type="text/event-stream")
+
+    async def _news(self) -> AsyncIterator[str]:
+        ear = self._turns.news.listen(self._of)
+        try:
+            yield self._event(("planner", ""))
+            for key in [self._of] if self._of else [*self._sessions]:
+                yield self._event(("state", key))
+            while True:
+                try:
+                    heard = await asyncio.wait_for(ear.next(), SILENT_S)
+                except TimeoutError:
+                    yield ": nothing new\n\n"
+                    continue
+                for item in heard:
+                    yield self._event(item)
+        finally:
+            self._turns.news.leave(ear)
+
+    def _event(self, item: Item) -> str:
+        what, key = item
+        told: dict[str, Any]
+        if what == "planner":
+            told = {"nest": self._turns.of}
+        elif what == "state":
+            told = self._sessions[key].as_json()
+        else:
+            session = self._sessions[key]
+            told = {"id": key, "version": session.version, "solving": session.solving}
+        return f"event: {what}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n"

@@ -1,0 +1,182 @@
+"""A process that answers questions for the server, one at a time; one that dies is started again."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from typing import Any, Literal
+
+from kerfwise.encoder.errors import InputError, KerfwiseError
+from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.process_pool import end_with_parent, start_quietly
+
+from .plan_request import Questions
+
+# A process that answers questions for the server, one at a time. One that dies is started again, and nothing is lost:
+# all that counts is held by the server.
+
+Role = Literal["desk", "planner"]
+Heard = Callable[[dict[str, Any]], None]
+"""Called with what a process has to tell before its answer."""
+ENDED_S = 3.0
+
+
+class Refused(Exception):
+    """The question was answered: it cannot be, and `told` says why, as JSON."""
+
+    def __init__(self, told: dict[str, Any]) -> None:
+        super().__init__(told["message"])
+        self.told = told
+
+
+class Died(Exception):
+    """The process ended in the middle of its answer: it was killed, memory ran out, or a library has crashed."""
+
+
+class Worker:
+    """One such process. Threads may ask; each waits for its turn.
+
+    `desk` answers in hundredths of a second, `planner` plans.
+    """
+
+    def __init__(self, role: Role) -> None:
+        self.role = role
+        self._turn = threading.Lock()
+        self._process: SpawnProcess | None = None
+        self._way: Connection | None = None
+        self._stop: Connection | None = None
+        self._closed = False
+
+    @property
+    def pid(self) -> int | None:
+        """Of the process; None where none runs."""
+        return None if self._process is None or not self._process.is_alive() else self._process.pid
+
+    def ask(self, question: str, heard: Heard = lambda told: None, **given: Any) -> Any:
+        """The answer, as JSON can hold it.
+
+        Raises
+        ------
+        Refused
+            If something given cannot be used.
+        Died
+            If the process died; the next question starts another.
+        """
+        with self._turn:
+            if self._closed:
+                raise Died("the server is ending")
+            way = self._begun()
+            try:
+                way.send((question, given))
+            except OSError:  # it has died since the last question
+                way = self._begun(again=True)
+                way.send((question, given))
+            try:
+                while True:
+                    kind, told = way.recv()
+                    if kind == "heard":
+                        heard(told)
+                    elif kind == "answer":
+                        return told
+                    else:
+                        raise Refused(told)
+            except (EOFError, OSError):
+                self._end()
+                raise Died(f"the process that worked on it died ({self._how()}); another is started") from None
+
+    def stop(self) -> None:
+        """Ask it to come to an end with the best that it has, soon."""
+        with contextlib.suppress(OSError, AttributeError):
+            self._stop.send(b"stop")  # type: ignore[union-attr]
+
+    def kill(self) -> None:
+        """End the process; what it is doing is lost, and who waits for it is told `Died`."""
+        if (process := self._process) is not None:
+            process.kill()
+
+    def close(self) -> None:
+        """End the process for good."""
+        self._closed = True
+        self.kill()
+        if (process := self._process) is not None:
+            process.join(ENDED_S)
+
+    def _begun(self, again: bool = False) -> Connection:
+        if again:
+            self._end()
+        if self._way is None or self._process is None or not self._process.is_alive():
+            self._end()
+            context = get_context("spawn")
+            self._way, there = context.Pipe()
+            self._stop, stop = context.Pipe()
+            self._process = context.Process(target=answer_questions, args=(self.role, there, stop), daemon=True)
+            start_quietly(self._process)
+            there.close()
+            stop.close()
+        return self._way
+
+    def _end(self) -> None:
+        for way in (self._way, self._stop):
+            if way is not None:
+                way.close()
+        self._way = self._stop = None
+        if self._process is not None:
+            self._process.kill()
+            self._process.join(ENDED_S)
+
+    def _how(self) -> str:
+        code = None if self._process is None else self._process.exitcode
+        return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
+
+
+# What a process of the server does: it answers questions until nobody is there who asks.
+
+
+def answer_questions(role: str, way: Connection, stop: Connection) -> None:
+    """Answer what is asked over a pipe, as the desk or as the planner."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
+    threading.Thread(target=end_with_parent, daemon=True).start()
+    asking = Questions(way, stop)
+    if role == "planner":
+        from .planner import planner as made
+    else:
+        from .query_worker import desk as made
+    answers = made(asking)
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            question, given = way.recv()
+            try:
+                told = ("answer", answers[question](**given))
+            except Exception as error:  # the server lives on, whatever went wrong
+                told = ("refused", error_as_json(error))
+            way.send(told)
+
+
+def error_as_json(error: Exception) -> dict[str, Any]:
+    """What went wrong, as JSON: `input` for what a person gave, `fault` for a fault of kerfwise itself."""
+    if isinstance(error, InputError):
+        place = {"file": str(error.file) if error.file else None, "line": error.line, "column": error.column}
+        details = [escape_text(text) for text in error.details]
+        return {"kind": "input", "message": escape_text(error.message), "details": details, **place, **_drawn(error)}
+    if isinstance(error, KerfwiseError):
+        return {"kind": "input", "message": str(error), "details": []}
+    traceback.print_exception(error, file=sys.stderr)
+    return {"kind": "fault", "message": f"a fault of kerfwise itself: {type(error).__name__}: {error}", "details": []}
+
+
+def _drawn(error: InputError) -> dict[str, Any]:
+    """The drawing that cannot be cut, with what is wrong where."""
+    from kerfwise.encoder.readers.read import BrokenNest
+
+    from .query_worker import Unmended, problems_of
+
+    if isinstance(error, Unmended):
+        return {"problems": problems_of(error.broken, error.left)}
+    return {"problems": problems_of(error, None)} if isinstance(error, BrokenNest) else {}
