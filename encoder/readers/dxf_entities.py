@@ -354,6 +354,8 @@ def _text(entity: DXFEntity) -> str:
 _NUMBER = re.compile(rb"[ \t]*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[ \t]*")
 _READ = (b"ENTITIES", b"BLOCKS")
 """Sections that hold what is drawn; headers and objects are full of other things."""
+_MOST_DIGITS = 9
+"""Of a group code: Python refuses to read a number of thousands of digits."""
 
 
 def _is_real(code: int) -> bool:
@@ -377,7 +379,7 @@ def check_numbers(data: bytes) -> None:
     section, layer, after_section = b"", b"0", False
     for k in range(0, len(lines) - 1, 2):
         code, value = lines[k].strip(), lines[k + 1]
-        if not code.isdigit() and not code.lstrip(b"-").isdigit():
+        if not code.lstrip(b"-").isdigit() or len(code) > _MOST_DIGITS:
             return  # pairs of lines are out of step: the library says what it makes of that
         number = int(code)
         if number == 0:

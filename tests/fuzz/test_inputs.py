@@ -108,6 +108,7 @@ GOOD = Ended(0, "done\n", "", {"nest.json": seeds.nest_bytes()}, 0.0)
         ({"err": "Traceback (most recent call last):\n"}, "traceback: "),
         ({"err": "x.py:12: RuntimeWarning: overflow\n"}, "warning: x.py:12"),
         ({"code": 1, "out": ""}, "silent: "),
+        ({"code": 3, "err": "kerfwise: nest.json: in mm or inches?\n"}, "question: "),
         ({"code": 2, "err": "kerfwise: a number is wrong\n"}, "refusal: no place"),
         ({"code": 2, "err": ""}, "refusal: 0 lines"),
         ({"code": 2, "err": "kerfwise: nest.json: x\nkerfwise: nest.json: y\n"}, "refusal: 2 lines"),

@@ -272,6 +272,9 @@ def test_a_sheet_too_small_for_its_part(tmp_path: Path) -> None:
 def test_remarks_of_the_dxf_library_stay_off_the_terminal(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, lambda s: lines(s, square(10, 10, 50)), version="R12")
     path.write_text(path.read_text().replace("LINE\n", "LINE\n  5\nno handle\n"))
-    script = "import sys; from kerfwise.encoder.readers import read_nest; print(len(read_nest(sys.argv[1]).parts))"
+    script = (
+        "import sys; from kerfwise.encoder.readers import ReadOptions, read_nest\n"
+        "print(len(read_nest(sys.argv[1], ReadOptions(units='mm')).parts))"
+    )
     run = subprocess.run([sys.executable, "-c", script, str(path)], capture_output=True, text=True, check=True)
     assert (run.stdout, run.stderr) == ("1\n", "")

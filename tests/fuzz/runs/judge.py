@@ -15,8 +15,8 @@ from kerfwise.tests.fuzz.inputs.case import Case
 
 from .run import Ended
 
-OWN_FAULT, WRONG_INPUT = 70, 2
-CODES = (0, 1, WRONG_INPUT)
+OWN_FAULT, WRONG_INPUT, OPEN_QUESTION = 70, 2, 3
+CODES = (0, 1, WRONG_INPUT, OPEN_QUESTION)
 _WARNING = re.compile(r"\.py:\d+: \w*Warning|Exception ignored")
 
 
@@ -39,6 +39,8 @@ def _end(case: Case, ended: Ended) -> Iterator[str]:
         yield f"traceback: {_line(ended.err)}"
     if found := _WARNING.search(text):
         yield f"warning: {_around(text, found.start())}"
+    if ended.code == OPEN_QUESTION and "--answer " not in ended.err:
+        yield "question: it does not say how to answer"
     if ended.code == 1 and not text.strip():
         yield "silent: exit code 1 without a word"
     if ended.code == WRONG_INPUT:
@@ -80,7 +82,7 @@ def _files(case: Case, ended: Ended) -> Iterator[str]:
         if name not in case.written and ended.files.get(name) != content:
             yield f"lost: {name} is not as it was"
     new = {n: c for n, c in ended.files.items() if given.get(n) != c and not n.startswith("kerfwise-fault-")}
-    if new and ended.code == WRONG_INPUT:
+    if new and ended.code in (WRONG_INPUT, OPEN_QUESTION):
         yield f"refused and written: {sorted(new)}"
     for name, content in new.items():
         kinds = (name,) if case.damaged else (name, "a.nc", "a.json", "a.svg")  # -o out.svg writes a program there
