@@ -129,6 +129,9 @@ DXF_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
 SMALLEST_SHEET_MM, LARGEST_SHEET_MM = 20.0, 50_000.0
 """The longer side of any sheet one would cut lies between these."""
 
+SMALLEST_PART_MM = 2.0
+"""A drawing that names its unit and is smaller than this in it is in another, most likely."""
+
 
 INCH_SLACK = 1e-3
 """How far a number times 64 may be from a whole one."""
@@ -212,7 +215,7 @@ def dxf_units(
             against = f"$INSUNITS {insunits} ({unit}) and $LUNITS {lunits} (feet and inches) contradict each other"
             text = f"{against}, {long}: what is it in?"
             return asking.ask(units_question(text, (unit, "in"), longest)), "asked: the header contradicts itself"
-        if not SMALLEST_SHEET_MM <= longest * MM_PER[unit] <= LARGEST_SHEET_MM and longest > 0:
+        if longest > 0 and not SMALLEST_PART_MM <= longest * MM_PER[unit] <= LARGEST_SHEET_MM:
             fits = [u for u in ("mm", "in", "cm", "m") if SMALLEST_SHEET_MM <= longest * MM_PER[u] <= LARGEST_SHEET_MM]
             if fits and unit not in fits:
                 size = f"{longest * MM_PER[unit]:.6g} mm"

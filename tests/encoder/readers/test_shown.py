@@ -1,0 +1,274 @@
+"""What a drawing does not show is not cut: style sheets, clips, masks, clones of SVG; clips and layers of DXF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import pytest
+from ezdxf.xclip import XClip
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
+from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.tests.encoder.readers.drawings import areas, lines, square, texts
+
+SEEN = 'fill="none" stroke="black"'
+PART = f'<rect x="10" y="10" width="40" height="40" {SEEN}/>'
+HOLE = f'<rect class="a" id="h" x="20" y="20" width="10" height="10" {SEEN}/>'
+BOTH, ALONE = {"P1.outer": 1600.0, "P1.hole1": 100.0}, {"P1.outer": 1600.0}
+
+
+def read(folder: Path, body: str, **options: Any) -> Nest:
+    path = folder / "drawing.svg"
+    head = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
+    path.write_text(f'{head} width="200mm" height="100mm" viewBox="0 0 200 100">{body}</svg>', encoding="utf-8")
+    return read_nest(path, ReadOptions(frame="part", **options))
+
+
+@pytest.mark.parametrize(
+    ("style", "hidden"),
+    [
+        (".a{display:none}", True),
+        ("g .a{display:none}", True),
+        ("g > rect.a{display:none}", True),
+        ("svg > rect.a{display:none}", False),
+        ("#h{visibility:hidden}", True),
+        ("rect[class=a]{opacity:0}", True),
+        ("rect + rect{display:none}", True),
+        ("rect ~ rect{opacity:0%}", True),
+        ("g rect:nth-child(2){display:none}", True),
+        ("g rect:last-of-type{display:none}", True),
+        ("g rect:not(.b){stroke:none}", True),
+        ("circle, .a{stroke-opacity:0}", True),
+        (".a{display:none} rect.a{display:inline}", False),
+        (".a{display:inline !important} rect.a{display:none}", False),
+        (".a:hover{display:none}", False),
+        ("@media print{.a{display:none}}", False),
+        ("@media screen{.a{display:none}}", True),
+        ("/* .a{display:none} */", False),
+    ],
+)
+def test_style_sheets_say_what_is_shown(tmp_path: Path, style: str, hidden: bool) -> None:
+    part = PART.replace("<rect", '<rect class="b"')
+    nest = read(tmp_path, f"<style>{style}</style><g>{part}{HOLE}</g>")
+    assert "P1.hole1" not in areas(nest) if hidden else areas(nest) == BOTH
+
+
+def test_a_selector_that_is_not_known_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the style sheet's selector 'rect:has\\(x\\)' is not known"):
+        read(tmp_path, f"<style>rect:has(x){{display:none}}</style>{PART}")
+
+
+@pytest.mark.parametrize(
+    "hole",
+    [
+        HOLE.replace("<rect", '<rect opacity="0"'),
+        HOLE.replace("<rect", '<rect visibility="collapse"'),
+        HOLE.replace('stroke="black"', 'stroke="none"'),
+        HOLE.replace("<rect", '<rect stroke-width="0"'),
+        f'<g opacity="0">{HOLE}</g>',
+        f'<g style="display:none">{HOLE}</g>',
+        f"<defs>{HOLE}</defs>",
+        f'<symbol id="s">{HOLE}</symbol>',
+    ],
+)
+def test_what_is_not_shown_is_not_cut(tmp_path: Path, hole: str) -> None:
+    nest = read(tmp_path, PART + hole)
+    assert areas(nest) == ALONE
+    if "defs" not in hole and "symbol" not in hole:
+        assert "not shown: 1 (" in " ".join(texts(nest.notes))
+
+
+def test_a_child_may_be_visible_in_a_hidden_group(tmp_path: Path) -> None:
+    visible = HOLE.replace("<rect", '<rect visibility="visible"')
+    assert areas(read(tmp_path, f'{PART}<g visibility="hidden">{visible}</g>')) == BOTH
+
+
+def test_symbols_are_drawn_where_they_are_used(tmp_path: Path) -> None:
+    symbol = f'<symbol id="s" viewBox="0 0 10 10"><rect width="10" height="10" {SEEN}/></symbol>'
+    assert areas(read(tmp_path, f'{symbol}{PART}<use href="#s" x="20" y="20" width="10" height="10"/>')) == BOTH
+    twice = read(tmp_path, f'{symbol}{PART}<use xlink:href="#s" x="15" y="15" width="20" height="20"/>')
+    assert areas(twice) == {"P1.outer": 1600.0, "P1.hole1": 400.0}
+
+
+@pytest.mark.parametrize(
+    ("turned", "x0"),
+    [
+        ('transform="rotate(90)" transform-origin="60 20"', 50.0),
+        ('style="transform: rotate(90deg); transform-origin: 60px 20px"', 50.0),
+        ('style="transform: translate(10px, 0)"', 60.0),
+        ('style="transform: scale(2); transform-origin: 25% 20%"', 50.0),
+    ],
+)
+def test_transforms_about_their_origin(tmp_path: Path, turned: str, x0: float) -> None:
+    nest = read(tmp_path, f'<rect x="50" y="20" width="20" height="10" {SEEN} {turned}/>')
+    box = nest.parts[0].polygon.bounds
+    assert box[0] == pytest.approx({50.0: box[0], 60.0: 60.0}[x0])
+    if "rotate" in turned:
+        assert box == pytest.approx((50, 70, 60, 90))
+    if "scale" in turned:
+        assert box == pytest.approx((50, 60, 90, 80))
+
+
+CLIP = '<clipPath id="c"><rect x="0" y="0" width="{}" height="100"/></clipPath>'
+
+
+@pytest.mark.parametrize(("width", "found"), [(100, BOTH), (15, None), (5, {})])
+def test_a_clipping_path_hides_what_is_outside(tmp_path: Path, width: int, found: dict[str, float] | None) -> None:
+    body = (
+        f'{CLIP.format(width)}<g clip-path="url(#c)">{PART}{HOLE}</g><rect x="150" y="10" width="5" height="5" {SEEN}/>'
+    )
+    if found is None:
+        with pytest.raises(Questions) as error:
+            read(tmp_path, body)
+        assert [question.id for question in error.value.questions] == ["clip"]
+        clipped = read(tmp_path, body, answers=(("clip", "clipped"),))
+        assert areas(clipped) == {"P1.outer": 200.0, "P2.outer": 25.0}
+    else:
+        assert areas(read(tmp_path, body)) == found | {f"P{2 if found else 1}.outer": 25.0}
+
+
+def test_a_clipping_path_moves_with_what_it_clips(tmp_path: Path) -> None:
+    body = f'{CLIP.format(60)}<g transform="translate(100 0)" clip-path="url(#c)">{PART}</g>'
+    assert areas(read(tmp_path, body)) == ALONE
+
+
+def test_what_a_mask_hides_is_asked_about(tmp_path: Path) -> None:
+    body = f'<mask id="m"><rect width="9" height="9"/></mask>{PART}<g mask="url(#m)">{HOLE}</g>'
+    with pytest.raises(Questions) as error:
+        read(tmp_path, body)
+    assert [question.id for question in error.value.questions] == ["mask"]
+    assert areas(read(tmp_path, body, answers=(("mask", "ignore"),))) == ALONE
+    assert areas(read(tmp_path, body, answers=(("mask", "whole"),))) == BOTH
+
+
+def test_a_length_with_a_comma_is_refused_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "comma.svg"
+    path.write_text('<?xml version="1.0"?>\n<!-- a -->\n<svg xmlns="http://www.w3.org/2000/svg"\n width="300,5mm"/>')
+    with pytest.raises(InputError, match="width is '300,5mm', expected a length") as error:
+        read_nest(path)
+    assert error.value.line == 3
+
+
+def dxf(folder: Path, draw: Any) -> Nest:
+    document = ezdxf.new("R2010", units=4)
+    document.blocks.new("B")
+    block = document.blocks.get("B")
+    draw(document, document.modelspace(), block)
+    path = folder / "drawing.dxf"
+    document.saveas(path)
+    return read_nest(path, ReadOptions(frame="part"))
+
+
+def test_a_clipped_block_shows_what_is_in_its_clip(tmp_path: Path) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        block.add_lwpolyline(square(0, 0, 10), close=True)
+        block.add_lwpolyline(square(100, 0, 20), close=True)
+        insert = space.add_blockref("B", (0, 0))
+        XClip(insert).set_block_clipping_path([(-5, -5), (50, -5), (50, 50), (-5, 50)])
+
+    nest = dxf(tmp_path, draw)
+    assert areas(nest) == {"P1.outer": 100.0}
+    assert "a clipping path hides them: 1 on '0'" in " ".join(texts(nest.notes))
+
+
+def test_layers_off_and_frozen_of_blocks_and_paper_space(tmp_path: Path) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        for name in ("OFF", "FROZEN"):
+            document.layers.add(name)
+        document.layers.get("OFF").off()
+        document.layers.get("FROZEN").freeze()
+        block.add_lwpolyline(square(0, 0, 10), close=True, dxfattribs={"layer": "CUT"})
+        block.add_lwpolyline(square(20, 0, 10), close=True)  # lies on the layer of its insertion
+        space.add_blockref("B", (0, 0), dxfattribs={"layer": "OFF"})
+        space.add_blockref("B", (100, 0), dxfattribs={"layer": "FROZEN"})
+        lines(document.layout("Layout1"), square(0, 0, 5))
+
+    nest = dxf(tmp_path, draw)
+    assert areas(nest) == {"P1.outer": 100.0}
+    said = " ".join(texts(nest.notes))
+    assert "left out: 4 entities are in paper space" in said
+    assert "1 on 'FROZEN', 1 on 'OFF'" in said
+
+
+@pytest.mark.parametrize("wrong", ["120,75", "12#0.75", "1.207D+02", "1_0", "nan", ""])
+def test_numbers_that_are_none(tmp_path: Path, wrong: str) -> None:
+    path = tmp_path / "numbers.dxf"
+    path.write_text(f"0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nK\n10\n{wrong}\n20\n1.0\n40\n2.0\n0\nENDSEC\n0\nEOF\n")
+    with pytest.raises(InputError) as error:
+        read_nest(path)
+    assert (error.value.line, "on layer 'K'" in error.value.message) == (10, True)
+
+
+@pytest.mark.parametrize("gap", [0.04, 0.3, 1.2])
+def test_a_line_drawn_beside_itself(tmp_path: Path, gap: float) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        lines(space, [(0, 0), (100, 0), (100, 60), (40, 60), (0, 30)])
+        inner = [(gap, gap), (100 - gap, gap), (100 - gap, 60 - gap), (40 + gap / 3, 60 - gap), (gap, 30 - gap / 3)]
+        space.add_lwpolyline(inner, close=True)
+
+    dxf_file = tmp_path / "drawing.dxf"
+    kerf = {"kerf_mm": 1.5}
+    if gap <= 0.1:
+        assert list(areas(dxf(tmp_path, draw))) == ["P1.outer"]
+        return
+    with pytest.raises(Questions):
+        dxf(tmp_path, draw) if gap < 0.2 else read_nest(_saved(tmp_path, draw), ReadOptions(**kerf))
+    outer = read_nest(dxf_file, ReadOptions(answers=(("doubled", "outer"),), **kerf))
+    assert areas(outer) == {"P1.outer": 5400.0}
+    assert len(areas(read_nest(dxf_file, ReadOptions(answers=(("doubled", "inner"),), **kerf)))) == 1
+
+
+def _saved(folder: Path, draw: Any) -> Path:
+    document = ezdxf.new("R2010", units=4)
+    draw(document, document.modelspace(), None)
+    path = folder / "drawing.dxf"
+    document.saveas(path)
+    return path
+
+
+def test_metal_that_is_all_kerf_is_no_part(tmp_path: Path) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        space.add_lwpolyline([(0, 0), (300, 0), (300, 40), (0, 60)], close=True)
+        space.add_lwpolyline([(0, 100), (80, 100), (80, 100.02), (0, 100.02)], close=True)
+
+    path = _saved(tmp_path, draw)
+    with pytest.raises(Questions) as error:
+        read_nest(path, ReadOptions(kerf_mm=1.5))
+    [question] = error.value.questions
+    assert (question.id, [choice.value for choice in question.choices]) == ("thin", ["ignore", "mark", "cut"])
+    kept = read_nest(path, ReadOptions(kerf_mm=1.5, answers=(("thin", "ignore"),)))
+    assert [part.id for part in kept.parts] == ["P1"]
+
+
+def test_line_types_are_asked_about(tmp_path: Path) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        document.linetypes.add("CENTER", [2.0, 1.25, -0.25, 0.25, -0.25])
+        space.add_lwpolyline([(0, 0), (300, 0), (300, 40), (0, 60)], close=True)
+        space.add_circle((50, 25), 10, dxfattribs={"linetype": "CENTER"})
+
+    path = _saved(tmp_path, draw)
+    with pytest.raises(Questions) as error:
+        read_nest(path, ReadOptions())
+    [question] = error.value.questions
+    assert (question.id, question.choices[0].value) == ("linetype:CENTER", "ignore")
+    assert list(areas(read_nest(path, ReadOptions(linetypes=(("center", "cut"),))))) == ["P1.hole1", "P1.outer"]
+
+
+def test_names_in_utf8_of_an_old_file(tmp_path: Path) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        space.add_lwpolyline([(0, 0), (300, 0), (300, 40), (0, 60)], close=True)
+        space.add_circle((50, 25), 10, dxfattribs={"layer": "Gravxxr"})
+
+    path = _saved(tmp_path, draw)
+    document = ezdxf.readfile(path)
+    document.dxfversion = "R2000"
+    document.saveas(path)
+    path.write_bytes(path.read_bytes().replace(b"Gravxxr", "Gravír".encode()))
+    nest = read_nest(path, ReadOptions())
+    assert [c.id for c in nest.contours] == ["P1.mark1", "P1.outer"]
+    assert nest.reading is not None
+    assert {row.layer for row in nest.reading.taken} == {"0", "Gravír"}

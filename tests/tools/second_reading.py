@@ -1,0 +1,230 @@
+"""Drawings read by programs that share nothing with kerfwise, against what kerfwise takes them for.
+
+Usage: python -m kerfwise.tests.tools.second_reading FOLDER|FILE… [-p PROFILE]
+
+SVG is rendered by resvg, DXF is read by GDAL. Every line that they show has to be cut, marked or said (left out, the
+sheet, a question), and every line that is cut has to be shown. Questions are answered by their likeliest choices.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import re
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.questions import Questions
+from kerfwise.encoder.readers.options import ReadOptions, mm_of
+from kerfwise.encoder.readers.read import Seen, seen
+from kerfwise.rules.profile.load import load_profile
+
+PIXELS = 2400
+"""Longer side of a rendered SVG."""
+NEAR_PX = 2.5
+"""How far a line may lie off what is rendered, pixels, half the pen's width included."""
+NEAR_MM = 0.25
+"""How far a line of a DXF may lie off what is known of it: gaps are joined, flattened arcs are made again."""
+SHARE = 0.002
+"""Less than this share of the length of all lines is noise of pixels and of joined gaps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """How a file came out: planned, asked or refused; mm of lines shown and not known, and cut and not shown."""
+
+    file: Path
+    ended: str
+    unseen_mm: float = 0.0
+    unshown_mm: float = 0.0
+    why: str = ""
+
+    @property
+    def differs(self) -> bool:
+        """Whether the two readings differ by more than noise."""
+        return self.unseen_mm > 0 or self.unshown_mm > 0
+
+
+def answered(file: Path, options: ReadOptions) -> tuple[Seen, int]:
+    """The file with the likeliest answer to each question, and how many questions that took."""
+    count = 0
+    for _ in range(6):
+        found = seen(file, options)
+        if not isinstance(found.error, Questions):
+            return found, count
+        answers = {q.id: q.choices[0].value for q in found.error.questions}
+        count += len(answers)
+        options = replace(options, answers=(*options.answers, *answers.items()))
+    return found, count
+
+
+def judged(file: Path, options: ReadOptions) -> Judged:
+    """One file, read twice."""
+    try:
+        found, questions = answered(file, options)
+    except InputError as error:
+        return Judged(file, "refused", why=str(error).splitlines()[0])
+    if found.error is not None or found.nest is None:
+        return Judged(file, "refused", why=str(found.error).splitlines()[0])
+    ended = f"asked ({questions})" if questions else "planned"
+    known = [curve for _, curve in found.lines]
+    cut = [curve for kind, curve in found.lines if kind in ("cut", "mark")]
+    compare = by_raster if file.suffix.lower() == ".svg" else by_lines
+    unseen, unshown = compare(file, found, known, cut)
+    total = sum(curve.length_mm for curve in known)
+    return Judged(file, ended, *(mm if mm > SHARE * total else 0.0 for mm in (unseen, unshown)))
+
+
+def by_lines(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curve]) -> tuple[float, float]:
+    """What GDAL shows and is not known, and what is cut and GDAL does not show, mm."""
+    import pyogrio
+
+    data = file.read_bytes()
+    if b"HEADER" not in data[:2000]:  # by which GDAL knows the format
+        data = b"  0\nSECTION\n  2\nHEADER\n  0\nENDSEC\n" + data
+    with tempfile.TemporaryDirectory() as folder:
+        (copy := Path(folder, "drawing.dxf")).write_bytes(data)
+        meta, _, wkb, columns = pyogrio.raw.read(str(copy))
+    text = dict(zip(meta["fields"], columns, strict=True)).get("Text", [None] * len(wkb))
+    scale = 1.0 if found.reading is None else mm_of(found.reading.units) or 1.0
+    shapes = [
+        shapely.transform(shapely.force_2d(shape), lambda points: points * scale)
+        for shape, said in zip(shapely.from_wkb(wkb), text, strict=True)
+        if shape is not None and said is None
+    ]
+    shown = [line for shape in shapes for line in _lines_of(shape)]
+    lines = [curve.line(0.01) for curve in known]
+    return _off(shown, lines, NEAR_MM), _off([curve.line(0.01) for curve in cut], shown, NEAR_MM)
+
+
+def _lines_of(shape: shapely.Geometry) -> Iterator[shapely.Geometry]:
+    for one in shapely.get_parts(shape):
+        if one.geom_type in ("LineString", "LinearRing"):
+            yield one
+        elif one.geom_type == "Polygon":  # a filling
+            continue
+        elif one.geom_type.startswith(("Multi", "Geometry")):
+            yield from _lines_of(one)
+
+
+def _off(lines: Sequence[shapely.Geometry], others: Sequence[shapely.Geometry], near: float) -> float:
+    """Length of lines that lie further from all others."""
+    if not lines:
+        return 0.0
+    tree = shapely.STRtree(others)
+    off = 0.0
+    for line in lines:
+        count = max(2, min(2000, int(line.length / 1.0)))
+        points = shapely.line_interpolate_point(line, np.linspace(0.0, 1.0, count), normalized=True)
+        close = np.zeros(count, dtype=bool)
+        if len(others):
+            close[np.unique(tree.query(points, predicate="dwithin", distance=near)[0])] = True
+        off += line.length * float((~close).mean())
+    return off
+
+
+def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curve]) -> tuple[float, float]:
+    """What resvg shows and is not known, and what is cut and resvg does not show, mm."""
+    import resvg_py
+    from PIL import Image
+    from scipy import ndimage
+
+    text = file.read_text(encoding="utf-8", errors="replace")
+    png = resvg_py.svg_to_bytes(svg_string=text, width=PIXELS, dpi=96, skip_system_fonts=True)
+    picture = np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA"), dtype=np.float64)
+    ink = picture[:, :, 3] > 60
+    assert found.nest is not None
+    page = _page(file, found)
+    mm = page[2] / picture.shape[1]
+    edges = ink & ~ndimage.binary_erosion(ink, iterations=2, border_value=1)
+    pen = ink & ~ndimage.binary_opening(ink, iterations=4)
+    drawn = edges | pen
+    lines = shapely.union_all([shapely.LineString(_pixels(curve, page, mm)) for curve in known])
+    ys, xs = np.nonzero(drawn)
+    tree = shapely.STRtree(shapely.get_parts(lines))
+    points = shapely.points(xs + 0.5, ys + 0.5)
+    near = np.unique(tree.query(points, predicate="dwithin", distance=NEAR_PX + 3.0 + _pen_px(text, mm))[0])
+    unseen = (len(points) - len(near)) * mm
+    away = ndimage.distance_transform_edt(~ink)
+    unshown = 0.0
+    for curve in cut:
+        line = shapely.LineString(_pixels(curve, page, mm))
+        count = max(2, min(4000, int(line.length)))
+        at = shapely.get_coordinates(shapely.line_interpolate_point(line, np.linspace(0, 1, count), normalized=True))
+        inside = (at >= 0).all(axis=1) & (at[:, 0] < ink.shape[1]) & (at[:, 1] < ink.shape[0])
+        x, y = at[inside].astype(int).T
+        unshown += curve.length_mm * float((away[y, x] > NEAR_PX + 1.0).sum()) / count
+    return unseen, unshown
+
+
+def _pen_px(text: str, mm: float) -> float:
+    """Half the width of the widest pen, as far as the file says it; 1 unit where it does not."""
+    widths = [float(w) for w in re.findall(r"stroke-width\s*[:=]\s*[\"']?\s*([0-9.]+)", text)] or [1.0]
+    box = re.search(r"viewBox=[\"']\s*[-0-9.eE]+[\s,]+[-0-9.eE]+[\s,]+([0-9.eE]+)", text)
+    per_unit = PIXELS / float(box[1]) if box else 25.4 / 96 / mm
+    return max(widths) * per_unit / 2
+
+
+def _page(file: Path, found: Seen) -> tuple[float, float, float]:
+    """Left edge and top of the page in mm, and its width."""
+    from kerfwise.encoder.readers.svg import page_of, parsed_svg
+
+    units = None if found.reading is None or found.reading.units == "mm" else found.reading.units
+    svg = parsed_svg(file.read_bytes())
+    page = page_of(svg, ReadOptions(units=units), file.read_bytes())
+    if page.sheet is None:
+        raise ValueError("no page")
+    x0, _, x1, y1 = page.sheet.bounds
+    dots = 1.0 if svg.viewbox or units is None else (mm_of(units) or 1.0) * 96 / 25.4  # resvg counts 96 an inch
+    measured = str(svg.values.get("width", "")).strip().endswith(("mm", "cm", "in"))
+    return x0, y1, (x1 - x0) * (dots if measured else 1.0)
+
+
+def _pixels(curve: Curve, page: tuple[float, float, float], mm: float) -> list[tuple[float, float]]:
+    points = shapely.get_coordinates(curve.line(0.02))
+    return [((x - page[0]) / mm, (page[1] - y) / mm) for x, y in points.tolist()]
+
+
+def files_in(given: Sequence[str]) -> list[Path]:
+    """Drawings among files and folders."""
+    found = []
+    for name in map(Path, given):
+        inside = sorted(name.rglob("*")) if name.is_dir() else [name]
+        found += [file for file in inside if file.suffix.lower() in (".dxf", ".svg")]
+    return found
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Read all files twice, print a row for each that is refused or differs, and the sums."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", metavar="FOLDER|FILE")
+    parser.add_argument("-p", "--profile", default="plasma-carbon-steel")
+    parser.add_argument("-v", "--verbose", action="store_true", help="a row for each file")
+    asked = parser.parse_args(argv)
+    options = load_profile(asked.profile).read_options()
+    rows = []
+    for file in files_in(asked.files):
+        try:
+            row = judged(file, options)
+        except Exception as error:  # the other program's own trouble
+            row = Judged(file, "not compared", why=f"{type(error).__name__}: {error}")
+        rows.append(row)
+        if asked.verbose or row.differs or row.why:
+            print(f"{file.name[-50:]:50} {row.ended:12} {row.unseen_mm:9.1f} {row.unshown_mm:9.1f} {row.why[:150]}")
+    ends = Counter(row.ended.split()[0] for row in rows)
+    differs = sum(row.differs for row in rows)
+    print(f"{len(rows)} files: {', '.join(f'{n} {end}' for end, n in sorted(ends.items()))}; {differs} differ")
+    return 1 if differs else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
