@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
-
-from kerfwise.encoder.nest import Note, Sheet
+from typing import Any, Protocol
 
 GIVEN = "as given"
 """How it is said that somebody has stated the sheet's size; where it lies may still be nobody's word."""
@@ -22,6 +20,26 @@ DONE = {
     "tab": "tabs",
 }
 """What becomes of the lines of each purpose, in a word or two."""
+
+
+class Stock(Protocol):
+    """A `Sheet`, as far as it is looked at here; nests come after their readings."""
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]: ...
+
+    @property
+    def stated(self) -> bool: ...
+
+
+class Said(Protocol):
+    """A `Note`, likewise."""
+
+    @property
+    def severity(self) -> str: ...
+
+    @property
+    def text(self) -> str: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,11 +130,12 @@ def _layers(count: Counter[str], most: int = 4) -> str:
     return ", ".join([*shown, *([f"and {len(count) - most} more layers"] if len(count) > most else [])])
 
 
-def size_of_sheet(sheet: Sheet) -> str:
+def size_of_sheet(sheet: Stock) -> str:
     """Width and height of a sheet, as they are said.
 
     Examples
     --------
+    >>> from kerfwise.encoder.nest import Sheet
     >>> size_of_sheet(Sheet.rectangle(3000, 1500))
     '3000 × 1500 mm'
     """
@@ -126,10 +145,10 @@ def size_of_sheet(sheet: Sheet) -> str:
 
 def reading_of(
     units: tuple[str, str],
-    sheet: Sheet,
+    sheet: Stock,
     sheet_because: str,
     taken: Iterable[Taken],
-    notes: Iterable[Note],
+    notes: Iterable[Said],
     answers: Mapping[str, str],
 ) -> Reading:
     """The reading of a nest, from what its reader found; notes on lines that are left out or mended are its own."""
