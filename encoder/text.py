@@ -153,3 +153,17 @@ def unknown(what: str, given: str, valid: Iterable[str]) -> str:
 
 def _plain(name: str) -> str:
     return name.lower().replace("_", "-").replace(" ", "-")
+
+
+_DXF_IN_MM = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n9\n$MEASUREMENT\n70\n1\n0\nENDSEC\n"
+
+
+def dxf_in_mm(text: str) -> str:
+    """A DXF without a header, with one that says that it is in millimetres: who reads it does not have to ask.
+
+    Examples
+    --------
+    >>> dxf_in_mm("0\\nSECTION\\n2\\nENTITIES\\n").count("SECTION")
+    2
+    """
+    return _DXF_IN_MM + text

@@ -15,6 +15,7 @@ import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.text import dxf_in_mm
 
 from .demand import Demand, Spacing, Stock
 from .fill import Going, Room, Taste, fill, largest_first, largest_rectangle, usable
@@ -283,4 +284,4 @@ def nest_dxf(nest: Nest) -> str:
         for contour in nest.contours:
             rows, layer = contour.curve.vertices.tolist(), "MARK" if contour.kind == "mark" else "CUT"
             drawing.add_polyline_2d(rows, format="xyb", closed=contour.curve.closed, layer=layer)
-    return text.getvalue()
+    return dxf_in_mm(text.getvalue())

@@ -21,7 +21,7 @@ from kerfwise.encoder.files import is_file, is_folder, is_there
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.scrap import remnant_of
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.text import dxf_in_mm, escape_text
 from kerfwise.rules.profile.profile import Profile
 
 # Output files appear whole, all of them or none: written beside their places, which they then take one by one.
@@ -283,7 +283,7 @@ def _dxf(width_mm: float, height_mm: float) -> str:
     with r12writer(text) as drawing:
         corners = [(0.0, 0.0), (width_mm, 0.0), (width_mm, height_mm), (0.0, height_mm)]
         drawing.add_polyline_2d(corners, closed=True, layer=LAYER)
-    return text.getvalue()
+    return dxf_in_mm(text.getvalue())
 
 
 # Files that are named after the nest because nobody named them: they take no place of what is made of another.

@@ -22,6 +22,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.text import dxf_in_mm
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile
 
@@ -155,7 +156,7 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
             for piece in made.pieces[::2]:
                 rows = piece.moved(-x, -y).vertices.tolist()
                 drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[made.planned.kind])
-    return text.getvalue()
+    return dxf_in_mm(text.getvalue())
 
 
 def _burns(paths: Iterable[Toolpath]) -> Iterator[Toolpath]:
@@ -258,7 +259,7 @@ def _from_contours(plan: Plan, nest: Nest) -> bytes:
         for contour, curve in contours_in_order(plan, nest):
             rows = curve.vertices.tolist()
             drawing.add_polyline_2d(rows, format="xyb", closed=curve.closed, layer=LAYERS[contour.kind])
-    return text.getvalue().encode("ascii")
+    return dxf_in_mm(text.getvalue()).encode("ascii")
 
 
 SVG_SHEET_LAYER = "SHEET"
