@@ -39,7 +39,10 @@ if TYPE_CHECKING:
 def print_conflict(no_plan: NoPlan, picture: str | Path) -> int:
     """Say why there is no plan, and draw the contours in conflict if they are known; the exit code is 1."""
     conflict, facts, profile = no_plan.conflict, no_plan.facts, no_plan.profile
-    click.echo(f"kerfwise: {no_plan.why if conflict is None else conflict}", err=True)
+    said = str(no_plan.why if conflict is None else conflict)
+    if conflict is not None and facts.past is not None:
+        said = "\n".join(conflict.for_operator(len(facts.past.already.cuts)))
+    click.echo(f"kerfwise: {said}", err=True)
     if conflict is None:
         if not no_plan.within_limit:
             click.echo(f"  note: {NOT_SHOWN}", err=True)

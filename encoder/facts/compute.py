@@ -289,7 +289,38 @@ def remaining_facts(whole: Facts, already: AlreadyCut) -> Facts:
     loose = loose_in(whole.nest, out)
     nest = rest_of(whole.nest, out | loose.keys())
     number = new_numbers(whole.n, [whole.nest.index[c.id] for c in nest.contours])
-    return replace(subset_facts(whole, nest, number), past=Past(whole, already, number, tuple(loose.items())))
+    left = replace(subset_facts(whole, nest, number), past=Past(whole, already, number, tuple(loose.items())))
+    if already.broken_off is None or already.broken_off.contour not in nest.index:
+        return left
+    return replace(left, zone=_opened_by(left, whole, already.broken_off.contour))
+
+
+def _opened_by(left: Facts, whole: Facts, contour: str) -> Ints:
+    """The zones of what is left with a contour in the first of them: it broke off, and is cut before all others.
+
+    So is what shares its zone, as its part, host and guests, and what must go before any of these. The older plan may
+    have had other zones, and kept them up to there.
+    """
+    top = np.array([_top(whole, whole.nest.index[c.id]) for c in left.nest.contours], dtype=np.int64)
+    pairs = respected_orders(left.contains, left.level_ahead, left.in_hull, left.options)
+    first, zone = left.nest.index[contour], left.zone.copy()
+    lowest = int(zone.min())
+    moved = np.flatnonzero(top == top[first])
+    while True:
+        before = pairs[np.isin(pairs[:, 1], moved), 0]
+        more = np.flatnonzero(np.isin(top, top[np.union1d(moved, before[zone[before] > lowest])]))
+        if len(more) == len(moved):
+            break
+        moved = more
+    zone[moved] = np.minimum(zone[moved], lowest)
+    return zone
+
+
+def _top(whole: Facts, k: int) -> int:
+    """The outermost contour around a contour of the whole nest, or itself."""
+    while whole.parent[k] >= 0:
+        k = int(whole.parent[k])
+    return k
 
 
 # The facts of what the first torch of a gantry cuts, where others cut copies together with it.

@@ -64,6 +64,26 @@ class Conflict:
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
+    def for_operator(self, made: int) -> Iterator[str]:
+        """The same at the machine, where work has stopped after so many cuts: what cannot be together, and what helps.
+
+        Who stands there knows contours and cuts, not the names of rules.
+        """
+        yield f"what is left after cut {made} cannot be cut as the plant asks; these do not go together:"
+        said = list(dict.fromkeys(about.sentence for about in self.clash))
+        yield from (f"  - {sentence}" for sentence in said[:MOST_NAMED])
+        if len(said) > MOST_NAMED:
+            yield f"  … and {len(said) - MOST_NAMED} more"
+        yield from (f"  note: {note}" for note in self.notes)
+        if self.relax is None:
+            yield "nothing that may give way helps: cut the rest by hand, or ask whoever planned it"
+            return
+        gives = list(dict.fromkeys(about.sentence for about in self.relax))
+        yield "it can be cut if this is not kept:"
+        yield from (f"  - {sentence}" for sentence in gives[:MOST_NAMED])
+        if len(gives) > MOST_NAMED:
+            yield f"  … and {len(gives) - MOST_NAMED} more"
+
     def lines(self) -> Iterator[str]:
         """The conflict in a planner's words."""
         if self.alone:

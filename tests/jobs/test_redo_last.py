@@ -1,0 +1,84 @@
+"""A cut breaks off, at every stop of a nest with zones: it is cut again first, and the rest keeps its zones."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import kerfwise as package
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import read_nest
+from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.resume import lock_broken_cut_first, stopped_plan
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.tests.commands.run_cli import kerfwise
+
+NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
+CASES = Path(__file__).parent.parent / "metal" / "cases"
+PLANT = """
+name: plant
+based_on: plasma-carbon-steel
+machine: {dialect: linuxcnc, home: [0, 300]}
+rules: {zone-order: ZONES, level-ahead: off, hull-before: off, start-side: {side: left}}
+"""
+
+
+def profile(tmp_path: Path, zones: str) -> Profile:
+    path = tmp_path / "plant.yaml"
+    path.write_text(PLANT.replace("ZONES", zones), encoding="utf-8")
+    return load_profile(path)
+
+
+def planned(nest: Nest, plant: Profile, work: float) -> Plan:
+    return solve_and_verify(make_request(facts_of(nest, plant), plant), plant, options_for(nest, plant, work=work)).plan
+
+
+def expect_redone(nest: Nest, old: Plan, plant: Profile, upto: int) -> None:
+    """The rest after cut `upto` broke off, planned under a profile with zones: that cut comes first, zones in turn."""
+    already = stopped_plan(old, nest, upto, redo_last=True)
+    locked = lock_broken_cut_first(plant, already)
+    found = solve_and_verify(
+        make_request(facts_of(nest, locked, already), locked), locked, options_for(nest, locked, work=0.1)
+    )
+    assert found.verdict.ok, (upto, found.verdict.broken())
+    assert found.plan.cuts[0].cut.contour == old.cuts[upto - 1].cut.contour
+    zones = [cut.cut.zone for cut in found.plan.cuts]
+    assert zones == sorted(zones), upto
+
+
+def test_every_stop_of_a_plan_that_had_other_zones(tmp_path: Path) -> None:
+    """It was made without any: no stop is in step with zones of four contours."""
+    nest = read_nest(NEST)
+    old, plant = planned(nest, profile(tmp_path, "off"), 0.3), profile(tmp_path, "{zone_contours: 4}")
+    for upto in range(1, len(old.cuts) + 1):
+        expect_redone(nest, old, plant, upto)
+
+
+@pytest.mark.full
+@pytest.mark.slow
+def test_every_stop_of_300_contours_whose_zones_have_moved(tmp_path: Path) -> None:
+    path = tmp_path / "g300.json"
+    path.write_text(json.dumps(make_sheet(11, 280, (6000.0, 2500.0), 12.0)), encoding="utf-8")
+    nest, plant = read_nest(path), load_profile()
+    asked = make_request(facts_of(nest, plant), plant)
+    old = solve_and_verify(asked, plant, options_for(nest, plant, work=6), and_zones=True).plan
+    assert max(planned.cut.zone for planned in old.cuts) > 3
+    for upto in range(1, len(old.cuts) + 1):
+        expect_redone(nest, old, plant, upto)
+
+
+def test_an_operator_is_told_without_names_of_rules(tmp_path: Path) -> None:
+    words = [CASES / "17-resume-conflict.json", "-p", CASES / "17-resume-conflict.yaml", "--work", "0.2"]
+    words += ["--lock-from", CASES / "17-resume-conflict.nc", "--upto", "3", "--redo-last", "-o", tmp_path / "rest.nc"]
+    result = kerfwise("solve", *words, "--conflict-picture", tmp_path / "conflict.svg")
+    assert result.code == 1
+    assert "what is left after cut 2 cannot be cut as the plant asks; these do not go together:" in result.err
+    assert "it can be cut if this is not kept:" in result.err
+    plant = load_profile(CASES / "17-resume-conflict.yaml")
+    assert [name for name in plant.rulebook() if f"{name}:" in result.err or f"relax {name}" in result.err] == []
