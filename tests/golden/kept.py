@@ -44,7 +44,7 @@ def as_text(value: Any, indent: str = "") -> str:
     line = json.dumps(value, ensure_ascii=False)
     short = not isinstance(value, dict | list) or len(line) <= LINE
     if short or not value or "contour" in value or "G1" in value or _flat(value):
-        return line
+        return json.dumps(value, ensure_ascii=False, separators=(",", ":")) if "contour" in line else line
     deeper = indent + " "
     if isinstance(value, dict):
         rows = [f"{json.dumps(k, ensure_ascii=False)}: {as_text(v, deeper)}" for k, v in value.items()]

@@ -39,6 +39,8 @@ def of_json(path: Path, texts: Texts) -> Any:
     held = json.loads(path.read_text(encoding="utf-8"))
     kept = of_value(held, texts)
     if isinstance(held, dict) and str(held.get("format", "")).startswith("kerfwise-plan/"):
+        for cut in [*kept["cuts"], *kept.get("already_cut", [])]:
+            _without_repeats(cut)
         kept["rules"] = by_verdict({row["id"]: _rule(row) for row in kept["rules"]})
         return kept
     return _short(kept)
@@ -140,6 +142,15 @@ def verdicts(result: Any) -> dict[str, Any]:
         "rules": by_verdict(rows),
         "measured": {"paths": measured.paths, "on_mm": rounded(measured.on_mm), "idle_mm": rounded(measured.idle_mm)},
     }
+
+
+def _without_repeats(cut: dict[str, Any]) -> None:
+    """Take out of a row what the rest of it says: part and kind, a lead's pierce, a lead-out that goes nowhere."""
+    del cut["part"], cut["kind"]
+    if cut.get("lead_in") and cut["lead_in"][0][:2] == cut["pierce"]:
+        del cut["lead_in"][0]
+    if len(cut.get("lead_out", ())) == 1:
+        del cut["lead_out"]
 
 
 def by_verdict(rows: dict[str, str]) -> dict[str, list[str]]:

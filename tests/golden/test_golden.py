@@ -109,8 +109,9 @@ def test_a_missing_case_and_other_words(
 
 
 def test_one_case_is_as_it_is_kept() -> None:
-    ran = run("bridges", cases()["bridges"])
-    assert (ran.means, ran.texts) == kept.read("bridges")
+    means, _ = kept.read("bridges")
+    assert means is not None
+    assert changes(means, run("bridges", cases()["bridges"]).means) == []
 
 
 def as_kept(*names: str) -> None:
