@@ -108,7 +108,6 @@ def load_kernels(problem: Problem | None = None) -> None:
     take_plainly(0)
     problem = problem or _problem()
     watch = Watch(SolveOptions())
-    run_portfolio(problem, SolveOptions(work=LOADING_S, member="beam"), watch)
     found = run_portfolio(problem, SolveOptions(work=LOADING_S, member="search"), watch).incumbent
     assert found is not None
     dear = Incumbent(found.route, found.cost + DEAR_UM)

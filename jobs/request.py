@@ -210,9 +210,9 @@ def options_for(
     >>> from kerfwise.rules.case import nest, part, rect
     >>> from kerfwise.rules.profile.load import load_profile
     >>> plate = nest(100, 100, part("A", rect(10, 10, 80, 80)))
-    >>> options = options_for(plate, load_profile(), work=2, engine="beam")
+    >>> options = options_for(plate, load_profile(), work=2, engine="ideals")
     >>> options.work, options.member, options.home_mm, round(options.feeds.cut_mm_s, 1)
-    (2, 'beam', (0.0, 0.0), 41.7)
+    (2, 'ideals', (0.0, 0.0), 41.7)
     """
     amounts = {"work": work, "time_s": time_s, "no_improvement_s": no_improvement_s, "memory_gb": memory_gb}
     for name, this_amount in amounts.items():

@@ -5,23 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
-Engine = Literal["portfolio", "search", "ideals", "beam", "cp-sat-alone", "minizinc"]
-Member = Literal["search", "ideals", "beam", "cp-sat"]
+Engine = Literal["portfolio", "search", "ideals", "cp-sat-alone", "minizinc"]
+Member = Literal["search", "ideals", "cp-sat"]
 
 ENGINES: dict[Engine, str] = {
-    "portfolio": "built in: runs the next four, chosen by size and statements (its old name cp-sat still works)",
+    "portfolio": "built in: runs the next three, chosen by size and statements (its old name cp-sat still works)",
     "search": "ruin and recreate with swaps of stretches: good plans, nothing proven",
     "ideals": "dynamic programming over the sets that can occur: exact where they are few",
-    "beam": "the same, cut short: keeps the most promising sets, twice as many each time",
     "cp-sat-alone": "constraint programming (CP-SAT) on the full model: plans and bounds",
     "minizinc": "the rules as a rule author reads them, solved by what MiniZinc has installed",
 }
 
-OLD_NAMES: dict[str, Engine] = {"cp-sat": "portfolio"}
+OLD_NAMES: dict[str, Engine] = {"cp-sat": "portfolio", "beam": "portfolio"}
 """Earlier names, which the command line still takes; earlier plans bear them."""
 
 BUILT_IN: tuple[Engine, ...] = tuple(engine for engine in ENGINES if engine != "minizinc")
-_ALONE: dict[Engine, Member] = {"search": "search", "ideals": "ideals", "beam": "beam", "cp-sat-alone": "cp-sat"}
+_ALONE: dict[Engine, Member] = {"search": "search", "ideals": "ideals", "cp-sat-alone": "cp-sat"}
 
 
 def member_of(engine: Engine) -> Member | None:

@@ -9,7 +9,7 @@ proven or the limit is reached; each may use every core. Shares are of what is t
 | search: first look | nothing is proven yet | 3 %, at least 0.9 s; all where it runs alone |
 | ideals: proof | a bound may make the sets few, or the sweep surely ends | 45 to 90 %; most take next to nothing |
 | ideals: multipliers | a small nest whose conditions and lags linear programs hold | 60 % |
-| beam | a state holds all that a step costs | 50 % where orders are dense, else 10 % |
+| ideals: widening | hard orders are dense, and neither conditions nor lags bind | 50 % |
 | search, windows, flows | nothing is proven yet; by kind of problem, see `improve_and_bound` | nearly all |
 | CP-SAT | nothing is proven yet, and its model is made in time | the rest |
 """
@@ -30,7 +30,7 @@ from kerfwise.models.jit import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from . import Member, beam, bounds, cpsat, ideals, shared_state, solution
+from . import Member, bounds, cpsat, ideals, shared_state, solution
 from .shared_state import SharedState
 from .solution import Watch
 
@@ -143,12 +143,14 @@ class Run:
         return going
 
 
-# What kind of problem it is
-
-
 def density(problem: Problem) -> float:
     """Share of the pairs of contours that hard orders decide."""
     return float(problem.before.sum()) / max(1, problem.n * (problem.n - 1) // 2)
+
+
+def dense(problem: Problem) -> bool:
+    """Whether orders leave so few sets that the most promising lead to good plans, and no better bound comes soon."""
+    return density(problem) >= shared_state.DENSE and not bounded_well(problem)
 
 
 def carried(problem: Problem) -> bool:
@@ -179,9 +181,6 @@ def sweep_ends(run: Run) -> bool:
     return count is not None and count.fits(run.most_bytes) and count.seconds <= shared_state.SURE * run.left()
 
 
-# Ideals
-
-
 def count_sets(run: Run) -> None:
     """Count the sets that can occur, as far as there is a use for it."""
     if run.options.member not in (None, "ideals") or not run.can("ideals", ideals.unfit(run.of_sets)):
@@ -195,7 +194,8 @@ def count_sets(run: Run) -> None:
 
     most = shared_state.COUNTED_FEW if run.problem.n <= shared_state.LONGEST else shared_state.COUNTED
     alone = run.options.member is not None and run.problem.n > shared_state.COUNTED_ALONE_CONTOURS
-    most *= min(1.0, run.left() / (shared_state.COUNTED_ALONE_S if alone else shared_state.COUNTED_S))
+    many_s = shared_state.COUNTED_DENSE_S if dense(run.problem) else shared_state.COUNTED_S
+    most *= min(1.0, run.left() / (shared_state.COUNTED_ALONE_S if alone else many_s))
     run.count = ideals.count_sets(run.of_sets, most, going)
     run.known.work += run.count.work
 
@@ -276,6 +276,21 @@ def sweep_priced(run: Run, share: float) -> None:
         take_proof(run, proof)
 
 
+def widening_suits(run: Run) -> bool:
+    """Whether hard orders leave few sets, and no better bound comes soon; it is noted so."""
+    if run.over() or run.options.member is not None or not dense(run.problem) or ideals.unfit(run.problem):
+        return False
+    run.known.notes.append(f"ideals: the most promising sets, orders decide {density(run.problem):.0%} of the pairs")
+    return True
+
+
+def widen(run: Run, share: float) -> None:
+    """Sweeps of the most promising sets, each wider than the last."""
+    proof = ideals.widen(run.problem, run.known.incumbent, share, run.within(share), run.most_bytes)
+    run.known.work += proof.work
+    take_proof(run, proof)
+
+
 def take_proof(run: Run, proof: ideals.Proof | None) -> None:
     """Note the plan and the bound of a proof, or that there is none."""
     known, problem = run.known, run.problem
@@ -285,8 +300,11 @@ def take_proof(run: Run, proof: ideals.Proof | None) -> None:
     if proof is None:
         known.notes.append("ideals: too many sets for the limit, nothing is proven")
     elif proof.least is not None:
-        known.notes.append("ideals: too many sets for the limit, a bound is proven")
-        known.raise_bound(proof.least, "ideals")
+        known.notes.append(
+            f"ideals: too many sets for the limit, {'a bound' if proof.least > 0 else 'nothing'} is proven"
+        )
+        if proof.least > 0:
+            known.raise_bound(proof.least, "ideals")
     elif (best := proof.incumbent) is None:
         known.infeasible = True
     else:  # the best route without what sets cannot tell: a bound, and the answer if it breaks nothing else
@@ -297,9 +315,6 @@ def take_proof(run: Run, proof: ideals.Proof | None) -> None:
             if run.options.member is not None:
                 known.unable = "what its best plan breaks, a set of contours and the last cut cannot tell"
         known.raise_bound(best.cost, "ideals")
-
-
-# Search
 
 
 def show_preview(run: Run) -> None:
@@ -324,7 +339,7 @@ def look_share(run: Run) -> float:
     return (
         left
         if run.options.member
-        else min(shared_state.FIRST_MOST * left, max(shared_state.FIRST * left, shared_state.FIRST_S))
+        else min(shared_state.AT_ONCE * left, max(shared_state.FIRST * left, shared_state.FIRST_S))
     )
 
 
@@ -369,46 +384,10 @@ def windows(run: Run, share: float) -> None:
     known.work += polished.work
 
 
-# Beam
-
-
-def beam_suits(run: Run) -> bool:
-    """Whether the beam may run; it is noted why, or why not."""
-    if run.over() or run.options.member not in (None, "beam") or not run.can("beam", beam.unfit(run.problem)):
-        return False
-    return run.takes("beam", f"hard orders decide {density(run.problem):.0%} of the pairs")
-
-
-def beam_share(run: Run) -> float:
-    """Seconds for the beam."""
-    if run.options.member:
-        return run.left()
-    dense = density(run.problem) >= shared_state.DENSE and not bounded_beside(run)
-    return run.left() * (shared_state.BEAM_DENSE if dense else shared_state.BEAM_SPARSE)
-
-
-def widen_beam(run: Run, share: float) -> None:
-    """Beams, each wider than the last."""
-    known = run.known
-    if not run.sets_out(solution.beam_s(run.problem), share):
-        known.notes.append(NOT_BEGUN.format("beam"))
-        return
-    outcome = beam.beam(run.problem, known.incumbent, share, run.limit_s(share), run.watch, most_bytes=run.most_bytes)
-    known.offer(outcome.incumbent, "beam")
-    known.work += outcome.work
-    if outcome.proven and outcome.incumbent is None:
-        known.infeasible = True
-    elif outcome.bound is not None:
-        known.raise_bound(outcome.bound, "beam")
-
-
-# Better plans and higher bounds by turns, or at the same time
-
-
 def improve_and_bound(run: Run, _: float) -> None:
     """A better plan and a higher bound, where nothing is proven yet."""
     if run.known.priced:
-        search(run, run.left() * shared_state.SEARCH_PRICED)
+        search(run, run.left() * shared_state.SEARCH_PLAIN)
         windows(run, run.left())
         return
     if bounded_beside(run):
@@ -420,7 +399,7 @@ def improve_and_bound(run: Run, _: float) -> None:
     well = bounded and not held
     few = shared_state.FLOW_FIRST if run.problem.n <= shared_state.FLOW_FEW else 0.0
     bound_by_flows(
-        run, run.left() * (few if well else shared_state.FLOW_CARRIED if bounded else shared_state.FLOW_PLAIN)
+        run, run.left() * (few if well else shared_state.FLOW_CARRIED if bounded else shared_state.FLOW_FIRST)
     )
     if not run.over():
         share = shared_state.SEARCH_NEST if well else shared_state.SEARCH if held else shared_state.SEARCH_PLAIN
@@ -457,7 +436,7 @@ def improve_while_bounded(run: Run) -> None:
     """
     plan, left, began = run.known.incumbent, run.left(), run.known.work
     assert plan is not None
-    share = shared_state.FLOW_BESIDE * left
+    share = shared_state.FLOW * left
     reached, within = Event(), run.within(share, lambda *_: not run.watch.stopped)
 
     def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
@@ -477,7 +456,7 @@ def improve_while_bounded(run: Run) -> None:
         try:
             search(run, shared_state.SEARCH_BESIDE * left)
             windows(run, shared_state.WINDOWS_BESIDE * left)
-            while not wait([bounding], shared_state.NEWS_S).done:
+            while not wait([bounding], 0.1).done:  # s between news of the bound
                 if not run.watch("bound", plan.cost, None):
                     reached.set()
         finally:
@@ -488,9 +467,6 @@ def improve_while_bounded(run: Run) -> None:
         take_proof(run, found)
     else:
         take_flow(run, found.bound)
-
-
-# CP-SAT
 
 
 def model_sets_out(run: Run, share: float) -> bool:
@@ -528,7 +504,7 @@ STEPS = (
     Step(search_suits, look_share, look),
     Step(proof_suits, proof_share, prove),
     Step(priced_suits, lambda run: run.left() * shared_state.PRICED, sweep_priced),
-    Step(beam_suits, beam_share, widen_beam),
+    Step(widening_suits, lambda run: run.left() * shared_state.WIDENED, widen),
     Step(lambda run: not run.over() and run.options.member is None, Run.left, improve_and_bound),
     Step(lambda run: not run.over(), Run.left, solve_model),
 )

@@ -46,9 +46,13 @@ class SharedState:
 
 
 # What the portfolio goes by: shares of the work for its members, and sizes up to which each is worth it.
+#
+# Names that end in `_S` are seconds of work, other shares are of what is left of it when the member begins.
 
-FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
-"""Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
+FIRST, FIRST_S = 0.03, 0.9
+"""Share of the work for a first look by the search; as many seconds at the least."""
+AT_ONCE = 0.6
+"""Share of what is left that a first look, or a sweep over all sets before it, may take at the most."""
 PROOF, PROOF_SMALL, PROOF_ZONES = 0.45, 0.9, 0.75
 """Share that the proof by ideals may take, where it fits; most take next to nothing.
 
@@ -62,51 +66,43 @@ LOOKS, SEEDS_APART = 3, 1_000_003
 
 With more they are so short that orders which bind tightly hold all of them up.
 """
-DENSE = 0.15
-"""Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
-BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
-"""Share of what is left for the beam, which proves where orders are dense and guides where they are not, or where a
-nest is large."""
-FLOW_FIRST, FLOW_FEW, FLOW_CARRIED, FLOW_PLAIN = 0.15, 80, 0.4, 0.15
-"""Share of what is left, where nothing is proven, for the bound by flows, before more search: where contours are no
-more than so many, as it may prove the plan at once; where CP-SAT alone holds all that is asked; and where only orders
-bind, or where there are so many sites that it does not come near the plan anyway."""
-SEARCH_NEST, WINDOWS_NEST, FLOW = 0.3, 0.1, 0.95
-"""For small nests share of what is left for more search, then for windows of the plan, and then for the bound: the
-better the plan, the more it closes."""
+DENSE, WIDENED = 0.15, 0.5
+"""Share of the pairs of contours that hard orders decide, from which on the most promising sets lead to good plans; and
+share of what is left for sweeps of these, each wider than the last."""
+FLOW_FEW = 80
+"""Contours up to which the bound by flows and its multipliers may prove a plan at once, so that they come before more
+search; with more, plans are improved at the same time."""
+FLOW_FIRST, FLOW_CARRIED, FLOW = 0.15, 0.4, 0.95
+"""Shares for the bound by flows before more search; where CP-SAT alone holds all that is asked; and at last, after that
+search or beside it: the better the plan, the more it closes."""
+SEARCH_NEST, WINDOWS_NEST = 0.3, 0.1
+"""Shares for more search, and then for windows of the plan, in small nests that flows bound well."""
 PRICED = 0.6
-"""Share of what is left, where nothing is proven, for the ideals with multipliers of the flow, where these hold all
-that is asked: in a small nest, before anything else."""
+"""Share for the ideals with multipliers of the flow, where these hold all that is asked of a small nest."""
 FIRST_BOUNDS = 1 / 30
 """Share of the work beside a search in which such programs must come to their first bounds: with less work sweeps are
 far from the plan, and flows alone bound higher."""
-SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
-"""For larger ones share of what is left for search alone, and then for search and windows at the same time as the
-bound, which keeps one core busy: the search has what that leaves of two."""
-NEWS_S = 0.1
-"""How often it is told what the bound has reached, while it is waited for."""
-SEARCH_PRICED = 0.9
-"""Share of what is left for more search where zones were swept with linear programs: flows bound no higher then."""
+SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE = 0.1, 0.4, 0.05
+"""For larger ones shares for search alone, and then for search and windows beside the bound, which keeps one core busy:
+the search has what that leaves of two."""
 SEARCH, SEARCH_PLAIN, SEARCH_LAST = 0.6, 0.9, 0.97
-"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
-
-CP-SAT has more where it alone can prove anything: where statements look further back than a state does. Where the rest
-would not do for its model, the search has nearly all.
-"""
+"""Shares for more search elsewhere: where CP-SAT alone can prove anything, as statements look further back than a state
+does; where windows or CP-SAT have the rest; and where that would not do for CP-SAT's model."""
 WINDOWS = 0.3
-"""Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
+"""Share of what search has left for windows of the best plan in their best order."""
 WINDOWS_BYTES = 0.05
 """Share of the bytes of all tables for those of windows: a bound that is looked for beside them has the rest."""
-AT_ONCE_S, AT_ONCE_MANY_S, AT_ONCE = 1.5, 2.5, 0.6
-"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share. Where
-contours are so many that no bound makes the sets few, a plan known before helps less, and it may take longer."""
+AT_ONCE_S, AT_ONCE_MANY_S = 1.5, 2.5
+"""A sweep over all sets is begun with, before any search, if it takes no longer. Where contours are so many that no
+bound makes the sets few, a plan known before helps less, and it may take longer."""
 SURE = 0.4
 """Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
 COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
-COUNTED_S, COUNTED_ALONE_S, COUNTED_ALONE_CONTOURS = 15.0, 2.5, 2500
-"""The second where nothing but a sweep is asked for, beyond so many contours: there most of the work is a sweep's."""
+COUNTED_S, COUNTED_DENSE_S, COUNTED_ALONE_S, COUNTED_ALONE_CONTOURS = 15.0, 5.0, 2.5, 2500
+"""The second where orders are dense, and sets often few enough; the third where nothing but a sweep is asked for,
+beyond so many contours: there most of the work is a sweep's."""
 PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 3_000_000
 """Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
 counted before, in less than a second: a plan is shown while many are counted, and where they are few the search need

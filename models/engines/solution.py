@@ -107,13 +107,13 @@ Stop = Callable[[], bool]
 MAX_ARCS = 80_000
 """Arcs between sites above which CP-SAT's smaller model, of pairs of contours, gives the better bound for the same work
 (measured on plates of 115, 308 contours)."""
-ROWS_PER_S, MOVES_PER_S = 8e6, 2e7
-"""Crossings that are put in order, and moves that are priced, in a second."""
+ROWS_PER_S = 8e6
+"""Crossings that are put in order in a second."""
 ARCS_LISTED_PER_S, ARCS_PER_S, PAIRS_PER_S = 1e6, 1e5, 2.5e4
 """Arcs between sites that CP-SAT's model is made of: listed with their prices, and made, presolved and begun with; and
 pairs of contours that may follow each other, of which there are orders and arcs."""
 BYTES_A_ROW = 60
-"""What every crossing takes in the tables of the search, and of a beam or of windows after it, while they are made."""
+"""What every crossing takes in the tables of the search, and of windows after it, while they are made."""
 
 
 def crossed_bytes(problem: Problem) -> int:
@@ -124,11 +124,6 @@ def crossed_bytes(problem: Problem) -> int:
 def windows_s(problem: Problem) -> float:
     """Of the windows of a plan."""
     return len(problem.crossings) / ROWS_PER_S
-
-
-def beam_s(problem: Problem) -> float:
-    """Of a beam."""
-    return len(problem.crossings) / ROWS_PER_S + (problem.m + 1) ** 2 / MOVES_PER_S
 
 
 def count_site_arcs(problem: Problem) -> int:

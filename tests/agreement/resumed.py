@@ -43,7 +43,7 @@ OLD_RULES = ("inner-before-outer", "nested-before-host-holes", "pierce", "shared
 """What every second old program was planned by, and no more: what is left may then be too late for other rules."""
 OF_WAYS = ("cut-direction", "pierce", "locks", "part-rigidity", "no-tip-travel", "heat-lag")
 """Rules that look at more than the order of cuts."""
-ALONE: tuple[Engine, ...] = ("search", "ideals", "beam", "cp-sat-alone")
+ALONE: tuple[Engine, ...] = ("search", "ideals", "cp-sat-alone")
 ROUNDED_MM = 0.01
 
 

@@ -72,7 +72,7 @@ def price_mm(facts: Facts, route: tuple[int, ...], home: tuple[float, float]) ->
 
 
 @pytest.mark.scrap("looks at travel alone")
-@pytest.mark.parametrize("engine", ["portfolio", "search", "ideals", "beam", "cp-sat-alone"])
+@pytest.mark.parametrize("engine", ["portfolio", "search", "ideals", "cp-sat-alone"])
 def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: Profile, engine: str) -> None:
     from kerfwise.models.engines import member_of
 

@@ -116,7 +116,7 @@ def test_the_problem_costs_what_the_judge_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("engine", ["portfolio", "search", "ideals", "beam", "cp-sat-alone"])
+@pytest.mark.parametrize("engine", ["portfolio", "search", "ideals", "cp-sat-alone"])
 def test_every_engine_finds_the_best_of_all_tours(engine: Engine) -> None:
     nine = read_instance(EXAMPLES / "nine.pcglns")
     few = Instance("few", nine.cost, *_part(nine, 6), start=nine.start, closed=True)

@@ -1,5 +1,6 @@
 """An exact dynamic program over ideals: the set already cut and the last site (Held and Karp 1962; Salii 2019)."""
 
+from .heuristic_sweeps import widen
 from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, sets_out, unfit
 from .sets import Count, count_sets
 
@@ -14,4 +15,5 @@ __all__ = [
     "prove_priced",
     "sets_out",
     "unfit",
+    "widen",
 ]

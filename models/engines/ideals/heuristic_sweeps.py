@@ -1,26 +1,47 @@
-"""Sweeps that improve a plan without a proof: windows put in their best order, and layers of the most promising states.
-
-The sweep over ideals does it exactly, for whatever a state can hold (a neighbourhood of exponential size that is
-searched whole, as in Balas and Simonetti 2001).
-"""
+"""Sweeps that improve a plan without a proof: windows put in their best order, and layers of the most promising
+states."""
 
 from __future__ import annotations
 
 from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from math import ceil, isinf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines import bounds
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .lattice import TABLE_BYTES, SweepBudget, SweptLayer, SweptStretch, TooLarge, sweep_layers, walk_back
-from .prove import applies
-from .stretch import ConditionsByContour, Local, chain_orders, localise
+from .lattice import (
+    TABLE_BYTES,
+    THREADS,
+    SweepBudget,
+    SweptLayer,
+    SweptStretch,
+    TooLarge,
+    Width,
+    sweep_layers,
+    sweep_through,
+    walk_back,
+)
+from .prove import MOST_SITES_BOUND, Apart, Proof, applies, bound_by_walks, held_by, rests_of
+from .stretch import ConditionsByContour, Local, chain_orders, localise, series
 from .stretch_bounds import LeastIn, least_rest
-from .stretch_tables import HOME, add_settled, dearest, entrance_of, make_moves, never, travel_between
+from .stretch_tables import FAR, HOME, add_settled, dearest, entrance_of, make_moves, never, travel_between
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
+
+
+# Windows of consecutive contours put in their best order, with their best sites, between what stays as it is.
+#
+# The sweep over ideals does it exactly, for whatever a state can hold (a neighbourhood of exponential size that is
+# searched whole, as in Balas and Simonetti 2001).
 
 WIDTH, STEP = 12, 4
 """Contours in a window, and from one window to the next."""
@@ -129,3 +150,67 @@ class _Windows:
         onward = travel_between(self._problem, ways, after)
         add_settled(self._problem, earlier | frozenset(local.contours), ways, after, onward)
         return onward[:, 0]
+
+
+# Sweeps that keep the most promising states of every layer, each sweep wider than the last (Libralesso et al. 2020).
+#
+# Where the sets are too many for a sweep of all, one of few finds a plan soon. What it drops bounds all plans that it
+# could have missed, and where nothing is dropped that a better plan could be in, the plan is proven.
+
+FIRST_WIDTH, WIDER = 256, 2
+"""States of a layer that the first sweep keeps, and how many times as many the next."""
+BOUND = 0.15
+"""Share of the work that a bound by walks may take."""
+ROUNDING = 1e-3
+"""Bounds are sums of doubles, costs whole: what is under the next whole number by less is taken for it."""
+
+
+def widen(
+    problem: Problem,
+    incumbent: Incumbent | None,
+    work: float,
+    progress: Progress | None = None,
+    most_bytes: float = TABLE_BYTES,
+    width: int = FIRST_WIDTH,
+) -> Proof:
+    """The best plan of sweeps of so many states and more, until it is proven or the work is spent.
+
+    Parameters
+    ----------
+    problem
+        One that the ideals are fit for (`prove.unfit`).
+    incumbent
+        A lawful plan: states that cannot lead to a cheaper one are dropped without a loss.
+    work
+        Limit in deterministic seconds.
+    progress
+        Asked now and then whether to go on.
+    most_bytes
+        What the tables may take.
+    """
+    best, least = incumbent, 0
+
+    def go() -> bool:
+        return progress is None or progress("ideals", None if best is None else best.cost, None)
+
+    bound: Completion | Apart | None = None
+    if incumbent is not None and incumbent.cost < FAR and (len(series(problem)) > 1 or problem.m <= MOST_SITES_BOUND):
+        with suppress(bounds.TooMuch):
+            bound = bound_by_walks(problem, incumbent, BOUND * work, progress, most_bytes, work)
+    spent = 0.0 if bound is None else bound.work
+    budget = SweepBudget.of(work - spent, go, most_bytes - held_by(bound))
+    with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
+        rests, root = rests_of(problem, bound, budget, threads)
+        least = 0 if isinf(root) else max(0, ceil(root - ROUNDING))
+        while True:
+            had, kept = budget.work.left, Width(width)
+            limit = None if best is None else best.cost - 1
+            found = sweep_through(problem, limit, rests, replace(budget), threads, kept)
+            best = found or best
+            if isinf(kept.dropped) or (best is not None and kept.dropped > best.cost - 1 + ROUNDING):
+                return Proof(best, work - budget.work.left)
+            least = max(least, ceil(kept.dropped - ROUNDING))
+            if budget.work.left < WIDER * (had - budget.work.left):
+                break
+            width *= WIDER
+    return Proof(None, work - max(0.0, budget.work.left), least, better=best)

@@ -118,26 +118,6 @@ def arrange(  # pragma: no cover - compiled
     return ideal_entry, sorted_contour, source, place, begin
 
 
-@inner(nogil=True)
-def most_states(  # pragma: no cover - compiled
-    ideal_entry: Ints, begin: Ints, alive: Ints, start: int, stop: int
-) -> int:
-    """The most states of a set of `alive[start:stop]`, and room to fill them up to a multiple of `TOGETHER`."""
-    most = 0
-    for a in range(start, stop):
-        most = max(most, begin[ideal_entry[alive[a] + 1]] - begin[ideal_entry[alive[a]]])
-    return most + TOGETHER
-
-
-@inner(nogil=True)
-def most_columns(moves: MoveTable) -> int:  # pragma: no cover - compiled
-    """The most columns of the table that a contour has."""
-    most = 0
-    for pad in moves.pad:
-        most = max(most, pad)
-    return most
-
-
 @jit(nogil=True)
 def sweep(steps: Steps, came: LayerFrom, goes: LayerTo, start: int, stop: int) -> None:  # pragma: no cover - compiled
     """The least cost to every state that grows from the sets `alive[start:stop]`.
@@ -193,6 +173,24 @@ def sweep(steps: Steps, came: LayerFrom, goes: LayerTo, start: int, stop: int) -
             else:
                 lives = _keep(steps.terms.site_cost, span, best, to_go, room, never, goes.values)
             goes.living[place] = lives
+
+
+@jit(nogil=True)
+def promises(steps: Steps, came: LayerFrom, goes: LayerTo) -> Floats:  # pragma: no cover - compiled
+    """What a plan by every state of a layer costs at least; infinite for those that are dropped."""
+    rest, first = steps.rest, steps.first
+    found = np.full(len(goes.values), np.inf)
+    for a in range(len(goes.alive)):
+        mask = came.masks[goes.alive[a]]
+        to_come = still_to_come(rest, mask)
+        for e in range(goes.entry_from[a], goes.entry_from[a + 1]):
+            i = int(np.int64(goes.contour[e]))
+            at, free = goes.begin[goes.place[e]], near_left(rest, mask, i)
+            for d in range(first[i + 1] - first[i]):
+                if goes.values[at + d] < steps.never:
+                    onward = rest.to_go[free, first[i] + d] + to_come - rest.price[i]
+                    found[at + d] = goes.values[at + d] + onward
+    return found
 
 
 @inner(nogil=True)
@@ -337,7 +335,7 @@ def _least_of_each(  # pragma: no cover - compiled
 ) -> None:
     """The same, of both costs, where moves cost more for what is out, or leave groups."""
     table, low_table, never = steps.moves.table, steps.low_moves.table, steps.never
-    begin, extra, ways, price = steps.over.begin, steps.over.extra, steps.over.mask, steps.over.price
+    begin, extra, ways, prices = steps.over.begin, steps.over.extra, steps.over.mask, steps.over.prices
     base, pad, low_base, low_pad = (
         steps.moves.base[i],
         steps.moves.pad[i],
@@ -363,7 +361,7 @@ def _least_of_each(  # pragma: no cover - compiled
                 continue
             more = np.int64(0)
             if crossed and begin[move + d] < begin[move + d + 1]:
-                more = np.int64(cheapest_way(extra, ways, price, mask, begin[move + d], begin[move + d + 1]))
+                more = np.int64(cheapest_way(extra, ways, prices, mask, begin[move + d], begin[move + d + 1]))
             best[d] = min(np.int64(best[d]), cost + more)
             if two:
                 lowest[d] = min(np.int64(lowest[d]), least + more)

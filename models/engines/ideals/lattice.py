@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 
 import numpy as np
 
-from kerfwise.arrays import Int16s, Int32s, Ints
+from kerfwise.arrays import Floats, Int16s, Int32s, Ints
 from kerfwise.models.engines.solution import MEMORY_GB, Budget, Incumbent, table_bytes
 from kerfwise.models.jit import cores, suited
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
 
-from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Steps, arrange, leaving, sweep
+from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Steps, arrange, leaving, promises, sweep
 from .sets import ADDITIONS_PER_S, BYTES_AN_ENTRY, Growth, Sets, additions_of, grow, growth
 from .stretch import ConditionsByContour, CrossingAlternatives, Local, RestBound, crossing_extra_cost, localise, series
 from .stretch_tables import HOME, NARROW, dearest, entrance_of, home_from, make_moves, never
@@ -65,13 +66,37 @@ class SweptStretch:
     dear: MoveTable | None = None
 
 
+@dataclass(slots=True)
+class Width:
+    """How many states of a layer a sweep keeps, the most promising; plans by the others cost `dropped` at least."""
+
+    most: int
+    dropped: float = inf
+
+    def narrow(self, promise: Floats, values: Costs, never: int) -> bool:
+        """Drop the others, which `promise` (states,) more; whether there were any. Of equals the first stay."""
+        there = np.flatnonzero(np.isfinite(promise))
+        if len(there) <= self.most:
+            return False
+        gone = there[np.argsort(promise[there], kind="stable")][self.most :]
+        self.dropped = min(self.dropped, float(promise[gone[0]]))
+        values[gone] = never
+        return True
+
+
 def sweep_layers(
-    stretch: SweptStretch, entrance: Costs, budget: SweepBudget, threads: Executor, lows: Costs | None = None
+    stretch: SweptStretch,
+    entrance: Costs,
+    budget: SweepBudget,
+    threads: Executor,
+    lows: Costs | None = None,
+    width: Width | None = None,
 ) -> list[SweptLayer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
     States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.
-    `lows` are what plans cost at least by their ways in, where the stretch has two costs.
+    `lows` are what plans cost at least by their ways in, where the stretch has two costs. With a `width` only so many
+    states of a layer are kept.
     """
     local, orders = stretch.local, stretch.local.orders
     sets = Sets.empty(orders, len(entrance))
@@ -102,6 +127,8 @@ def sweep_layers(
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
             budget.check()
+        if width is not None and width.narrow(suited(promises, turns)(steps, came, goes), values, stretch.never):
+            living = np.logical_or.reduceat(values < stretch.never, new_begin[:-1])
         if living.sum() <= WORTH_CLEARING * len(living):
             kept = np.append(0, np.cumsum(living))
             stays = np.repeat(living, np.diff(new_begin))
@@ -111,6 +138,8 @@ def sweep_layers(
             new_begin, living = layers[-1].begin(orders.size), np.ones(len(last), dtype=np.bool_)
         else:
             layers.append(SweptLayer(ideal_entry, last, source, values))
+        if width is not None:
+            grown = replace(grown, width=np.diff(new_begin[ideal_entry]))
         lives = np.append(0, np.cumsum(living))
         alive = np.flatnonzero(np.diff(lives[ideal_entry]))
         budget.keep(len(last), len(values), wide)
@@ -216,21 +245,30 @@ Rests = Callable[[int, Local, frozenset[int]], Callable[[int], RestBound]]
 
 
 def sweep_through(
-    problem: Problem, known: int | None, rests: Rests, budget: SweepBudget, threads: Executor
+    problem: Problem,
+    known: int | None,
+    rests: Rests,
+    budget: SweepBudget,
+    threads: Executor,
+    width: Width | None = None,
 ) -> Incumbent | None:
     """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget.
+
+    With a `width` it is the best of those by the states that are kept.
 
     Where nothing is known, routes whose costs fit in narrow numbers are looked for first: most plans need no excuse.
     """
     most = dearest(problem) if known is None else known
     if known is None and most >= NARROW:
-        found = _sweep(problem, NARROW - 1, rests, budget, threads)
+        found = _sweep(problem, NARROW - 1, rests, budget, threads, width)
         if found is not None:
             return found
-    return _sweep(problem, most, rests, budget, threads)
+    return _sweep(problem, most, rests, budget, threads, width)
 
 
-def _sweep(problem: Problem, limit: int, rests: Rests, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+def _sweep(
+    problem: Problem, limit: int, rests: Rests, budget: SweepBudget, threads: Executor, width: Width | None
+) -> Incumbent | None:
     swept: list[tuple[SweptStretch, list[SweptLayer]]] = []
     ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
     total = None
@@ -240,7 +278,7 @@ def _sweep(problem: Problem, limit: int, rests: Rests, budget: SweepBudget, thre
         local = localise(inside, group, earlier)
         moves, over = make_moves(inside, local, earlier, ways, limit)
         stretch = SweptStretch(local, moves, over, rests(number, local, earlier), limit, never(limit))
-        layers = sweep_layers(stretch, costs, budget, threads)
+        layers = sweep_layers(stretch, costs, budget, threads, width=width)
         swept.append((stretch, layers))
         earlier |= frozenset(group)
         last, costs = layers[-1].contour, layers[-1].values

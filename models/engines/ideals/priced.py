@@ -222,7 +222,7 @@ def ways_over(apart: Problem, network: Network, useful: Bools) -> CrossingAltern
     move, extra, mask = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(move, kind="stable")
     begin = np.searchsorted(move[order], np.arange(network.problem.m**2 + 1)).astype(np.int64)
-    return CrossingAlternatives(begin, extra[order], mask[order], network.problem.m, crossing_price(apart))
+    return CrossingAlternatives(begin, extra[order], mask[order], network.problem.m, np.array([crossing_price(apart)]))
 
 
 class _Masks:

@@ -77,23 +77,21 @@ class Proof:
 
 
 def applies(problem: Problem) -> bool:
-    """Whether a state of the sweep holds all that a step costs: all crossings have one price."""
-    return problem.looks_one_back and one_price(problem)
+    """Whether a state of the sweep holds all that a step costs."""
+    return problem.looks_one_back
 
 
 def unfit(problem: Problem) -> str:
     """Why a proof is not worth a try; empty where it is: it applies, and the moves of every stretch fit in a table."""
     if problem.further_back is not None:
         return f"rule {problem.further_back.rule} looks further back than the last cut"
-    if not applies(problem):
-        return "moves over parts that are out have several prices"
     longest = max((sites for _, sites in _sizes(problem)), default=0)
     return "" if 0 < longest <= MOST_SITES else f"it takes up to {MOST_SITES} ways to cut, a stretch has {longest}"
 
 
 def priceable(problem: Problem) -> bool:
-    """Whether linear programs of all stretches hold all that is asked, but for what moves cross: no groups cost."""
-    if unfit(problem) or problem.soft_groups or problem.general:
+    """Whether linear programs of all stretches hold all that is asked: no groups cost, and crossings have one price."""
+    if unfit(problem) or problem.soft_groups or problem.general or not one_price(problem):
         return False
     return problem.n <= MOST_CONTOURS_PRICED and max(sites for _, sites in _sizes(problem)) <= MOST_SITES_PRICED
 
@@ -188,14 +186,9 @@ def prove(
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
             return go() and running_s() < until_s
 
-        bound: Completion | _Apart
         most = rounds.left if not programs and rounds.least <= 0 else inf  # with as much no sweep is left, and no bound
         try:
-            if apart:
-                ahead = look_ahead(problem, incumbent.route, share * work, pricing, most_bytes, most)
-                bound = _Apart(ahead, incumbent)
-            else:
-                bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes, most=most)
+            bound = bound_by_walks(problem, incumbent, share * work, pricing, most_bytes, most)
         except bounds.TooMuch:
             return None
         rounds.left -= bound.work
@@ -208,8 +201,46 @@ def prove(
     return rounds.proven
 
 
+def bound_by_walks(
+    problem: Problem,
+    incumbent: Incumbent,
+    work: float,
+    progress: Progress | None,
+    most_bytes: float,
+    most: float = inf,
+) -> Completion | Apart:
+    """Bounds of every stretch apart, or of the one that there is; `progress` is asked whether to go on.
+
+    Raises
+    ------
+    TooMuch
+        If the least that they take is `most` deterministic seconds or more.
+    """
+    if len(series(problem)) > 1:
+        return Apart(look_ahead(problem, incumbent.route, work, progress, most_bytes, most), incumbent)
+    return bounds.complete(problem, float(incumbent.cost), work, progress, most_bytes=most_bytes, most=most)
+
+
+def rests_of(
+    problem: Problem, bound: Completion | Apart | None, budget: SweepBudget, threads: Executor
+) -> tuple[Rests, float]:
+    """What a sweep needs of a bound by walks, or of none, and what plans cost at least; infinite where that is unknown.
+
+    Raises
+    ------
+    TooLarge
+        Over the budget.
+    """
+    if isinstance(bound, Apart):
+        return bound.rests(problem, budget, threads)
+    if bound is not None:
+        return (lambda number, local, earlier: walked_rest(local, earlier, bound)), bound.root
+    least = LeastIn(problem)
+    return (lambda number, local, earlier: least_rest(local, earlier, least)), inf
+
+
 @dataclass(frozen=True, eq=False, slots=True)
-class _Apart:
+class Apart:
     """Bounds of every stretch, and a lawful plan."""
 
     ahead: list[Ahead]
@@ -257,14 +288,14 @@ class _Rounds:
         """What is proven where no sweep came to its end."""
         return Proof(None, self.work - self.left, self.least, better=self.better) if self.least > 0 else None
 
-    def sweep(self, bound: Completion | _Apart | None, most: float) -> Proof | None:
+    def sweep(self, bound: Completion | Apart | None, most: float) -> Proof | None:
         """What sweeps of no more than so many seconds prove."""
 
         def sweeps(budget: SweepBudget, threads: Executor) -> tuple[_Sweep, float]:
-            rests, least = self._rests(bound, budget, threads)
+            rests, least = rests_of(self.problem, bound, budget, threads)
             return (lambda limit: sweep_through(self.problem, limit, rests, replace(budget), threads)), least
 
-        return self._rise(sweeps, _held(bound), most)
+        return self._rise(sweeps, held_by(bound), most)
 
     def priced(
         self,
@@ -335,17 +366,9 @@ class _Rounds:
             return limits_within_work(least, self.known, left)
         return rising_limits(least, self.known, left, WIDER if wider is None else wider)
 
-    def _rests(self, bound: Completion | _Apart | None, budget: SweepBudget, threads: Executor) -> tuple[Rests, float]:
-        if isinstance(bound, _Apart):
-            return bound.rests(self.problem, budget, threads)
-        if bound is not None:
-            return (lambda number, local, earlier: walked_rest(local, earlier, bound)), bound.root
-        least = LeastIn(self.problem)
-        return (lambda number, local, earlier: least_rest(local, earlier, least)), inf
 
-
-def _held(bound: Completion | _Apart | None) -> int:
+def held_by(bound: Completion | Apart | None) -> int:
     """Bytes that a bound takes."""
-    if isinstance(bound, _Apart):
+    if isinstance(bound, Apart):
         return sum(stretch.bound.to_go.nbytes for stretch in bound.ahead)
     return 0 if bound is None else bound.to_go.nbytes

@@ -241,21 +241,22 @@ ALL = 1 << 62
 class CrossingAlternatives(NamedTuple):
     """Ways of the move from row r to column c of a table: those from `begin[r * columns + c]` to the next beginning.
 
-    A way costs `extra` µm more than the move, and `price` for each contour of its `mask` (w words) that is out. A move
-    without ways costs nothing more.
+    A way costs `extra` µm more than the move, and for each contour of its masks that is out what this mask says: of
+    `mask` (ways, p · w), w words are those with the first of p `prices`, and so on. A move without ways costs nothing
+    more.
     """
 
     begin: Ints
     extra: Ints
     mask: Masks
     columns: int
-    price: int
+    prices: Ints
 
 
 def nothing_over(words: int) -> CrossingAlternatives:
     """Where no move crosses anything."""
     none = np.zeros(0, dtype=np.int64)
-    return CrossingAlternatives(none, none, np.zeros((0, words), dtype=np.uint64), 0, 0)
+    return CrossingAlternatives(none, none, np.zeros((0, words), dtype=np.uint64), 0, none)
 
 
 @jit(nogil=True)
@@ -264,12 +265,12 @@ def crossing_extra_cost(
 ) -> int:  # pragma: no cover - compiled
     """What the cheapest way of a move costs more than the move when `mask` is out."""
     move = row * over.columns + column
-    return cheapest_way(over.extra, over.mask, over.price, mask, over.begin[move], over.begin[move + 1])
+    return cheapest_way(over.extra, over.mask, over.prices, mask, over.begin[move], over.begin[move + 1])
 
 
 @inner(nogil=True)
 def cheapest_way(  # pragma: no cover - compiled
-    extra: Ints, ways: Masks, price: int, mask: Masks, begin: int, end: int
+    extra: Ints, ways: Masks, prices: Ints, mask: Masks, begin: int, end: int
 ) -> int:
     """The least that the ways `begin` … `end - 1` cost more when `mask` is out; nothing where there are none."""
     if begin == end:
@@ -277,11 +278,12 @@ def cheapest_way(  # pragma: no cover - compiled
     least = ALL
     for k in range(begin, end):
         cost = extra[k]
-        for w in range(len(mask)):
-            bits = ways[k, w] & mask[w]
-            while bits:
-                bits &= bits - np.uint64(1)
-                cost += price
+        for p in range(len(prices)):
+            for w in range(len(mask)):
+                bits = ways[k, p * len(mask) + w] & mask[w]
+                while bits:
+                    bits &= bits - np.uint64(1)
+                    cost += prices[p]
         least = min(least, cost)
     return least
 

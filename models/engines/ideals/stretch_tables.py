@@ -119,14 +119,17 @@ def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, t
     row, column, chosen = _places(problem, rows, local.sites)
     place = number[crossings.over[chosen]]
     inside = (place >= 0) & ~_left_from(problem, chosen)
-    place = place[inside]
-    moves, at = np.unique(row[inside] * travel.shape[1] + column[inside], return_inverse=True)
-    mask = np.zeros((len(moves), width), dtype=np.uint64)
-    np.bitwise_or.at(mask, (at, place // 64), np.uint64(1) << (place % 64).astype(np.uint64))
+    move, cost = row[inside] * travel.shape[1] + column[inside], _costs(problem)[chosen[inside]]
+    pairs, which = np.unique(move * len(local.contours) + place[inside], return_inverse=True)
+    summed = np.zeros(len(pairs), dtype=np.int64)
+    np.add.at(summed, which, cost)
+    move, place = np.divmod(pairs, len(local.contours))
+    moves, at = np.unique(move, return_inverse=True)
+    prices, number = np.unique(summed, return_inverse=True)
+    mask = np.zeros((len(moves), len(prices) * width), dtype=np.uint64)
+    np.bitwise_or.at(mask, (at, number * width + place // 64), np.uint64(1) << (place % 64).astype(np.uint64))
     begin = np.searchsorted(moves, np.arange(travel.size + 1)).astype(np.int64)
-    return CrossingAlternatives(
-        begin, np.zeros(len(moves), dtype=np.int64), mask, travel.shape[1], crossing_price(problem)
-    )
+    return CrossingAlternatives(begin, np.zeros(len(moves), dtype=np.int64), mask, travel.shape[1], prices)
 
 
 def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints, travel: Ints) -> None:
@@ -137,7 +140,7 @@ def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints
     is_out[list(out)] = True
     row, column, chosen = _places(problem, rows, columns)
     settled = is_out[problem.crossings.over[chosen]] | _left_from(problem, chosen)
-    np.add.at(travel, (row[settled], column[settled]), crossing_price(problem))
+    np.add.at(travel, (row[settled], column[settled]), _costs(problem)[chosen[settled]])
 
 
 def one_price(problem: Problem) -> bool:
@@ -163,8 +166,14 @@ def _left_from(problem: Problem, chosen: Ints) -> NDArray[np.bool_]:
     return np.asarray(owner[rows.leave[chosen]] == rows.over[chosen])
 
 
+def _costs(problem: Problem) -> Ints:
+    """What every crossing costs."""
+    cost = problem.crossings.cost
+    return np.where(cost == FORBIDDEN, UNLAWFUL, cost)
+
+
 def crossing_price(problem: Problem) -> int:
-    """What crossing one contour costs."""
+    """What crossing one contour costs, where it is the same for all (`one_price`)."""
     if not len(problem.crossings):
         return 0
     cost = int(problem.crossings.cost[0])

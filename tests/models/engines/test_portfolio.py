@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.models.engines import Member, beam, bounds, cpsat, ideals, shared_state
+from kerfwise.models.engines import Member, bounds, cpsat, ideals, shared_state
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
 from kerfwise.models.engines.solution import Incumbent, SolveOptions, Watch
@@ -29,7 +29,7 @@ def found(given: Problem, member: Member | None = None, work: float = 0.5) -> Sh
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("member", [None, "search", "ideals", "beam", "cp-sat"])
+@pytest.mark.parametrize("member", [None, "search", "ideals", "cp-sat"])
 def test_every_member_finds_the_best_of_a_small_problem(member: Member | None) -> None:
     six = scattered(2, contours=6, sites=2, pairs=3)
     best = cheapest(six)
@@ -140,7 +140,7 @@ def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
 def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each step takes a second by the clock; what is left is too little for the others' tables."""
     given, seconds, set_out = scattered(1, contours=45, sites=1), count(), list[str]()
-    for module, name in ((beam, "beam"), (bounds, "flow_bound"), (cpsat, "solve_cpsat")):
+    for module, name in ((bounds, "flow_bound"), (cpsat, "solve_cpsat")):
         monkeypatch.setattr(module, name, lambda *given, name=name: set_out.append(name))
     limits = SolveOptions(time_s=5.0)
     watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))

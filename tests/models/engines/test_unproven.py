@@ -92,7 +92,7 @@ def test_a_plan_of_cp_sat_costs_what_it_does_whatever_the_model_has_for_it(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("member", [None, "search", "ideals", "beam", "cp-sat"])
+@pytest.mark.parametrize("member", [None, "search", "ideals", "cp-sat"])
 @pytest.mark.parametrize("kind", [lags, sums_of_orders, conditions])
 def test_every_engine_tells_the_cost_of_a_plan_that_is_not_proven(
     kind: Callable[[int, int], Problem], member: Member | None

@@ -1,0 +1,40 @@
+"""What members bring: leaving one out does, and is undone; what that changes is told."""
+
+from __future__ import annotations
+
+from kerfwise.benchmarks.engines import MEMBERS, NESTS, Row, effect, page, problems, replaced, with_parts, without
+from kerfwise.models.engines import portfolio
+from kerfwise.models.engines.search import searcher
+from kerfwise.tests.models.problems import scattered
+
+WHOLE = Row(1000, 900, True, "search", "flow", ("flows",))
+
+
+def test_a_member_that_is_left_out_is_back_afterwards() -> None:
+    steps, regional = portfolio.STEPS, searcher.regional
+    with replaced(MEMBERS["regions"].place, lambda _: MEMBERS["regions"].instead):
+        assert searcher.regional is MEMBERS["regions"].instead
+    with replaced(MEMBERS["proof"].place, lambda _: MEMBERS["proof"].instead):
+        assert MEMBERS["proof"].instead in [step.suits for step in portfolio.STEPS]
+    assert searcher.regional is regional
+    assert steps == portfolio.STEPS
+
+
+def test_parts_are_noted_and_what_is_left_out_has_none() -> None:
+    many = scattered(1, contours=40, sites=1)
+    assert "merging" in with_parts(many, 0.05).part
+    assert without("merging", many, 0.05).cost is not None
+    assert with_parts(scattered(2, contours=6, sites=2), 0.5).part == ()
+
+
+def test_what_is_lost_and_what_is_won_is_told() -> None:
+    assert effect(WHOLE, WHOLE) == ("", "")
+    assert effect(WHOLE, Row(1010, 909, False, "search", "")) == ("cost +1.0%, not proven", "bound +1.0%")
+    assert effect(WHOLE, Row(None, 0, False, "", "")) == ("cost none, not proven", "")
+
+
+def test_the_page_has_a_line_for_every_member_and_every_problem() -> None:
+    text = page({"plate 16, 1": WHOLE, "plate 16, 1|flows": Row(1000, 800, False, "search", "")}, "", 8.0)
+    assert all(f"| {name} | " in text for name in MEMBERS)
+    assert "plate 16, 1: bound -11.1%, not proven" in text
+    assert all(f"nest {name}" in problems(None) for name in NESTS)
