@@ -17,6 +17,7 @@ from kerfwise.encoder.questions import ANSWERED, LAYER, LIKELIEST, Asking, Choic
 from kerfwise.encoder.text import join_names
 
 from .drawing import DrawnCurve
+from .join import join
 from .layers import DEFAULT, Purpose, counted, setting, surely_cut, surely_sheet
 from .options import MM_PER, ReadOptions
 from .reading import Taken
@@ -125,7 +126,7 @@ def by_layer(pieces: Sequence[DrawnCurve], options: ReadOptions, asking: Asking)
         raise InputError("nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline")
     first = {look_of(p): p for p in reversed(pieces)}
     uses = {look: _use(look, piece, options, asking) for look, piece in first.items()}
-    uses |= _by_colour(pieces, uses, asking)
+    uses |= _by_colour(pieces, uses, options.join_tolerance_mm, asking)
     uses |= _by_linetype(pieces, uses, asking)
     of: dict[Purpose | None, list[DrawnCurve]] = defaultdict(list)
     for piece in pieces:
@@ -165,7 +166,9 @@ def _use(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) ->
     return Use(purpose, "by default" if by_default else "by its name", False)
 
 
-def _by_colour(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking: Asking) -> dict[Look, Use]:
+def _by_colour(
+    pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], tolerance_mm: float, asking: Asking
+) -> dict[Look, Use]:
     """Colours that differ on a layer that is cut by default: what those beside the outlines' own colour are for."""
     loose = [p for p in pieces if uses[look_of(p)] == ("cut", "by default", False)]
     of_layer: dict[str, set[str]] = defaultdict(set)
@@ -178,7 +181,7 @@ def _by_colour(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking: A
     found: dict[Look, Use] = {}
     for colour in sorted({p.colour for p in mixed} - outlines):
         same = [p for p in mixed if p.colour == colour]
-        engraved = colour in marks or all(p.filled for p in same) or not any(p.curve.closed for p in same)
+        engraved = colour in marks or all(p.filled for p in same) or bool(join(same, tolerance_mm).chains)
         order: tuple[Purpose, ...] = ("mark", "cut", "ignore") if engraved else ("cut", "mark", "ignore")
         said = asking.ask(
             Question(

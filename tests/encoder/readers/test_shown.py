@@ -272,3 +272,17 @@ def test_names_in_utf8_of_an_old_file(tmp_path: Path) -> None:
     assert [c.id for c in nest.contours] == ["P1.mark1", "P1.outer"]
     assert nest.reading is not None
     assert {row.layer for row in nest.reading.taken} == {"0", "Gravír"}
+
+
+def test_a_colour_with_open_lines_is_engraved_most_likely(tmp_path: Path) -> None:
+    def draw(document: Any, space: Any, block: Any) -> None:
+        space.add_lwpolyline([(0, 0), (300, 0), (300, 40), (0, 60)], close=True)
+        space.add_circle((50, 25), 10, dxfattribs={"color": 1})
+        space.add_line((100, 20), (150, 20), dxfattribs={"color": 1})
+
+    path = _saved(tmp_path, draw)
+    with pytest.raises(Questions) as error:
+        read_nest(path, ReadOptions())
+    assert [(q.id, q.choices[0].value) for q in error.value.questions] == [("colour:red", "mark")]
+    nest = read_nest(path, ReadOptions(answers=(("colour:red", "mark"),)))
+    assert [c.id for c in nest.contours] == ["P1.mark1", "P1.mark2", "P1.outer"]
