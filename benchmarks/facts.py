@@ -31,7 +31,7 @@ FAMILIES = {
     "long parts": ("long_parts",),
     "offcut, heat, start side": ("edge_gaps", "offcuts", "heat", "start_side"),
     "shadows": ("level_ahead",),
-    "hulls": ("in_hull",),
+    "hulls": ("hull_pairs",),
     "zones": ("zones_of",),
     "neighbours": ("cells_of", "outlook_of", "surroundings_of"),
     "stretches": ("runs_of", "stretch_of"),

@@ -20,7 +20,7 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
 def test_every_command_starts_something_that_is_there() -> None:
-    modules = re.findall(r"python -m (\S+)", PAGE)
+    modules = re.findall(r"python -m ([\w.]+)", PAGE)
     scripts = re.findall(r"(?:python|sh) ([\w/]+\.(?:py|sh))", PAGE)
     assert len(modules) > 1
     assert len(scripts) > 3

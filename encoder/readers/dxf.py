@@ -181,7 +181,7 @@ def _units(
 ) -> tuple[str, str]:
     """The unit of the drawing, and why."""
     if options.units is not None:
-        return options.units, "as given (--units, drawing.units)"
+        return options.units, "as given (--units, in Python units=, or drawing.units)"
     if not read.pieces:
         return guess, "by default"
     lines = np.array([piece.curve.line(1.0) for piece, _ in read.pieces], dtype=object)

@@ -54,7 +54,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
     bridges = _bridges(document.get("bridges", ()), text, scale)
     said = (
-        "as given (--units, drawing.units)"
+        "as given (--units, in Python units=, or drawing.units)"
         if options.units
         else "the file says so"
         if "units" in document

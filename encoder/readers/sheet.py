@@ -19,6 +19,7 @@ from kerfwise.encoder.validate import coincident
 from .drawing import DrawnCurve
 from .options import FrameName, ReadOptions
 
+SHEET_GIVEN = "as given (--sheet, in Python sheet_mm=)"
 NO_SHEET = "no layer is the sheet's"
 """How a note begins that says what the sheet is taken from."""
 
@@ -78,7 +79,11 @@ def overridden(sheet: Sheet, size_mm: tuple[float, float]) -> tuple[Sheet, str, 
         f"--sheet (in Python: sheet_mm) takes the place of the file's sheet of {round(x1 - x0, 3):g} × "
         f"{round(y1 - y0, 3):g} mm: {width:g} × {height:g} mm from ({x0:g}, {y0:g})"
     )
-    return _rectangle(x0, y0, width, height, stated=True), "as given (--sheet)", [Note("warning", text)]
+    return (
+        _rectangle(x0, y0, width, height, stated=True),
+        SHEET_GIVEN,
+        [Note("warning", text)],
+    )
 
 
 def _is_page_of(page: Sheet, box: tuple[float, float, float, float], options: ReadOptions) -> bool:
@@ -122,14 +127,18 @@ def _given_sheet(
     at_its_edge = on_it and max(x0, y0) < room_mm
     has_room = width - (x1 - x0) >= 2 * room_mm and height - (y1 - y0) >= 2 * room_mm
     if (on_it and not (at_its_edge and has_room)) or x1 - x0 > width or y1 - y0 > height:
-        return Sheet.rectangle(width, height), "as given (--sheet)", []
+        return Sheet.rectangle(width, height), SHEET_GIVEN, []
     x, y = (
         start - min(options.margin_mm, (size - (end - start)) / 2)
         for start, end, size in ((x0, x1, width), (y0, y1, height))
     )
     why = "touch the edge of" if on_it else "do not lie in"
     text = f"the parts {why} (0, 0)…({width:g}, {height:g}): the sheet is laid around them, from ({x:g}, {y:g})"
-    return _laid_around(x, y, width, height), "as given (--sheet), laid around the parts", [Note("warning", text)]
+    return (
+        _laid_around(x, y, width, height),
+        f"{SHEET_GIVEN}, laid around the parts",
+        [Note("warning", text)],
+    )
 
 
 def _laid_around(x: float, y: float, width: float, height: float) -> Sheet:
@@ -182,11 +191,11 @@ def use_of_frame(
     A sheet that is cut out as a part is scrap, and so is a part that is taken for the sheet.
     """
     if options.frame is not None:
-        return options.frame, "as given (--frame, drawing.frame)"
+        return options.frame, "as given (--frame, in Python frame=, or drawing.frame)"
     size = _size(frame[0])
     if options.sheet_size_mm is not None:
         if same_size(size, options.sheet_size_mm):
-            return "sheet", "a rectangle around everything of the size of --sheet"
+            return "sheet", "a rectangle around everything of the size of --sheet (in Python sheet_mm=)"
         if any(side < ROUGHLY * given for side, given in zip(size, options.sheet_size_mm, strict=True)):
             return "part", ""
     holds = _holds_parts(frame, rings)

@@ -270,7 +270,11 @@ def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | 
         raise InputError("the page stretches the drawing in one direction; give it a viewBox of its own shape")
     measured = any(unit.lower() not in ("", "px") for _, unit in sides)
     if options.units is not None:
-        scale, units, because = mm_of(options.units) or 1.0, options.units, "as given (--units, drawing.units)"
+        scale, units, because = (
+            mm_of(options.units) or 1.0,
+            options.units,
+            "as given (--units, in Python units=, or drawing.units)",
+        )
     elif measured and scales:
         scale, units, because = min(scales), "mm", "the page's width and height say so"
     else:

@@ -161,7 +161,6 @@ def near_stretches(chords: Chords, others: Chords, within_mm: float) -> NearStre
 
     Examples
     --------
-    >>> from .chords import chords_of_lines
     >>> one, other = (chords_of_lines([shapely.LineString(p)]) for p in ([(0, 0), (10, 0)], [(4, 3), (4, 1), (9, 1)]))
     >>> found = near_stretches(one, other, 1.0)
     >>> found.low_mm.tolist(), found.high_mm.tolist(), found.other_high_mm.tolist()

@@ -89,7 +89,10 @@ def test_a_size_takes_the_place_of_the_sheet_of_a_json_nest(tmp_path: Path) -> N
     nest.write_text(json.dumps({"format": "kerfwise-nest/1", "sheet": {"width": 500, "height": 100}, "parts": [part]}))
     small = kerfwise("read", nest, "--sheet", "400x100")
     assert (small.code, "A.outer reaches 80.000 mm off the sheet" in small.err) == (2, True)
-    assert "sheet: 600 × 100 mm: as given (--sheet)" in kerfwise("read", nest, "--sheet", "600x100").out
+    assert (
+        "sheet: 600 × 100 mm: as given (--sheet, in Python sheet_mm=)"
+        in kerfwise("read", nest, "--sheet", "600x100").out
+    )
 
 
 def test_an_assumed_sheet_has_no_price(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ def test_no_facts(file: str) -> None:
 
 
 def test_all_of_the_judging_is_looked_at() -> None:
-    assert {"metal", "rigidity", "skeleton", "strips", "tabs"} <= {Path(file).stem for file in JUDGING}
+    assert {"metal", "holding", "facing", "strips_and_islands"} <= {Path(file).stem for file in JUDGING}
 
 
 def test_the_look_for_imports_can_find_one() -> None:

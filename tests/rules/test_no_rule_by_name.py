@@ -22,7 +22,7 @@ IDS = re.compile(rf"(?<![\w-])({'|'.join(sorted(set(RULES) - PLAIN))})(?![\w-])|
 ALLOWED = {
     "rules/registry.py": "it collects the catalogue",
     "rules/own/selector.py": "help text that says where a plant sets `long_ratio`",
-    "encoder/candidates/candidate.py": "what planners call options of leads: keys of a profile, in messages",
+    "encoder/candidates/entries.py": "what planners call options of leads: keys of a profile, in messages",
 }
 WORDS = {
     "locks": {
@@ -42,6 +42,7 @@ WORDS = {
         "models/plan/read_plan.py",
         "postproc/report/legend.py",
         "postproc/report/picture.py",
+        "postproc/check/feeds.py",
         "rules/own/constraint.py",
     },
 }

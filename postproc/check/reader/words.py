@@ -83,7 +83,7 @@ def block_of(row: Row, line: int) -> Block:
 
     Examples
     --------
-    >>> from .comments import row_of
+    >>> from .controls import row_of
     >>> block = block_of(row_of("N10 g1 x 10.5 Y-.5", 1), 1)
     >>> [word.text for word in block.g], [word.value for word in block.words.values()]
     (['G1'], [10.5, -0.5])

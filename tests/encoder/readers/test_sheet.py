@@ -32,7 +32,7 @@ def test_two_sheets_are_refused() -> None:
 def test_a_given_size_takes_the_place_of_a_drawn_sheet_and_that_is_said() -> None:
     drawn = pieces(square(5, 0, 200), closed=True)
     sheet, why, notes = choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(500, 300)))
-    assert (sheet.bounds, sheet.stated, why) == ((5, 0, 505, 300), True, "as given (--sheet)")
+    assert (sheet.bounds, sheet.stated, why) == ((5, 0, 505, 300), True, "as given (--sheet, in Python sheet_mm=)")
     assert texts(notes) == [
         "--sheet (in Python: sheet_mm) takes the place of the file's sheet of 200 × 200 mm: 500 × 300 mm from (5, 0)"
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
 
 import numpy as np
@@ -48,7 +49,8 @@ def test_a_program_of_years_names_what_takes_them(model: str, path: TimedPath, s
 def test_too_many_steps_name_the_profiles_key(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match=r"heat\.logical_step: 1e-09 s makes .* give about 1\.6e-06 s or more"):
         simulate(PLATE, cuts(1e4, 5.0), replace(Heat(), model="logical", logical_step_s=1e-9), 6.0)
-    monkeypatch.setattr("kerfwise.models.physics.heat.simulate.MOST_POINT_STEPS", 2e6)
+    module = importlib.import_module("kerfwise.models.physics.heat.simulate")  # the package has a function of that name
+    monkeypatch.setattr(module, "MOST_POINT_STEPS", 2e6)
     with pytest.raises(InputError, match=r"heat\.grid: 5 mm makes .* give about [\d.]+ mm or more"):
         simulate(PLATE, cuts(1e4, 5.0), Heat(), 6.0)
 
