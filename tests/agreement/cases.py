@@ -187,7 +187,7 @@ def _visible(rng: np.random.Generator, profile: Profile) -> Profile:
 
     The wish where a cut begins is never judged; what soft strips cost hangs on which of them geometry was shown; and
     seconds that are missing of a soft lag are not counted by violations. All three are compared by statements alone, in
-    `tests/models/engines/minizinc`.
+    `tests/models/engines/test_equivalence.py`.
     """
     rules = dict(profile.rules)
     strips, heat, rigidity = rules["no-narrow-strips"], rules["heat-lag"], rules["part-rigidity"]

@@ -40,6 +40,7 @@ WORDS = {
         "encoder/facts/export.py",
         "models/plan/plan.py",
         "models/plan/read_plan.py",
+        "postproc/check/feeds.py",
         "postproc/report/legend.py",
         "postproc/report/picture.py",
         "postproc/check/feeds.py",

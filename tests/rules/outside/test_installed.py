@@ -20,7 +20,8 @@ from kerfwise.tests.tools.amount import full
 KEPT_TESTS = (
     "tests/rules/test_registry.py",
     "tests/rules/profile/test_schema.py",
-    "tests/rules/pages",
+    "tests/rules/test_pages.py",
+    "tests/rules/test_texts.py",
     "tests/rules/profile/test_profile.py",
     "tests/rules/test_cases.py",
     "tests/rules/test_no_rule_by_name.py",
