@@ -43,7 +43,6 @@ WORDS = {
         "postproc/check/feeds.py",
         "postproc/report/legend.py",
         "postproc/report/picture.py",
-        "postproc/check/feeds.py",
         "rules/own/constraint.py",
     },
 }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
