@@ -223,7 +223,7 @@ def command(
         write_files(files)
     if verbose:
         click.echo("\n".join(made.notes))
-    if given.nest.reading is not None:
+    if given.nest.reading is not None and given.nest.reading.taken:
         click.echo(escape_text(given.nest.reading.short()))
     click.echo(summary(made.plan, made.verdict))
     if given.job is not None and (told := job_line(given.job, made.plan)):
