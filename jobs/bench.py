@@ -81,7 +81,7 @@ def measure(job: BenchJob) -> BenchResult:
         If the file cannot be read, or the process dies, for example because memory runs out.
     """
     given = json.dumps({name: getattr(job, name) for name in job.__slots__})
-    command = [sys.executable, "-X", "utf8", "-m", f"{__package__}.child"]
+    command = [sys.executable, "-X", "utf8", "-m", f"{__package__}.bench_child"]
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,
