@@ -1,4 +1,4 @@
-"""kerfwise serve: the page with hands, in a browser on this machine."""
+"""kerfwise serve: the interactive viewer, in a browser on this machine."""
 
 from __future__ import annotations
 

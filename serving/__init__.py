@@ -1,1 +1,1 @@
-"""`kerfwise serve`: the page with hands. A server for this machine alone, and the processes that plan for it."""
+"""`kerfwise serve`: the interactive viewer. A server for this machine alone, and the processes that plan for it."""

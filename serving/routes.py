@@ -272,7 +272,7 @@ def list_page() -> str:
 
 
 def worked_page(name: str) -> Response:
-    """The page of one nest, with hands: all that it shows it asks for. Its policy names its own script by hash."""
+    """The viewer of one nest; it requests all that it shows. Its policy names its own script by hash."""
     html, policy = page_and_policy({"title": name}, ENTRY, connect=True, more=_hands())
     headers = {"content-security-policy": f"{policy}; frame-ancestors 'none'"}
     return HTMLResponse(html.encode("utf-8", "surrogatepass"), headers=headers)

@@ -1,4 +1,4 @@
-"""The page with hands in a browser, by mouse and by touch: every gesture on a small nest."""
+"""The interactive viewer in a browser, by mouse and by touch: every gesture on a small nest."""
 
 from __future__ import annotations
 
