@@ -1,4 +1,4 @@
-"""The interactive viewer on made plates of 16 to 1,000 contours: every gesture, re-plan, zoomed hits, keyboard, paper."""
+"""The interactive viewer on made plates of 16 to 1,000 contours: gestures, re-plan, zoomed hits, keyboard, paper."""
 
 from __future__ import annotations
 
