@@ -1,7 +1,7 @@
 """The portfolio: search finds plans, the ideals prove where sets are few, flows bound, CP-SAT carries the rest.
 
 Its members share incumbents and bounds and run one after the other, in the order of `STEPS`, until the best plan is
-proven or the limit is reached; each may use every core. Shares are of what is then left (`shares.py`):
+proven or the limit is reached; each may use every core. Shares are of what is then left (`shared_state.py`):
 
 | step | when it suits | what it gets |
 |---|---|---|
@@ -98,11 +98,8 @@ class Run:
 
     def over(self) -> bool:
         """Whether no further member is to begin."""
-        late = (
-            self.options.time_s is not None
-            and self.known.incumbent is not None
-            and self.left() < shared_state.SET_OUT_S
-        )
+        limited = self.options.time_s is not None and self.known.incumbent is not None
+        late = limited and self.left() < shared_state.SET_OUT_S
         return self.known.proven or self.watch.stopped or late
 
     def takes(self, member: Member, why: str) -> bool:
@@ -143,19 +140,9 @@ class Run:
         return going
 
 
-def density(problem: Problem) -> float:
-    """Share of the pairs of contours that hard orders decide."""
-    return float(problem.before.sum()) / max(1, problem.n * (problem.n - 1) // 2)
-
-
 def dense(problem: Problem) -> bool:
     """Whether orders leave so few sets that the most promising lead to good plans, and no better bound comes soon."""
-    return density(problem) >= shared_state.DENSE and not bounded_well(problem)
-
-
-def carried(problem: Problem) -> bool:
-    """Whether CP-SAT alone can hold all that is asked."""
-    return problem.further_back is not None
+    return problem.order_density >= shared_state.DENSE and not bounded_well(problem)
 
 
 def bounded_well(problem: Problem) -> bool:
@@ -165,8 +152,9 @@ def bounded_well(problem: Problem) -> bool:
 
 def bounded_beside(run: Run) -> bool:
     """Whether the bound by flows is looked for at the same time as a better plan."""
-    many = run.problem.n > shared_state.FLOW_FEW
-    return many and bounded_well(run.problem) and not carried(run.problem) and run.options.gap is None
+    problem, options = run.problem, run.options
+    many, held = problem.n > shared_state.FLOW_FEW, problem.further_back is None
+    return many and bounded_well(problem) and held and options.gap is None
 
 
 def stretches_short(run: Run, count: ideals.Count) -> bool:
@@ -280,7 +268,8 @@ def widening_suits(run: Run) -> bool:
     """Whether hard orders leave few sets, and no better bound comes soon; it is noted so."""
     if run.over() or run.options.member is not None or not dense(run.problem) or ideals.unfit(run.problem):
         return False
-    run.known.notes.append(f"ideals: the most promising sets, orders decide {density(run.problem):.0%} of the pairs")
+    decided = run.problem.order_density
+    run.known.notes.append(f"ideals: the most promising sets, orders decide {decided:.0%} of the pairs")
     return True
 
 
@@ -395,7 +384,7 @@ def improve_and_bound(run: Run, _: float) -> None:
         if not run.over() and run.known.incumbent is not None:
             improve_while_bounded(run)
         return
-    bounded, held = bounded_well(run.problem), carried(run.problem)
+    bounded, held = bounded_well(run.problem), run.problem.further_back is not None
     well = bounded and not held
     few = shared_state.FLOW_FIRST if run.problem.n <= shared_state.FLOW_FEW else 0.0
     bound_by_flows(

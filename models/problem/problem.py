@@ -245,6 +245,11 @@ class Problem:
         lags = (lag.about for lag in self.lags if lag.cuts > 1 or lag.seconds > 0)
         return next(lags, self.general[0].about if self.general else None)
 
+    @property
+    def order_density(self) -> float:
+        """Share of the pairs of contours that hard orders decide."""
+        return float(self.before.sum()) / max(1, self.n * (self.n - 1) // 2)
+
     def successors(self) -> Bools:
         """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""
         return self.followers().whole()
