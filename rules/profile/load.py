@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -32,6 +33,7 @@ from .plant_sections import is_own_dialect
 from .profile import Profile
 from .profile_sections import check_together, own_model_rule
 from .sections import SECTIONS, RuleSetting, default_settings
+from .time_section import Time
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -225,6 +227,7 @@ def profile_values(
     given = dict(start)
     if "based_on" in found:
         given |= _base(found["based_on"], problems, load_base) | {"name": start["name"]}
+    measured_mm_s = given["machine"].cut_feed_mm_s
     if "name" in found:
         given["name"] = escape_text(_read(found["name"], Text(), problems, "name") or "")
     for section in SECTIONS:
@@ -233,6 +236,7 @@ def profile_values(
             given[section] = read_fields(members, given[section], problems, section)
     if not problems.found:
         given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
+    given["time"] = _timed_at(measured_mm_s, given, time_said="time" in found)
     if "python" in found:
         given |= with_python_files(found["python"], given, problems, trust)
     if "models" in found:
@@ -248,6 +252,18 @@ def profile_values(
         check_together(given, root, problems)
     problems.raise_any()
     return given
+
+
+def _timed_at(measured_mm_s: float, given: Mapping[str, Any], time_said: bool) -> Time:
+    """How times are told: a feed law that is inherited holds for the feed that it was measured for.
+
+    With another feed the torch moves at that one, and speeds up and slows down, unless the file says itself.
+    """
+    time: Time = given["time"]
+    same = math.isclose(given["machine"].cut_feed_mm_s, measured_mm_s, rel_tol=1e-6)
+    if time_said or same or time.model != "blocks":
+        return time
+    return dataclasses.replace(time, model="acceleration", feed_by_blocks=None)
 
 
 def _top_level(root: yaml.Node | None, problems: Problems) -> dict[str, yaml.Node]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -70,3 +71,16 @@ def test_a_conflict_with_what_is_out_after_a_stop_ends_with_1(tmp_path: Path) ->
     assert result.code == 1
     assert (tmp_path / "conflict.svg").exists()
     assert not (tmp_path / "rest.nc").exists()
+
+
+def test_a_feed_law_holds_for_the_feed_that_it_was_measured_for(tmp_path: Path) -> None:
+    """Counted by hand: lengths over the F word, and the waits, are no more than the time in the program's header."""
+    (tmp_path / "laser.yaml").write_text("name: laser\nbased_on: laser-st10kp-2mm\nmachine: {cut_feed: 2 m/min}\n")
+    own = load_profile(tmp_path / "laser.yaml")
+    assert (own.time.model, own.time.feed_by_blocks) == ("acceleration", None)
+    assert load_profile("laser-st10kp-2mm").time.model == "blocks"
+    sheet = nest(300, 200, part("A", rect(30, 30, 90, 120)), part("B", rect(160, 30, 90, 120)))
+    found = made(sheet, own)
+    lit_mm = 2 * (2 * (90 + 120) + 4 * 0.1 * math.pi / 2)
+    least_s = lit_mm / (2000 / 60) + 2 * own.machine.pierce_time_s
+    assert least_s <= found.plan.totals.time_s <= 1.1 * least_s
