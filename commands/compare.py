@@ -76,7 +76,7 @@ def command(
     given = _given_twice(profiles or [None], options | {"last": a})
     for side in given:
         protect(side, options["nest"], outputs, a, b)
-    for text in dict.fromkeys(text for side in given for text in side.profile.price_notes()):
+    for text in dict.fromkeys(text for side in given for text in side.profile.time_and_price_notes()):
         print_note(text)
     limits = {"work": work, "seed": seed, "time_s": time_limit}
     made = _compared(pair_of(given, a, b, with_, without, limits, relax), heat)

@@ -37,7 +37,7 @@ def check(job: str, nest: str | Path | None, trust: bool) -> None:
 
     read = read_job(job)
     plant = profile_for(NestRequest(job=read), read, print_note, lambda named: plant_of(named, trust))
-    for text in (*plant.chart_notes(), *plant.price_notes()):
+    for text in (*plant.chart_notes(), *plant.time_and_price_notes()):
         print_note(text)
     nest = nest or _beside(job)
     if nest is not None:

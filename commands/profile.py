@@ -44,7 +44,7 @@ def check(profile: str, trust: bool) -> None:
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
     for text in Provenance(loaded).charted():
         click.echo(f"  {text}")
-    for text in (*loaded.chart_notes(), *loaded.price_notes(), locks_told(loaded)):
+    for text in (*loaded.chart_notes(), *loaded.time_and_price_notes(), locks_told(loaded)):
         if text:
             print_note(text)
 

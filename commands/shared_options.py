@@ -178,7 +178,7 @@ def note_placing(given: Inputs) -> None:
 
     for text in placing_notes(given.nest, given.profile):
         click.echo(f"warning: {text}", err=True)
-    for text in (*given.profile.chart_notes(), *given.profile.price_notes()):
+    for text in (*given.profile.chart_notes(), *given.profile.time_and_price_notes()):
         print_note(text)
     if given.profile.cuts.links.longest_mm > 0 and (why := given.profile.no_links(given.nest)):
         click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)

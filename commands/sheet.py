@@ -40,7 +40,7 @@ def command(
     expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
     given = read_inputs(**options, last=plan)
     protect(given, options["nest"], [path], plan, program)
-    for text in given.profile.price_notes():
+    for text in given.profile.time_and_price_notes():
         print_note(text)
     facts = about_of_job(given.job) | facts
     made = work_sheet(given, read_plan(plan), program, about=facts, tell=print_note)

@@ -36,7 +36,7 @@ def command(made: str | None, as_json: bool, feed: float | None, kerf: float | N
         times = time_old(read_program_alone(feed, kerf, given))
     else:
         asked = read_inputs(**given, last=made)
-        for text in asked.profile.price_notes():
+        for text in asked.profile.time_and_price_notes():
             print_note(text)
         times = time_made(asked, str(made), print_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)

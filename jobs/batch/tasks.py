@@ -210,7 +210,7 @@ def _notes(drawn: Nest, given: Inputs) -> Iterator[str]:
     if cut_all_the_same := tabs_not_left(drawn, given.profile):
         yield f"warning: {cut_all_the_same}"
     yield from (f"warning: {text}" for text in placing_notes(given.nest, given.profile))
-    yield from (f"note: {text}" for text in (*given.profile.chart_notes(), *given.profile.price_notes()))
+    yield from (f"note: {text}" for text in (*given.profile.chart_notes(), *given.profile.time_and_price_notes()))
     if told := common_cuts_not_made(given):
         yield f"note: {told}"
 

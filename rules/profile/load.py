@@ -33,7 +33,7 @@ from .plant_sections import is_own_dialect
 from .profile import Profile
 from .profile_sections import check_together, own_model_rule
 from .sections import SECTIONS, RuleSetting, default_settings
-from .time_section import Time
+from .time_section import LawLeft, Time
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -197,6 +197,7 @@ def parameters_of(path: Path) -> dict[str, OptionKind]:
 
 ProfileValues = dict[str, Any]
 T = TypeVar("T", bound="DataclassInstance")
+_LAW_KEYS = ("time.model", "time.feed_by_blocks")
 KEYS = ("name", "based_on", *SECTIONS, "python", "models", "rules", "own_rules", "locks")
 
 
@@ -236,7 +237,6 @@ def profile_values(
             given[section] = read_fields(members, given[section], problems, section)
     if not problems.found:
         given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
-    given["time"] = _timed_at(measured_mm_s, given, time_said="time" in found)
     if "python" in found:
         given |= with_python_files(found["python"], given, problems, trust)
     if "models" in found:
@@ -247,23 +247,33 @@ def profile_values(
         given["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
         given["own_rules"] = read_own_rules(found["own_rules"], problems, parameters_of)
-    given["said_at"] = {**given["said_at"], **_places(found, problems.file)}
+    places = _places(found, problems.file)
+    given["said_at"] = {**given["said_at"], **places}
+    given |= _timed_at(measured_mm_s, given, places)
     if root is not None:
         check_together(given, root, problems)
     problems.raise_any()
     return given
 
 
-def _timed_at(measured_mm_s: float, given: Mapping[str, Any], time_said: bool) -> Time:
+def _timed_at(measured_mm_s: float, given: Mapping[str, Any], places: Mapping[str, str]) -> ProfileValues:
     """How times are told: a feed law that is inherited holds for the feed that it was measured for.
 
-    With another feed the torch moves at that one, and speeds up and slows down, unless the file says itself.
+    With another feed the torch moves at that one, and speeds up and slows down, unless the file says itself by which
+    model or law; `places` are of what it says.
     """
     time: Time = given["time"]
-    same = math.isclose(given["machine"].cut_feed_mm_s, measured_mm_s, rel_tol=1e-6)
-    if time_said or same or time.model != "blocks":
-        return time
-    return dataclasses.replace(time, model="acceleration", feed_by_blocks=None)
+    if any(key in places for key in _LAW_KEYS):
+        return {"law_left": None}
+    if time.model != "blocks" or math.isclose(given["machine"].cut_feed_mm_s, measured_mm_s, rel_tol=1e-6):
+        return {}
+    law = time.feed_by_blocks
+    left = LawLeft("" if law is None else law.name, measured_mm_s)
+    said_at = {key: at for key, at in given["said_at"].items() if key not in _LAW_KEYS}
+    if by := said_at.get("machine.cut_feed"):
+        said_at |= dict.fromkeys(_LAW_KEYS, by)
+    timed = dataclasses.replace(time, model="acceleration", feed_by_blocks=None)
+    return {"time": timed, "law_left": left, "said_at": said_at}
 
 
 def _top_level(root: yaml.Node | None, problems: Problems) -> dict[str, yaml.Node]:

@@ -37,7 +37,7 @@ from .sections import (
     SmallHoles,
     default_settings,
 )
-from .time_section import Time
+from .time_section import LawLeft, Time
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -67,6 +67,7 @@ class ProfileSections:
     cuts: Cuts = field(default_factory=Cuts)
     nesting: Nesting = field(default_factory=Nesting)
     chart: ChartUse | None = field(default=None, compare=False)
+    law_left: LawLeft | None = field(default=None, compare=False)
     said_at: Mapping[str, str] = field(default_factory=dict, compare=False)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
@@ -146,12 +147,13 @@ class ProfileSections:
         """What a planner would want to know of the material chart: what is interpolated, and what it is not asked."""
         return () if self.chart is None else tuple(self.chart.notes())
 
-    def price_notes(self) -> tuple[str, ...]:
-        """What a planner would want to know of the prices: what they say in part, so that the cost leaves it out."""
-        if found := tuple(self.prices.half_given(self.material.gas_flow_m3_h)):
-            return found
-        said = any(key.startswith("prices.") for key in self.said_at)
-        return ("prices: no price is given, so that no cost is told",) if said and not self.prices.given else ()
+    def time_and_price_notes(self) -> tuple[str, ...]:
+        """What a planner would want to know of times and prices: a law that does not hold, what the cost leaves out."""
+        notes = [] if self.law_left is None else [self.law_left.told(self.machine.cut_feed_mm_s)]
+        half_given = list(self.prices.half_given(self.material.gas_flow_m3_h))
+        if not (half_given or self.prices.given) and any(key.startswith("prices.") for key in self.said_at):
+            half_given = ["prices: no price is given, so that no cost is told"]
+        return (*notes, *half_given)
 
     def _thresholds(self) -> Thresholds:
         return self._filled_in(Thresholds())

@@ -310,3 +310,26 @@ class Time:
     corner_deviation_mm: float = field(
         default=0.05, metadata=option(positive(LENGTH), "how far a corner may be rounded to take it faster")
     )
+
+
+@dataclass(frozen=True, slots=True)
+class LawLeft:
+    """A feed law that a profile inherits and does not use: its name, "" for a plant's own, and its feed."""
+
+    name: str
+    measured_mm_s: float
+
+    def told(self, cut_feed_mm_s: float) -> str:
+        """That it is not used, and why, for a planner.
+
+        Examples
+        --------
+        >>> LawLeft("big laser", 100.0).told(50.0).partition(";")[0]
+        'time: the feed law big laser is for a cut_feed of 6 m/min and is not used at 3 m/min'
+        """
+        law = f"feed law {self.name}" if self.name else "feed law of the profile that it is based on"
+        measured, feed = (f"{mm_s * 60 / 1000:.4g} m/min" for mm_s in (self.measured_mm_s, cut_feed_mm_s))
+        return (
+            f"time: the {law} is for a cut_feed of {measured} and is not used at {feed}; times are told at that feed, "
+            "with acceleration (give time.model for another)"
+        )

@@ -150,7 +150,7 @@ def test_the_flow_of_gas_is_in_the_chart(tmp_path: Path) -> None:
 def test_prices_that_are_half_given_say_what_is_missing(text: str, said: str, tmp_path: Path) -> None:
     file = tmp_path / "plant.yaml"
     file.write_text(text, encoding="utf-8")
-    assert load_profile(file).price_notes() == ((said,) if said else ())
+    assert load_profile(file).time_and_price_notes() == ((said,) if said else ())
 
 
 def test_the_command_line_tells_it(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import kerfwise as package
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.time_section import FeedLaw, LawKind, LawPiece, shipped_laws
+from kerfwise.tests.commands.run_cli import kerfwise
 
 # Tavaeva and Petunin, table 1: n0, the feed set, the polynomial from n³ down, the power; m/s.
 TABLE = {
@@ -179,3 +180,39 @@ def test_the_profiles_in_the_docs_load(tmp_path: Path) -> None:
         path = tmp_path / f"{number}.yaml"
         path.write_text(text, encoding="utf-8")
         load_profile(path)
+
+
+LEFT = (
+    "time: the feed law bystar-3015-st10kp-2mm is for a cut_feed of 5.85 m/min and is not used at 2 m/min; times are "
+    "told at that feed, with acceleration (give time.model for another)"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "model", "notes"),
+    [
+        ("", "blocks", ()),
+        ("machine: {cut_feed: 5.85 m/min}\n", "blocks", ()),
+        ("machine: {cut_feed: 2 m/min}\n", "acceleration", (LEFT,)),
+        ("machine: {cut_feed: 2 m/min}\ntime: {acceleration: 3 m/s2}\n", "acceleration", (LEFT,)),
+        ("machine: {cut_feed: 2 m/min}\ntime: {model: constant}\n", "constant", ()),
+        ("machine: {cut_feed: 2 m/min}\ntime: {feed_by_blocks: {points: [[20, 2 m/min]]}}\n", "blocks", ()),
+    ],
+)
+def test_a_law_is_left_out_at_another_feed(tmp_path: Path, text: str, model: str, notes: tuple[str, ...]) -> None:
+    (tmp_path / "plant.yaml").write_text(f"based_on: laser-st10kp-2mm\n{text}")
+    (tmp_path / "next.yaml").write_text("based_on: plant.yaml\nmachine: {mark_feed: 9 m/min}\n")
+    for name in ("plant.yaml", "next.yaml"):
+        plant = load_profile(tmp_path / name)
+        assert (plant.time.model, plant.time_and_price_notes()) == (model, notes)
+    if notes:
+        assert plant.said_at["time.model"].endswith("plant.yaml:2")
+        assert plant.time.feed_by_blocks is None
+
+
+def test_the_command_line_tells_once_that_a_law_is_left_out() -> None:
+    ended = kerfwise("profile", "check", "laser-st10kp-2mm")
+    assert (ended.code, "feed law" in ended.err) == (0, False)
+    nest = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
+    ended = kerfwise("solve", nest, "-p", "laser-st10kp-2mm", "--set", "machine.cut_feed=2 m/min", "--work", "1")
+    assert (ended.code, ended.err.count(f"note: {LEFT}")) == (0, 1)
