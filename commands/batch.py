@@ -26,28 +26,30 @@ _NAME = re.compile(r"\w[\w-]*")
 
 @click.command()
 @click.option("-p", "--profile", "profiles", metavar="[NAME=]PROFILE", multiple=True,
-              help=f"A machine, once for each. Else the profile of the job file, or {DEFAULT}.")  # fmt: skip
+              help=f"A machine; repeatable. Default: the profile of the job file, or {DEFAULT}.")  # fmt: skip
 @TRUST
-@click.option("-o", "--output", metavar="OUT", required=True, help="The folder of the programs and of their index.")
+@click.option("-o", "--output", metavar="OUT", required=True, help="Output folder of the programs and the index.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N",
-              help="Nests that are planned at the same time: half the cores, as a plan uses two threads.")  # fmt: skip
+              help="Number of nests to plan at once. Default: half the cores.")  # fmt: skip
 @click.option("--scheduler", metavar="tcp://…", help="Plan on the workers of this Dask scheduler: kerfwise[cluster].")
-@click.option("--watch", is_flag=True, help="Go on as files arrive or change, until Ctrl-C.")
+@click.option("--watch", is_flag=True, help="Keep planning as files arrive or change, until Ctrl-C.")
 @click.option("--sheets", is_flag=True, help="Print the work sheets of each machine: OUT/MACHINE.pdf.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each planning by the clock, in seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
+              help="Deterministic limit, without --time-limit: the same work gives the same bytes.")  # fmt: skip
 @click.option("--gap", type=Amount(min=0, max=1), metavar="G",
-              help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
+              help="Stop at this gap; 0.01 is 1 %.")  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
 @click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
-              help="As for solve: what tables of the engines may fill, libraries counted, for each nest.")  # fmt: skip
-@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
-@click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings.")
-@click.option("--refused-again", is_flag=True, help="Try again what was refused before.")
-@click.option("--tidy", is_flag=True, help="Remove what earlier runs wrote of nests that are not among IN… any more.")
+              help="Memory limit in GB for each nest, as for solve.")  # fmt: skip
+@click.option(
+    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
+)
+@click.option("--repair", is_flag=True, help="Repair the drawings where possible.")
+@click.option("--refused-again", is_flag=True, help="Retry nests that were refused before.")
+@click.option("--tidy", is_flag=True, help="Remove outputs of nests that are no longer among IN….")
 @click.argument("nests", metavar="IN…", nargs=-1, required=True)
 def command(
     nests: tuple[str, ...],
@@ -63,7 +65,7 @@ def command(
     tidy: bool,
     **limits: Any,
 ) -> int:
-    """Plan every nest of files and folders on every machine; what is finished is known by its content, and skipped."""
+    """Plan every nest of files and folders on every machine; skip what is already finished."""
     from kerfwise.jobs.batch.run import run_batch
     from kerfwise.jobs.batch.store import Store, lock_folder
     from kerfwise.jobs.batch.tasks import Options, keep_on, sources_in

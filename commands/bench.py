@@ -17,13 +17,13 @@ from .shared_options import AMOUNT_OVER_ZERO, MEMORY, TRUST, EngineChoice
 @click.command()
 @click.argument("files", nargs=-1, required=True, metavar="FILES…")
 @click.option("--engine", "engines", type=EngineChoice(BUILT_IN), multiple=True, default=("portfolio",),
-              show_default=True, help="May be given more than once: each runs on every file.")  # fmt: skip
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock limit of each run, in seconds.")
+              show_default=True, help="Repeatable: each runs on every file.")  # fmt: skip
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each run, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,
-              help="Limit of each run, the same on each machine; used without --time-limit.")  # fmt: skip
+              help="Deterministic limit of each run, without --time-limit.")  # fmt: skip
 @MEMORY
 @click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
-              help="May be given more than once.")  # fmt: skip
+              help="Repeatable.")  # fmt: skip
 @click.option(
     "--best-known", metavar="CSV", help="Columns instance, best_upper and, where names repeat, set (a folder)."
 )
@@ -44,7 +44,7 @@ def command(
 ) -> int:
     """Run engines on FILES: routing instances (.pcglns, .sop, also with .gz) and nests (.json, .dxf, .svg).
 
-    Separate code judges every tour. Each run is a process of its own; its clock starts when the file is read and the
+    Separate code judges every tour. Each run is a separate process; its clock starts when the file is read and the
     compiled kernels are loaded. A file that cannot be read is named, and the others are run.
     """
     from kerfwise.jobs.bench import BenchJob, head, line, measure, read_best_known, results_as_json, results_in_all

@@ -20,14 +20,18 @@ from .shared_options import (
 
 @click.command()
 @input_options
-@click.option("--plan", metavar="PLAN.json", help="The plan of OUT.nc: says what its comments do not, and is followed.")
+@click.option(
+    "--plan",
+    metavar="PLAN.json",
+    help="The plan of OUT.nc: supplies what its comments omit; the program must follow it.",
+)
 @FEED
 @KERF
 @click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
 def command(made: str | None, plan: str | None, feed: float | None, kerf: float | None, **given: Any) -> int:
-    """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken.
+    """Check a plan or an NC program of NEST against every rule; exit 1 if a hard one is broken.
 
-    A program may stand alone: its parts and holes are then told from what it burns.
+    Without NEST, derive the parts and holes from the program's burns.
     """
     from kerfwise.jobs.programs import check_made, check_old
     from kerfwise.postproc.check import report

@@ -35,20 +35,20 @@ def _options(verb: Callable[..., Any]) -> Callable[..., Any]:
 @_options
 @click.argument("a", metavar="[A]", required=False)
 @click.argument("b", metavar="[B]", required=False)
-@click.option("--without", multiple=True, metavar="RULE", help="B is planned with this rule off; may be repeated.")
+@click.option("--without", multiple=True, metavar="RULE", help="Plan B with this rule off; repeatable.")
 @click.option("--with", "with_", multiple=True, metavar="RULE[=hard|soft]",
-              help="B is planned with this rule on; may be repeated.")  # fmt: skip
-@click.option("--heat", is_flag=True, help="Simulate how hot both make the sheet.")
+              help="Plan B with this rule on; repeatable.")  # fmt: skip
+@click.option("--heat", is_flag=True, help="Simulate the temperatures of both.")
 @click.option("-o", "--output", "outputs", multiple=True, metavar="OUT.svg|.png|.html|.pdf",
-              help="A picture of both routes, or a page or paper with all; may be repeated.")  # fmt: skip
+              help="Write a picture of both routes, or a page or PDF with everything; repeatable.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit of each plan by the clock, in seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Limit of each plan without --time-limit.")  # fmt: skip
+              help="Deterministic limit of each plan, without --time-limit.")  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
-@click.option("--relax", is_flag=True, help="Where hard rules clash, plan with the cheapest way out.")
+@click.option("--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones.")
 def command(
     a: str | None,
     b: str | None,
@@ -64,10 +64,10 @@ def command(
     relax: bool,
     **options: Any,
 ) -> int:
-    """Put two ways to cut NEST side by side: figures, rules, the cuts that differ, and both routes as a picture.
+    """Compare two ways to cut NEST: figures, rules, cuts that differ, and a picture of both routes.
 
-    A and B are plans or programs of NEST. What is not given is planned: by two profiles, or by one with
-    rules on or off.
+    A and B are plans or programs of NEST. A missing one is planned: by two profiles, or by one with rules on or
+    off.
     """
     from kerfwise.jobs.compare import pair_of
 

@@ -12,9 +12,9 @@ from kerfwise.encoder.errors import InputError
 @click.group(invoke_without_command=True, subcommand_metavar="[show NAME | new NAME --like X]")
 @click.pass_context
 def command(ctx: click.Context) -> None:
-    """List the dialects: for which control and processes, and which outside readers agree with what is written.
+    """List the dialects with their controls, processes, and the outside readers that agree with their programs.
 
-    `kerfwise dialects new NAME --like X` begins a plant's own file, `kerfwise dialects show X` prints a dialect.
+    `kerfwise dialects new NAME --like X` writes a copy to edit, `kerfwise dialects show X` prints a dialect.
     """
     if ctx.invoked_subcommand is None:
         _list()
@@ -47,10 +47,10 @@ def show(name: str) -> None:
 
 @command.command()
 @click.argument("name")
-@click.option("--like", required=True, metavar="X", help="The dialect to begin from: a shipped one, or a file.")
-@click.option("-o", "--output", metavar="OUT.yaml", help="The file; NAME.yaml if none is named.")
+@click.option("--like", required=True, metavar="X", help="The dialect to copy: a shipped one, or a file.")
+@click.option("-o", "--output", metavar="OUT.yaml", help="Output file. Default: NAME.yaml.")
 def new(name: str, like: str, output: str | None) -> None:
-    """Write a dialect of a plant's own, NAME.yaml, as a copy of X to be changed."""
+    """Write NAME.yaml, a copy of the dialect X to edit."""
     from kerfwise.postproc.dialects import dialect_names
     from kerfwise.postproc.dialects.load import new_dialect_text
     from kerfwise.postproc.output_files import expect_outputs, write_files

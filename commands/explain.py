@@ -17,11 +17,11 @@ from .shared_options import input_options, read_inputs
     "--all",
     "everything",
     is_flag=True,
-    help="Print all that holds the contour, and the chains to both ends.",
+    help="Print all constraints on the contour, and the chains to both ends.",
 )
 @click.option("--json", "as_data", is_flag=True, help="Print the same as JSON.")
 def command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
-    """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
+    """Explain the position and entry of CONTOUR (such as P3.outer), and what moving it would cost."""
     from kerfwise.jobs.explainer import Explainer
     from kerfwise.models.plan.explain import as_text, explanation_as_json
     from kerfwise.models.plan.read_plan import read_plan

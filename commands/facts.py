@@ -19,7 +19,7 @@ from .terminal import expect_printed
     "-o",
     "--output",
     metavar="FACTS.json|FACTS.dzn",
-    help="File, .json or .dzn; without it, JSON is printed.",
+    help="Output file, .json or .dzn. Default: print JSON.",
 )
 def command(output: str | None, **given: Any) -> None:
     """Write the facts of NEST: containment, what lies ahead, hulls, neighbours, zones, candidates."""

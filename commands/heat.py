@@ -27,9 +27,9 @@ FRAMES = 60
 
 @click.command()
 @input_options
-@click.option("--model", type=click.Choice(["physical", "logical"]), help="Model, instead of heat.model.")
+@click.option("--model", type=click.Choice(["physical", "logical"]), help="Override heat.model.")
 @click.option("--json", "as_json", is_flag=True, help="Print model, overheats, peak_c and more, as JSON.")
-@click.option("-o", "--output", metavar="MAP.png", help="A picture of the highest temperature of every point.")
+@click.option("-o", "--output", metavar="MAP.png", help="Write a picture of the peak temperature of every point.")
 @click.option("--frames", metavar="DIR", help=f"{FRAMES} pictures of the sheet, evenly spread over the program.")
 @FEED
 @KERF
@@ -44,9 +44,9 @@ def command(
     kerf: float | None,
     **given: Any,
 ) -> None:
-    """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot.
+    """Simulate the sheet temperatures of a plan or an NC program of NEST, and count the overheated points.
 
-    A program may stand alone: its parts and holes are then told from what it burns.
+    Without NEST, derive the parts and holes from the program's burns.
     """
     if output and Path(output).suffix.lower() != ".png":
         kind = Path(output).suffix or output

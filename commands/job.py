@@ -27,7 +27,7 @@ def command() -> None:
 @click.argument("nest", metavar="[NEST]", required=False)
 @TRUST
 def check(job: str, nest: str | Path | None, trust: bool) -> None:
-    """Say whether JOB can be used, and if not, where it is wrong.
+    """Validate JOB against its profile and nest; report every error with its place.
 
     Its profile is looked up, and its contours in NEST, or in the nest beside it.
     """
@@ -49,7 +49,7 @@ def check(job: str, nest: str | Path | None, trust: bool) -> None:
 
 @command.command()
 def schema() -> None:
-    """Print the JSON Schema that editors complete job files by."""
+    """Print the JSON Schema of job files, for editors."""
     from kerfwise.jobs.nest_job.schema import schema_text
 
     click.echo(schema_text(), nl=False)

@@ -15,10 +15,12 @@ from .shared_options import AMOUNT_OVER_ZERO
 @click.command()
 @nest_options
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Limit of the plan of each sheet. The same work gives the same bytes, on each machine.")  # fmt: skip
-@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
+              help="Deterministic limit of each plan: the same work gives the same bytes.")  # fmt: skip
+@click.option(
+    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
+)
 def command(dxf: bool, work: float, relax: bool, **options: Any) -> int:
-    """Lay PARTS on sheets, and turn every sheet into a checked program with its plan and pictures."""
+    """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
     from kerfwise.jobs.nesting.nests import write_nests
     from kerfwise.jobs.nesting.programs import make_programs
 

@@ -26,31 +26,31 @@ Verb = Callable[..., Any]
 
 _OPTIONS = (
     click.option("--sheet", "sheets", metavar="WxH[=N]|FILE[=N]", multiple=True,
-                 help="A sheet in mm, such as 3000x1500, and how many there are; may be repeated."),
+                 help="A sheet in mm, such as 3000x1500, and its stock; repeatable."),
     click.option("--remnant", "remnants", metavar="FILE[=N]|WxH[=N]", multiple=True,
-                 help="A remnant of any shape, used before sheets; may be repeated."),
+                 help="A remnant of any shape, used before sheets; repeatable."),
     click.option("-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Name or path."),
     TRUST,
-    click.option("-o", "--output", metavar="DIR", required=True, help="The folder of the nests."),
-    click.option("--gap", metavar="LENGTH", help="Between parts, instead of a kerf and the profile's nesting.web."),
-    click.option("--edge", metavar="LENGTH", help="To the edge of the sheet, instead of the profile's nesting.edge."),
-    click.option("--dxf", is_flag=True, help="Write each nest as DXF, too."),
+    click.option("-o", "--output", metavar="DIR", required=True, help="Output folder of the nests."),
+    click.option("--gap", metavar="LENGTH", help="Gap between parts. Default: a kerf and the profile's nesting.web."),
+    click.option("--edge", metavar="LENGTH", help="Distance to the sheet's edge. Default: the profile's nesting.edge."),
+    click.option("--dxf", is_flag=True, help="Also write each nest as DXF."),
     click.option("--rounds", type=click.IntRange(1, 100_000), default=12, show_default=True, metavar="N",
-                 help="Orders that are tried, without --time-limit. The same number gives the same bytes."),
-    click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Look as long, by the clock, in seconds."),
+                 help="Rounds to search, without --time-limit. The same number gives the same bytes."),
+    click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of the search, in seconds."),
     click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N",
-                 help="Of random orders."),
+                 help="Seed of the search."),
     click.option("--engine", type=click.Choice(["own", "pavlov", "sparrow"]), default="own", show_default=True,
                  help="pavlov: the least rectangle around all parts, blocks by the defining line, for small lists. "
                  "sparrow: make the best layout denser with spyrrow (pip install kerfwise[nest])."),
     click.option("--for", "purpose", type=click.Choice(["density", "cutting"]), default="density", show_default=True,
                  help="cutting: plan several layouts that use the sheets alike, and take the cheapest to cut."),
     click.option("--weigh", type=click.IntRange(1, 100), default=4, show_default=True, metavar="N",
-                 help="Layouts that are planned with --for cutting."),
+                 help="Number of layouts to plan with --for cutting."),
     click.option("--weigh-work", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="W",
-                 help="Limit of each such plan."),
+                 help="Work limit of each of these plans."),
     click.option("--units", metavar="UNIT", help="Unit of the drawings: mm, cm, m, in, ft, pt, px, or as 90dpi."),
-    click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings, and say what was done."),
+    click.option("--repair", is_flag=True, help="Repair the drawings where possible, and report each repair."),
     click.argument("parts", metavar="PARTS…", nargs=-1, required=True),
 )  # fmt: skip
 
@@ -145,9 +145,9 @@ def _schema(context: click.Context, option: click.Parameter, asked: bool) -> Non
 @click.command()
 @nest_options
 @click.option("--schema", is_flag=True, is_eager=True, expose_value=False, callback=_schema,
-              help="Print the JSON Schema that editors complete lists of parts by.")  # fmt: skip
+              help="Print the JSON Schema of lists of parts, for editors.")  # fmt: skip
 @click.option("--picture", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True,
-              help="Of what kind the pictures are.")  # fmt: skip
+              help="Format of the pictures.")  # fmt: skip
 def command(dxf: bool, picture: str, **options: Any) -> int:
     """Lay PARTS, files with their quantities (bracket.dxf=12) or lists of parts, on sheets; remnants first."""
     from kerfwise.jobs.nesting.nests import nest_files, write_nests

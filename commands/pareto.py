@@ -17,27 +17,29 @@ from .shared_options import AMOUNT, AMOUNT_OVER_ZERO, input_options, note_placin
 @click.command()
 @input_options
 @click.option("--price", "prices", type=AMOUNT, multiple=True, default=PRICES_MM, show_default=True,
-              help="Cost of an overheat in mm of idle travel; may be given more than once.")  # fmt: skip
+              help="Price of an overheat in mm of idle travel; repeatable.")  # fmt: skip
 @click.option(
     "--work",
     type=AMOUNT_OVER_ZERO,
     default=10.0,
     show_default=True,
-    help="Limit of each plan, the same on each machine.",
+    help="Deterministic limit of each plan.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
 @click.option(
-    "--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds of a plan, instead of --work."
+    "--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan in seconds, instead of --work."
 )
 @click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
-              help="Go on after a stop: plan only what the old plan or program has not cut yet.")  # fmt: skip
+              help="Resume after a stop: plan only what this plan or program has not cut.")  # fmt: skip
 @click.option(
-    "--upto", type=click.IntRange(min=1), metavar="N", help="How many of its cuts are made; with --lock-from."
+    "--upto", type=click.IntRange(min=1), metavar="N", help="Number of its last finished cut; with --lock-from."
 )
-@click.option("--redo-last", is_flag=True, help="Cut N broke off: begin with it, from its start; with --lock-from.")
-@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plans.")
-@click.option("-o", "--output", metavar="FRONT.png", help="The plot. If no output is named: NEST.pareto.png.")
-@click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point: NEST.pareto.")
+@click.option("--redo-last", is_flag=True, help="Repeat cut N, which broke off, from its start; with --lock-from.")
+@click.option(
+    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plans."
+)
+@click.option("-o", "--output", metavar="FRONT.png", help="Output of the plot. Default: NEST.pareto.png.")
+@click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point. Default: NEST.pareto.")
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
 def command(
     prices: tuple[float, ...],
@@ -53,7 +55,7 @@ def command(
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Plan NEST at several prices of an overheat, simulate every plan, and say which are worth choosing from."""
+    """Plan NEST at several prices per overheat, simulate every plan, and print the Pareto front."""
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png", file=output)
     if output is plans is None:

@@ -19,11 +19,13 @@ if TYPE_CHECKING:
 @click.command()
 @input_options
 @click.argument("plan", metavar="[PLAN.json]", required=False)
-@click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.pdf|.html", help="File of the picture.")
+@click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.pdf|.html", help="Output file.")
 @click.option(
-    "--heat/--no-heat", default=None, help="Of a page: simulate the heat or not; else where it takes seconds."
+    "--heat/--no-heat", default=None, help="For a page: simulate the heat or not. Default: if it takes only seconds."
 )
-@click.option("--why", is_flag=True, help="Of a page: what moving each contour would cost, however many there are.")
+@click.option(
+    "--why", is_flag=True, help="For a page: compute the cost of moving each contour, however many there are."
+)
 @FEED
 @KERF
 def command(

@@ -26,14 +26,14 @@ _YAML = (".yaml", ".yml")
 
 @click.group()
 def command() -> None:
-    """Check a profile (by name or path), show all it says, compare two, begin one, or print the schema of profiles."""
+    """Check a profile (name or path), print it in full, compare two, create one, or print the schema of profiles."""
 
 
 @command.command()
 @click.argument("profile", metavar="PROFILE")
 @TRUST
 def check(profile: str, trust: bool) -> None:
-    """Say whether PROFILE can be used, and if not, where it is wrong."""
+    """Validate PROFILE; report every error with its place."""
     from kerfwise.jobs.nest_job.request import locks_told
     from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
@@ -52,14 +52,14 @@ def check(profile: str, trust: bool) -> None:
 @command.command()
 @click.argument("profile", metavar="[PROFILE]", required=False)
 @click.option("--sources", is_flag=True, help="Say of each value where it is from: file and line.")
-@click.option("--job", metavar="JOB", help="Lay this job file over it; PROFILE may then be the one that it names.")
+@click.option("--job", metavar="JOB", help="Apply this job file; PROFILE may then be the one that it names.")
 @SET
 @LOCK
 @TRUST
 def show(
     profile: str | None, sources: bool, job: str | None, settings: Sequence[str], lock: Sequence[str], trust: bool
 ) -> None:
-    """Print PROFILE as YAML with every default filled in, and with what a job file, --set and --lock lay over it."""
+    """Print PROFILE as YAML with every default filled in, and with the values of a job file, --set and --lock."""
     from kerfwise.jobs.nest_job.request import job_for, profile_for, profile_with_locks
 
     if profile is None and job is None:
@@ -75,7 +75,7 @@ def show(
 @click.argument("profile", metavar="[PROFILE]", default=DEFAULT)
 @TRUST
 def schema(profile: str, trust: bool) -> None:
-    """Print the JSON Schema that editors complete profiles by, with the rules that PROFILE and packages bring."""
+    """Print the JSON Schema of profiles, for editors, with the rules of PROFILE and of packages."""
     from kerfwise.rules.profile.schema import schema_text
 
     click.echo(schema_text(load_profile(profile, trust=trust).known_rules()), nl=False)
@@ -109,16 +109,14 @@ def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
 
 @command.command()
 @click.argument("name", metavar="NAME")
-@click.option(
-    "--like", metavar="PROFILE", help="The profile to begin from: a shipped one, or a file. Nothing is asked."
-)
-@click.option("-o", "--output", metavar="OUT.yaml", help="The file; NAME.yaml if none is named.")
+@click.option("--like", metavar="PROFILE", help="The profile to copy: a shipped one, or a file. Asks no questions.")
+@click.option("-o", "--output", metavar="OUT.yaml", help="Output file. Default: NAME.yaml.")
 @TRUST
 def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
-    """Write a profile of a plant's own, NAME.yaml: asked step by step on a terminal, or a copy of another.
+    """Write a new profile NAME.yaml: by questions on a terminal, or as a copy of another.
 
     NAME may be a path, such as plants/laser-2.yaml: the profile is then named after its file. Comments of the profile
-    that it begins from are kept.
+    that it copies are kept.
     """
     from kerfwise.jobs.new_profile import expect_usable, new_profile_text
     from kerfwise.postproc.output_files import expect_outputs, write_files

@@ -23,11 +23,11 @@ OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 @click.command()
 @input_options
 @click.option("-o", "--output", metavar="READING.png|.svg|.pdf", help="A picture: cut, marked, left out, unknown.")
-@click.option("--json", "as_json", is_flag=True, help="Print it as JSON, questions too.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, with the questions.")
 def command(output: str | None, as_json: bool, **given: Any) -> int:
-    """Say what NEST is taken for: units, sheet, each layer, what is left out and repaired, and the questions it raises.
+    """Print how NEST is read: units, sheet, each layer, what is left out and repaired, and open questions.
 
-    Exit code 3 where questions are open, 2 where it cannot be cut as it is drawn; the picture is drawn all the same.
+    Exit code 3 if questions are open, 2 if it cannot be cut as drawn; the picture is drawn in any case.
     """
     from kerfwise.encoder.readers.read import seen
     from kerfwise.jobs.inputs import plant_of, reading

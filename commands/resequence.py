@@ -26,19 +26,19 @@ if TYPE_CHECKING:
 @TRUST
 @click.option("-o", "--output", metavar="OUT", help="The new program, or for a folder the folder of the new ones.")
 @click.option("--paths", type=click.Choice(["keep", "new"]), default="keep", show_default=True,
-              help="Every burn as it is, or all contours planned afresh.")  # fmt: skip
+              help="Keep every burn, or plan all contours anew.")  # fmt: skip
 @click.option("--without-rules", is_flag=True,
-              help="Go on by travel alone where nobody can tell what the burns cut.")  # fmt: skip
-@click.option("--picture", metavar="OUT.svg|.png", help="A picture of both orders.")
-@click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan of the new program, where there is one.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each planning by the clock, in seconds.")
+              help="If the burns do not show what they cut, order them by travel alone.")  # fmt: skip
+@click.option("--picture", metavar="OUT.svg|.png", help="Write a picture of both orders.")
+@click.option("--plan", "plan_path", metavar="PLAN.json", help="Write the plan of the new program, if there is one.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
+              help="Deterministic limit, without --time-limit: the same work gives the same bytes.")  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
-              help="Programs of a folder that are planned at the same time.")  # fmt: skip
+              help="Number of programs of a folder to plan at once.")  # fmt: skip
 @click.argument("old", metavar="OLD.nc|DIR")
 def command(
     old: str,
@@ -55,7 +55,7 @@ def command(
     jobs: int,
     **given: Any,
 ) -> int:
-    """Put the burns of an old program into the best order, or plan its contours afresh; or those of a whole folder."""
+    """Re-order the burns of an old program, or plan its contours anew; or of all programs in a folder."""
     from kerfwise.jobs.inputs import plant_of
     from kerfwise.jobs.resequence.resequence import resequence
 

@@ -32,7 +32,7 @@ class Pages(click.Group):
 def command(ctx: click.Context, texts: bool, profile: str, trust: bool) -> None:
     """List the rules with the strength the profile gives them, or print the page of RULE.
 
-    `kerfwise rules RULE --picture OUT.svg` draws its cases, `kerfwise rules new NAME` begins a rule of that name,
+    `kerfwise rules RULE --picture OUT.svg` draws its cases, `kerfwise rules new NAME` writes a new rule,
     `kerfwise rules test [RULE]` runs the cases.
     """
     if ctx.invoked_subcommand is None and texts:
@@ -87,14 +87,14 @@ def _draw(rule: str, picture: str) -> None:
 
 @command.command()
 @click.argument("name")
+@click.option("--python", "language", flag_value="python", help="Write one Python file with the rule and its cases.")
+@click.option("--mzn", "language", flag_value="mzn", help="Write one MiniZinc file with the rule and its cases.")
 @click.option(
-    "--python", "language", flag_value="python", help="A rule of your own in Python, with its cases: one file."
+    "-o", "folder", metavar="FOLDER", type=click.Path(path_type=Path), help="Output folder. Default: the current one."
 )
-@click.option("--mzn", "language", flag_value="mzn", help="A rule of your own in MiniZinc, with its cases: one file.")
-@click.option("-o", "folder", metavar="FOLDER", type=click.Path(path_type=Path), help="Where to write it, if not here.")
 @click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="The source checkout, if not this one.")
 def new(name: str, language: str | None, folder: Path | None, into: Path | None) -> None:
-    """Write a rule NAME with an example in it that works: change it into your own.
+    """Write a working example of a rule NAME, to change into your own.
 
     With --python or --mzn it is one file, in any folder. Without, it is the three files of a rule of the catalogue, in
     a source checkout of kerfwise.
@@ -130,7 +130,7 @@ def _new_outside(name: str, language: str, folder: Path) -> None:
 
 @command.command()
 @click.argument("rules", nargs=-1, metavar="[FILE|NAME]…")
-@click.option("--cases", "cases_only", is_flag=True, help="Run the cases alone; no nests are tried.")
+@click.option("--cases", "cases_only", is_flag=True, help="Run the cases only.")
 @PROFILE
 @TRUST
 def test(rules: tuple[str, ...], cases_only: bool, profile: str, trust: bool) -> int:

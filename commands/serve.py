@@ -18,18 +18,18 @@ NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
 @click.command()
 @click.argument("given", metavar="[NEST|DIR]", default=".")
 @click.option("-p", "--profile", metavar="PROFILE", help="Name or path, for nests whose job file names none.")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any that is free, if left out.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port. Default: any free one.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="How much goes into a plan, as for solve.")  # fmt: skip
+              help="Effort of a plan, as for solve.")  # fmt: skip
 @MEMORY
-@click.option("--open", "open_browser", is_flag=True, help="Open the page in the browser.")
+@click.option("--open", "open_browser", is_flag=True, help="Open the viewer in the browser.")
 @TRUST
 def command(
     given: str, profile: str | None, port: int, work: float, memory_gb: float, open_browser: bool, trust: bool
 ) -> None:
-    """Show NEST, or the nests of the folder DIR, in the browser: see, ask why, move, plan again and save.
+    """Open NEST, or the nests of the folder DIR, in the interactive viewer: move, lock, re-plan and save.
 
-    Only browsers of this machine reach it, by the address that is printed.
+    Only browsers on this machine can reach it, by the printed address.
     """
     if missing := [name for name in NEEDED if not _is_there(name)]:
         raise InputError(f"serve needs {', '.join(missing)}: install it with `pip install 'kerfwise[serve]'`")

@@ -53,7 +53,10 @@ def input_options(verb: Verb) -> Verb:
 
 
 _PROFILE = click.option(
-    "-p", "--profile", metavar="PROFILE", help=f"Name or path of the profile. Else that of the job file, or {DEFAULT}."
+    "-p",
+    "--profile",
+    metavar="PROFILE",
+    help=f"Name or path of the profile. Default: that of the job file, or {DEFAULT}.",
 )
 
 
@@ -64,18 +67,16 @@ def nest_options(verb: Verb, profile: Callable[[Verb], Verb]) -> Verb:
     """
     verb = _naming_the_nest(verb)
     for add in (
-        click.option(
-            "--origin", type=click.Choice(list(ORIGINS)), help="The machine's zero, instead of machine.origin."
-        ),
-        click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
-        click.option("--sheet", metavar="WxH", help="Sheet size in mm, in the place of the sheet that the file has."),
+        click.option("--origin", type=click.Choice(list(ORIGINS)), help="Override machine.origin, the machine's zero."),
+        click.option("--repair", is_flag=True, help="Repair the drawing where possible, and report each repair."),
+        click.option("--sheet", metavar="WxH", help="Sheet size in mm, instead of the file's sheet."),
         click.option(
             "--frame",
             type=click.Choice(["sheet", "part"]),
-            help="What a single rectangle around everything is, where no layer names the sheet.",
+            help="Use of a single rectangle around everything, if no layer names the sheet.",
         ),
         click.option(
-            "--refit-arcs", metavar="LENGTH", help="Make arcs of flattened outlines, this near to them, as 0.05 mm."
+            "--refit-arcs", metavar="LENGTH", help="Refit arcs to flattened outlines within this tolerance, as 0.05 mm."
         ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in, ft, pt, px, or as 90dpi."),
         TRUST,
@@ -190,12 +191,12 @@ def note_placing(given: Inputs) -> None:
 
 NestVerb = Callable[..., Any]
 
-JOB = click.option("--job", metavar="JOB", help="The job file, instead of NEST.job.yaml beside the nest.")
-NO_JOB = click.option("--no-job", is_flag=True, help="Go without the job file beside the nest.")
+JOB = click.option("--job", metavar="JOB", help="Use this job file instead of NEST.job.yaml beside the nest.")
+NO_JOB = click.option("--no-job", is_flag=True, help="Ignore the job file beside the nest.")
 SET = click.option("--set", "settings", multiple=True, metavar="KEY=VALUE",
-                   help="A value of the profile for this nest only: leads.lead_in=4mm; may be repeated.")  # fmt: skip
+                   help="Set a value of the profile once, as leads.lead_in=4mm; repeatable.")  # fmt: skip
 LOCK = click.option("--lock", multiple=True, metavar="LOCK",
-                    help="A decision of your own, such as 'P2 first' or '#7 before P3'; may be repeated.")  # fmt: skip
+                    help="Fix a decision, such as 'P2 first' or '#7 before P3'; repeatable.")  # fmt: skip
 
 
 ANSWER = click.option("--answer", "answers", multiple=True, metavar="QUESTION=CHOICE",
@@ -308,8 +309,8 @@ MEMORY = click.option(
     default=2.0,
     show_default=True,
     metavar="GB",
-    help="What the process may hold: tables of engines that run at the same time fill what libraries, and moves over "
-    "parts that are out, leave of it. CP-SAT and linear programs have their own.",
+    help="Memory limit of the process in GB, for libraries, moves over parts that are out, and the engines' tables. "
+    "CP-SAT and linear programs are not counted.",
 )
 
 
@@ -332,13 +333,15 @@ class EngineChoice(click.Choice[Any]):
 ProgramVerb = Callable[..., Any]
 
 FEED = click.option("--feed", type=AMOUNT_OVER_ZERO, metavar="F",
-                    help="Feed in mm/min where an old program leaves it to the machine's material.")  # fmt: skip
+                    help="Feed in mm/min of an old program that leaves it to the machine's material.")  # fmt: skip
 KERF = click.option("--kerf", type=AMOUNT, metavar="K", help="Kerf of an old program in mm, instead of the profile's.")
 
 
 def old_options(verb: ProgramVerb) -> ProgramVerb:
     """Add the options that say what an old program does not."""
-    sheet = click.option("--sheet", metavar="WxH", help="Sheet size in mm; else one is laid around what is cut.")
+    sheet = click.option(
+        "--sheet", metavar="WxH", help="Sheet size in mm. Default: the bounding box of the burns with a margin."
+    )
     for add in (sheet, KERF, FEED):
         verb = add(verb)
     return verb

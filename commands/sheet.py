@@ -16,18 +16,20 @@ from .shared_options import input_options, print_note, protect, read_inputs
 @click.command()
 @input_options
 @click.argument("plan", metavar="PLAN.json")
-@click.option("-o", "--output", metavar="OUT.pdf", help="The work sheet; NEST.pdf if none is named.")
+@click.option("-o", "--output", metavar="OUT.pdf", help="Output file. Default: NEST.pdf.")
 @click.option(
-    "--program", metavar="OUT.nc", help="The program's file, whose hash is printed; else as the plan makes it."
+    "--program", metavar="OUT.nc", help="The program whose hash is printed. Default: as written from the plan."
 )
-@click.option("--date", default="", metavar="TEXT", help="A date to print; none stands there otherwise.")
-@click.option("--about", multiple=True, metavar="NAME=TEXT", help="More to print, such as order=4711; may be repeated.")
+@click.option("--date", default="", metavar="TEXT", help="Date to print. Default: none.")
+@click.option(
+    "--about", multiple=True, metavar="NAME=TEXT", help="Additional line to print, such as order=4711; repeatable."
+)
 def command(
     plan: str, output: str | None, program: str | None, date: str, about: tuple[str, ...], **options: Any
 ) -> None:
     """Print PLAN.json of NEST as a work sheet: picture, settings, times, boxes to tick, cuts in order, program's hash.
 
-    One sheet of A4; many cuts go on to further pages. The same plan gives the same bytes.
+    A4, on more pages if there are many cuts. The same plan gives the same bytes.
     """
     from kerfwise.jobs.work_sheet import about_of_job, sheets_pdf, work_sheet
     from kerfwise.models.plan.read_plan import read_plan

@@ -98,40 +98,47 @@ def drawings(
 
 @click.command()
 @input_options
-@click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
-@click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
-@click.option("--dxf", metavar="OUT.dxf", help="The torch's paths as a drawing, a polyline a cut, in order.")
 @click.option(
-    "--svg", metavar="OUT.svg", help="The drawing itself with its shapes in cutting order, for other senders."
+    "-o",
+    "--output",
+    metavar="OUT.nc",
+    help="Write the program. Default, without any output: NEST.nc, .plan.json, .svg.",
 )
+@click.option("--plan", "plan_path", metavar="PLAN.json", help="Write the plan.")
+@click.option("--dxf", metavar="OUT.dxf", help="Write the torch's paths as DXF, one polyline per cut, in order.")
+@click.option("--svg", metavar="OUT.svg", help="Write the drawing with its shapes in cutting order, for other senders.")
 @click.option("--reordered-dxf", metavar="OUT.dxf", help="The same as DXF: geometry, layers and colours as drawn.")
-@click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="A picture of the plan.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit the command by the clock, in seconds.")
+@click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="Write a picture of the plan.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of the command, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
+              help="Deterministic limit, without --time-limit: the same work gives the same bytes.")  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
 @click.option("--gap", type=Amount(min=0, max=1), metavar="G",
-              help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
+              help="Stop at this gap; 0.01 is 1 %.")  # fmt: skip
 @click.option("--no-improvement", type=AMOUNT_OVER_ZERO, metavar="S",
-              help="Stop when S seconds have brought no better plan.")  # fmt: skip
+              help="Stop after S seconds without a better plan.")  # fmt: skip
 @MEMORY
 @click.option("--engine", type=EngineChoice(), default="portfolio", show_default=True,
-              help="`kerfwise engines` says what each is.")  # fmt: skip
+              help="`kerfwise engines` describes them.")  # fmt: skip
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
-              help="All but ours are there to compare with: they keep the hard rules, and no soft ones.")  # fmt: skip
+              help="All but ours are for comparison: they keep the hard rules and ignore soft ones.")  # fmt: skip
 @click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
-              help="With --upto go on after a stop: plan only what the old plan or program has not cut yet. Alone: the "
-                   "one that locks such as '#7 first' count in.")  # fmt: skip
+              help="With --upto, resume after a stop: plan only what this plan or program has not cut. Alone, number "
+                   "locks such as '#7 first' by it.")  # fmt: skip
 @click.option(
-    "--upto", type=click.IntRange(min=1), metavar="N", help="How many of its cuts are made; with --lock-from."
+    "--upto", type=click.IntRange(min=1), metavar="N", help="Number of its last finished cut; with --lock-from."
 )
-@click.option("--redo-last", is_flag=True, help="Cut N broke off: cut it again from its start; with --lock-from.")
-@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
-@click.option("--conflict-picture", metavar="OUT.svg|.png", help="Picture of rules that clash: NEST.conflict.svg.")
-@click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
+@click.option("--redo-last", is_flag=True, help="Repeat cut N, which broke off, from its start; with --lock-from.")
+@click.option(
+    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
+)
+@click.option(
+    "--conflict-picture", metavar="OUT.svg|.png", help="Picture of a conflict of rules. Default: NEST.conflict.svg."
+)
+@click.option("-v", "--verbose", is_flag=True, help="Report which engines ran, which did not, and why.")
 def command(
     output: str | None,
     plan_path: str | None,
@@ -156,7 +163,7 @@ def command(
     verbose: bool,
     **options: Any,
 ) -> int:
-    """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
+    """Write a checked cutting program of NEST that keeps every hard rule of the profile."""
     began_s = counted_s()
     from kerfwise.jobs.display import job_line, summary
     from kerfwise.jobs.page_picture import DrawnBeside, planned_picture

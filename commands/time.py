@@ -26,9 +26,9 @@ from .shared_options import (
 @KERF
 @click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
 def command(made: str | None, as_json: bool, feed: float | None, kerf: float | None, **given: Any) -> None:
-    """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs.
+    """Print the time of a plan or an NC program of NEST by the profile's time model, and its cost.
 
-    A program may stand alone, without its nest.
+    A program needs no NEST.
     """
     from kerfwise.jobs.programs import time_made, time_old
 

@@ -191,14 +191,14 @@ def proof_of(plan: Plan) -> str:
         return f"proven optimal within these zones and entries (by {solve.proved_by})"
     if solve.bound is None or solve.gap is None:
         return "no bound is proven"
-    said = f"the best possible is at most {solve.gap:.2%} below"
+    gap = f"gap {solve.gap:.2%}"
     if not heavy_mm:
-        return f"{said} within these zones and entries (bound {solve.bound / 1000:.3f} m)"
+        return f"{gap} (bound {solve.bound / 1000:.3f} m, for these zones and entries)"
     if plan.light_gap is None:
-        return f"{said} with the weight of excuses; plans with fewer excuses are not ruled out"
+        return f"{gap} with the weight of excuses; plans with fewer excuses are not ruled out"
     return (
-        f"{said} with the weight of excuses, {plan.light_gap:.2%} without it "
-        f"(bound {(solve.bound - heavy_mm) / 1000:.3f} m, no plan within these zones and entries has fewer excuses)"
+        f"{gap} with the weight of excuses, {plan.light_gap:.2%} without "
+        f"(bound {(solve.bound - heavy_mm) / 1000:.3f} m; no plan with these zones and entries has fewer excuses)"
     )
 
 

@@ -104,7 +104,7 @@ def _totals(plan: Plan) -> list[str]:
     elif solve.gap is None:
         facts.append("no bound proven")
     else:
-        facts.append(f"the best possible is at most {100 * solve.gap:.1f} % below")
+        facts.append(f"gap {100 * solve.gap:.1f} %")
         if plan.light_gap is not None:
             facts.append(f"{100 * plan.light_gap:.1f} % without the weight of excuses")
     if plan.zones_cost is not None and plan.zones_cost.mm > 0:

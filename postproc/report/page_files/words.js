@@ -28,7 +28,7 @@ export function percent(share) {
 }
 
 /**
- * What is proven of a plan: how far the best possible may be below it, and how far without the weight of excuses.
+ * The proof of a plan: its gap, with and without the weight of excuses.
  *
  * @param {{status: string, gap: number | null, light_gap: number | null}} figures
  * @returns {string}
@@ -36,7 +36,7 @@ export function percent(share) {
 export function proven({ status, gap, light_gap }) {
   if (status === "optimal") return "proven best";
   if (gap === null) return "no bound";
-  return `the best is at most ${percent(gap)} below${light_gap === null ? "" : `, ${percent(light_gap)} without the weight of excuses`}`;
+  return `gap ${percent(gap)}${light_gap === null ? "" : `, ${percent(light_gap)} without the weight of excuses`}`;
 }
 
 /**

@@ -101,11 +101,11 @@ def test_the_header_tells_the_totals_and_how_good_the_plan_is() -> None:
     assert texts[2] == "profile plasma-carbon-steel"
     cut_m, idle_m = plan.totals.cut_mm / 1000, plan.totals.idle_mm / 1000
     assert f"600 × 300 mm · 2 parts · 4 contours · cut {cut_m:.1f} m · idle {idle_m:.1f} m · 3 pierces" in texts[1]
-    assert texts[1].endswith("the best possible is at most 10.0 % below")
+    assert texts[1].endswith(" · gap 10.0 %")
     heavy = dataclasses.replace(plan.solve, objective=1_010_000.0, bound=1_009_000.0, gap=0.00099, excuses=1)
     weighed = dataclasses.replace(plan, solve=heavy)
     said = [t.text for t in make_scene(made, weighed).layer("header") if isinstance(t, TextLine)]
-    assert "the best possible is at most 0.1 % below · 10.0 % without the weight of excuses" in " ".join(said)
+    assert "gap 0.1 % · 10.0 % without the weight of excuses" in " ".join(said)
     unproven = dataclasses.replace(plan, solve=dataclasses.replace(plan.solve, bound=None, gap=None))
     assert any(
         "no bound proven" in t.text for t in make_scene(made, unproven).layer("header") if isinstance(t, TextLine)
