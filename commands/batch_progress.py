@@ -80,6 +80,9 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
             f"{total.machine:{width}}  {total.planned:7} {total.refused:7}  {clock(total.time_s):>9} "
             f"{money(total.cost, total.currency):>12}  {total.idle_mm / 1000:9.3f} {total.excuses:7}"
         )
+    for row in batch.rows:
+        if row.figures is not None and row.figures.excuses:
+            yield f"{escape_text(row.nest)} on {row.machine}: {row.figures.state}"
     for group in groups_of(batch.rows):
         yield f"{group.head}. {group.remedy}"
         for nest, told, machines in group.said():

@@ -22,7 +22,17 @@ from kerfwise.postproc.clock import read_program
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import Toolpath, toolpaths
 from kerfwise.postproc.report.legend import nest_name
-from kerfwise.postproc.report.page import Data, cut_data, page_html, page_of, plain_page, rows_of, short, side_data
+from kerfwise.postproc.report.page import (
+    Data,
+    cut_data,
+    page_html,
+    page_of,
+    plain_page,
+    rows_of,
+    short,
+    side_data,
+    state_data,
+)
 from kerfwise.rules.profile.profile import Profile
 
 from .display import proof_of, summary_lines
@@ -118,6 +128,7 @@ def plan_side(given: Inputs, plan: Plan, verdict: CheckResult) -> Data:
         "kerf_mm": short(profile.material.kerf_mm),
         "said": summary_lines(plan),
         "ok": verdict.ok,
+        "state": state_data(verdict.state),
         "cuts": [_cut(nest, made, profile) for made in toolpaths(plan, nest, profile)],
         "rules": rules_data(verdict, profile),
         "warnings": list(verdict.warnings),
@@ -153,6 +164,7 @@ def program_side(side: Side) -> Data:
         },
         "said": [],
         "ok": side.verdict.ok,
+        "state": state_data(side.verdict.state),
         "cuts": cuts,
         "pierces": [],
         "already": [nest.index[cut.contour] for cut in side.cuts.cuts[: side.cuts.made]],

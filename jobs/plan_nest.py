@@ -26,7 +26,7 @@ from kerfwise.postproc.clock import cost_of_plan, with_times
 from kerfwise.postproc.dialects import expect_words
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import outside
-from kerfwise.postproc.verdict.check_plan import judge, report_of
+from kerfwise.postproc.verdict.check_plan import check_plan, judge, report_of
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
@@ -259,10 +259,14 @@ def solve_and_verify(
     if planned_as is not None:
         planned_as(plan)
     began_s = running_s()
+    planned_verdict = check_plan(facts.whole_nest, plan, profile)
+    plan = replace(plan, state=planned_verdict.state)  # the program says it, too
     program = (write or write_program)(plan, facts.whole_nest, profile)
-    verdict = judge(facts.whole_nest, plan, program, profile, trusted)
+    verdict = judge(facts.whole_nest, plan, program, profile, trusted, planned_verdict)
     judging_s = running_s() - began_s
-    plan = replace(plan, rules=report_of(verdict, profile), cost=cost_of_plan(plan, facts.whole_nest, profile))
+    plan = replace(
+        plan, rules=report_of(verdict, profile), state=verdict.state, cost=cost_of_plan(plan, facts.whole_nest, profile)
+    )
     return VerifiedPlan(plan, program, verdict, solution.notes, facts, judging_s)
 
 

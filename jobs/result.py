@@ -16,6 +16,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.output_files import expect_outputs, make_folder, remnant_files, write_files
 from kerfwise.postproc.report import draw
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.profile import Profile
 
 from .display import CUT_COLUMNS, Picture, PictureKind, cut_rows, data_frame, proof_of, summary
@@ -61,8 +62,13 @@ class Result:
 
     @property
     def ok(self) -> bool:
-        """Whether the check finds every hard rule kept."""
+        """Whether the check passes the plan: every hard rule holds, but for the places that `state` names."""
         return self.verdict.ok
+
+    @property
+    def state(self) -> PlanState:
+        """Whether every hard rule holds without exception, but for some places, or not: `kind`, `places`, `words()`."""
+        return self.verdict.state
 
     @property
     def status(self) -> Status:
@@ -172,7 +178,7 @@ class Result:
             "idle": f"{totals.idle_mm / 1000:.3f} m",
             "time": f"{totals.time_s:.0f} s",
             "plan": proof_of(self.plan),
-            "check": "every hard rule holds" if self.ok else f"broken: {', '.join(self.verdict.broken())}",
+            "check": self.state.words(),
         }
         cells = "".join(f"<tr><th>{head}</th><td>{html.escape(text)}</td></tr>" for head, text in rows.items())
         return f"{self.picture().html()}<table>{cells}</table>"

@@ -21,6 +21,7 @@ from kerfwise.postproc.report.plot import pdf_bytes
 from kerfwise.postproc.report.scene import FAINT, INK, Scene, TextLine
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program, held_to_plan
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.overrides import lines_of
 from kerfwise.rules.profile.profile import Profile
 
@@ -42,6 +43,8 @@ class WorkSheet:
         What it takes, and costs.
     program, program_name
         The text of the NC program, and the name of its file.
+    state
+        Whether every hard rule holds, as the check finds now.
     about
         More to say at the top, such as an order and when it is due: names and values.
     changed
@@ -54,6 +57,7 @@ class WorkSheet:
     times: Times
     program: str
     program_name: str
+    state: PlanState
     about: Mapping[str, str] = field(default_factory=dict)
     changed: tuple[str, ...] = ()
 
@@ -119,7 +123,8 @@ def work_sheet(
         if not followed.ok:
             wrong = ", ".join(followed.broken())
             raise RulesConflict(f"{program}: the program does not follow the plan, or breaks rules: {wrong}")
-    return WorkSheet(given.nest, given.profile, plan, times, text, escape_text(file), about or {}, changed)
+    shown = escape_text(file)
+    return WorkSheet(given.nest, given.profile, plan, times, text, shown, verdict.state, about or {}, changed)
 
 
 def _not_kept(plan: Plan) -> Iterator[str]:
@@ -154,6 +159,7 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
         *([("waiting", report.dwell_s)] if report.dwell_s else []),
     )
     shares = ", ".join(f"{name} {clock_text(seconds)}" for name, seconds in spent)
+    yield "state", escape_text(sheet.state.for_operator())
     yield "sheet", f"{_stock(sheet)}, {_parts(sheet)}"
     if sheet.nest.reading is not None and sheet.nest.reading.taken:
         yield "drawing", sheet.nest.reading.short()

@@ -32,7 +32,8 @@ from .tasks import Changed, NestTask, expect_same, task_inputs
 
 FORMAT = "kerfwise-batch-index/1"
 COLUMNS = ("nest", "file", "quantity", "order", "due", "machine", "ended", "time_s", "cost", "currency", "idle_mm",
-           "cut_mm", "pierces", "contours", "gap", "excuses", "quickest", "cheapest", "program", "told")  # fmt: skip
+           "cut_mm", "pierces", "contours", "gap", "excuses", "state", "quickest", "cheapest", "program",
+           "told")  # fmt: skip
 
 
 def index_files(
@@ -249,6 +250,8 @@ def _machine(row: Row, rows: Sequence[Row]) -> Iterator[str]:
     time_s = _best(clock(figures.time_s), row.machine == quickest(rows))
     cost = _best(money(figures.cost, figures.currency), row.machine == cheapest(rows))
     yield f"<tr><th>{name}<td>{time_s}<td>{cost}<td>{metres(figures.idle_mm)}<td>{percent(figures.gap)}"
+    if figures.excuses:
+        yield f"<tr class=files><td colspan=5><span class=state>{escape(figures.state)}</span>"
     words = {".nc": "program", ".plan.json": "plan", ".svg": "picture", ".html": "page"}
     links = [
         f'<a href="{quote(_path(row, ending))}">{word}</a>' for ending, word in words.items() if _path(row, ending)

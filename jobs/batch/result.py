@@ -21,7 +21,8 @@ RECORD = ".batch.json"
 class Figures:
     """What a planner compares: mm, s, money a sheet; `gap` is None where nothing is proven.
 
-    `excuses` are the sentences of the plan on rules that do not hold somewhere.
+    `excuses` are the sentences of the plan on hard rules that do not hold somewhere, `state` says that in short: kept,
+    or kept but for so many places.
     """
 
     contours: int
@@ -33,6 +34,7 @@ class Figures:
     excuses: tuple[str, ...] = ()
     cost: float | None = None
     currency: str = ""
+    state: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,6 @@ from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import NoPlan, options_for
-from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.output_files import remnant_files, write_files
 from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.simple_pictures import thumbnail
@@ -291,17 +290,11 @@ def _figures(done: FinishedPlan) -> Figures:
         idle_mm=round(plan.totals.idle_mm, 3),
         time_s=round(times.total_s, 3),
         gap=None if gap is None else round(gap, 6),
-        excuses=tuple(_excuses(plan)),
+        excuses=tuple(f"{place.rule}: {place.why}" for place in plan.stated.places),
         cost=None if cost is None else round(cost.total, 4),
         currency="" if cost is None else cost.currency,
+        state=plan.stated.short(),
     )
-
-
-def _excuses(plan: Plan) -> Iterator[str]:
-    """Where a hard rule does not hold, and why, a sentence each; relaxed ones are among them."""
-    for rule in plan.rules:
-        yield from (f"{rule.id}: {why}" for _, why in rule.exceptions)
-    yield from (f"{dropped.rule}: {dropped.why}" for dropped in plan.dropped if dropped.relaxed)
 
 
 def _is_of(error: InputError, source: Path) -> bool:

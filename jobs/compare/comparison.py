@@ -145,6 +145,7 @@ def _side(side: Side) -> dict[str, Any]:
         "profile": {"name": side.profile.name, "sha256": side.profile.sha256},
         "ok": side.verdict.ok,
         "broken": list(side.verdict.broken()),
+        "state": side.verdict.state.as_json(),
         "proof": side.proof,
         "status": None if plan is None else plan.solve.status,
         "bound_mm": None if plan is None else plan.solve.bound,
@@ -198,13 +199,15 @@ def cut_row(pair: CutPair) -> tuple[str, str, str, str]:
 
 
 def proofs(made: Compared) -> list[str]:
-    """What is proven of each side, whether the check passes it, and what the difference may be taken for."""
+    """What is proven of each side, whether it keeps every hard rule, and what the difference may be taken for."""
     lines = [f"{letter}: {side.proof}" for letter, side in (("A", made.a), ("B", made.b))]
     lines += [
         f"{letter}: the check refuses it: {', '.join(side.verdict.broken())}"
         for letter, side in (("A", made.a), ("B", made.b))
         if not side.verdict.ok
     ]
+    states = [(letter, side.verdict.state) for letter, side in (("A", made.a), ("B", made.b))]
+    lines += [f"{letter}: {escape_text(state.words())}" for letter, state in states if state.kind == "kept but for"]
     return [*lines, made.claim]
 
 

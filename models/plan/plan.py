@@ -13,6 +13,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Loss
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
+from kerfwise.rules.plan_state import Place, PlanState
 from kerfwise.rules.profile.plant_sections import Origin
 from kerfwise.rules.profile.profile_sections import ForOneNest
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
@@ -144,7 +145,8 @@ class Plan:
     what cutting zone after zone costs, where that was looked for. Where a
     program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
     `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun. `pierces` are the holes that
-    are pierced in passes of their own, in order; the cuts of their contours begin there.
+    are pierced in passes of their own, in order; the cuts of their contours begin there. `state`
+    says whether every hard rule holds, as the check found when the plan was made; None in plans of before.
     """
 
     nest: Mapping[str, str]
@@ -167,6 +169,7 @@ class Plan:
     already_cut: tuple[PlannedCut, ...] = ()
     broken_off: PlannedCut | None = None
     pierces: tuple[Pierce, ...] = ()
+    state: PlanState | None = None
 
     @property
     def resumed_after(self) -> int:
@@ -208,6 +211,15 @@ class Plan:
         bound_mm, rest_mm = (self.solve.bound or 0.0) - self.heavy_mm, self.solve.objective - self.heavy_mm
         return (rest_mm - bound_mm) / rest_mm if self.heavy_mm and bound_mm > 0 and rest_mm > 0 else None
 
+    @property
+    def stated(self) -> PlanState:
+        """The state that the plan says; of plans of before, which say none, what follows from their rules."""
+        if self.state is not None:
+            return self.state
+        hard = [rule for rule in self.rules if rule.strength == "hard"]
+        excused = [Place("excused", rule.id, contours, why) for rule in hard for contours, why in rule.exceptions]
+        return PlanState.of([*(Place("broken", rule.id, (), "") for rule in hard if not rule.holds), *excused])
+
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
         """The bare cuts, those made before among them, as rules judge them."""
         cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
@@ -246,6 +258,8 @@ class Plan:
             ],
             "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],
         }
+        if self.state is not None:
+            tail["state"] = self.state.as_json()
         if self.zones_cost is not None:
             tail["zones_cost"] = self.zones_cost.as_json()
         if self.left_out:

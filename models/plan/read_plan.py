@@ -19,6 +19,7 @@ from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_cross
 from kerfwise.encoder.nest import KINDS, Loss, Nest
 from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import ForOneNest, changed_since
 
@@ -198,6 +199,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
             Pierce(p["contour"], (float(p["at"][0]), float(p["at"][1])), p["before"], p["start_s"], p["end_s"])
             for p in data.get("pierces", ())
         ),
+        state=PlanState.of_json(data["state"]) if "state" in data else None,
     )
 
 

@@ -92,7 +92,9 @@ def check_cuts(
         broken, told = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims, in_kerfs)), judgement("claims", broken)]
         warnings += told
-    return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules)
+    return CheckResult(
+        (*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules, tuple(relaxed)
+    )
 
 
 def check_program(
@@ -180,7 +182,9 @@ def _judge_program(
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += relaxed_warnings(relaxed)
-    return CheckResult((*judged, *rules), (*told, *built.warnings, *warnings), _measured(built.runs, program.idle_mm))
+    warnings = [*told, *built.warnings, *warnings]
+    ran = _measured(built.runs, program.idle_mm)
+    return CheckResult((*judged, *rules), tuple(warnings), ran, relaxed=tuple(relaxed))
 
 
 def _coarse(program: NcProgram, profile: Profile) -> Iterator[str]:

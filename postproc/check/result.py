@@ -15,6 +15,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.graphs import path
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_text
+from kerfwise.rules.plan_state import How, Place, PlanState
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Ids, Strength, Violation
 
@@ -37,18 +38,29 @@ class Measured:
 class CheckResult:
     """The judgements, those on the program itself first, then the profile's rules; warnings fail nothing.
 
-    `by_rules` are the cuts of a plan with what the rules say of them, for the check of its program.
+    `by_rules` are the cuts of a plan with what the rules say of them, for the check of its program. `relaxed` is what
+    plan or program say is relaxed.
     """
 
     rules: tuple[Judgement, ...]
     warnings: tuple[str, ...]
     measured: Measured
     by_rules: JudgedCuts | None = field(default=None, compare=False, repr=False)
+    relaxed: tuple[RelaxedStatement, ...] = ()
 
     @property
     def ok(self) -> bool:
-        """Whether every hard rule holds."""
+        """Whether every hard rule holds, but for what is excused, relaxed or dropped: see `state`."""
         return all(j.holds for j in self.rules if j.strength == "hard")
+
+    @property
+    def state(self) -> PlanState:
+        """Whether every hard rule holds without exception, but for some places, or not: `kind`, `places`, `words()`."""
+        hard = [judgement for judgement in self.rules if judgement.strength == "hard"]
+        places = [place for judgement in hard for place in _not_kept(judgement)]
+        told = {place.rule for place in places}  # a statement that is relaxed is told, whatever the rule finds there
+        places += [Place("relaxed", s.rule, s.contours, WHY) for s in self.relaxed if s.rule not in told]
+        return PlanState.of(places)
 
     def rule(self, rule_id: str) -> Judgement:
         """The judgement on one rule (KeyError if there is none)."""
@@ -74,8 +86,18 @@ def report(result: CheckResult, most: int = MOST) -> str:
         lines.append(f"... and {len(result.warnings) - most} more warnings")
     measured = result.measured
     lines.append(f"measured: {measured.paths} paths, {measured.on_mm:.1f} mm torch on, {measured.idle_mm:.1f} mm idle")
-    lines.append("ok: every hard rule holds" if result.ok else f"FAILED: {_failed(result)}")
+    lines.append(escape_text(result.state.words()) if result.ok else f"FAILED: {_failed(result)}")
     return "\n".join(lines)
+
+
+def _not_kept(judgement: Judgement) -> Iterator[Place]:
+    """Where a hard rule does not hold."""
+    if not judgement.holds:
+        yield from (Place("broken", judgement.id, v.contours, v.text) for v in judgement.violations)
+        if not judgement.violations:
+            yield Place("broken", judgement.id, (), judgement.unjudged or "")
+    for excused in judgement.excused:
+        yield Place(excused.how, judgement.id, excused.violation.contours, excused.why)
 
 
 def _failed(result: CheckResult) -> str:
@@ -98,7 +120,7 @@ def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
     if len(judgement.violations) > told:
         yield f"    ... and {len(judgement.violations) - told} more"
     for excused in judgement.excused[:most]:
-        yield f"    excused: {escape_text(excused.violation.text)} ({escape_text(excused.why)})"
+        yield f"    {excused.how}: {escape_text(excused.violation.text)} ({escape_text(excused.why)})"
     if len(judgement.excused) > most:
         yield f"    ... and {len(judgement.excused) - most} more excused"
 
@@ -110,10 +132,11 @@ Verdict = Literal["holds", "broken", "excused", "not judged", "off"]
 
 @dataclass(frozen=True, slots=True)
 class Excused:
-    """A violation that may stand, and why."""
+    """A violation that may stand, and why: the rule excuses it, a planner has relaxed it, or orders contradict it."""
 
     violation: Violation
     why: str
+    how: How = "excused"
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,7 +314,9 @@ def _excuse_relaxed(
     orders = rule.pairs(nest, cuts, options)
     runs = [set(run) for run in rule.together(nest, options)]
     excused = {
-        k: Excused(v, why) for k, v in enumerate(judgement.violations) if (why := _why(v, statements, orders, runs))
+        k: Excused(v, why, "relaxed")
+        for k, v in enumerate(judgement.violations)
+        if (why := _why(v, statements, orders, runs))
     }
     return replace(
         judgement,

@@ -88,7 +88,7 @@ def _excused(judgement: Judgement, why: dict[Ids, str]) -> Judgement:
     for violation in judgement.violations:
         reason = _reason(violation, why)
         if reason is not None:
-            excused.append(Excused(violation, reason))
+            excused.append(Excused(violation, reason, "dropped"))
         else:
             violations.append(violation)
     return replace(judgement, violations=tuple(violations), excused=tuple(excused))

@@ -111,6 +111,8 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
         yield comment(dialect, f"PARTS TOUCH AND ARE CUT APART BY ONE CUT, {loss} THERE")
     yield from name_comments(names, dialect)
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
+    if plan.state is not None:
+        yield comment(dialect, f"STATE {plan.state.short().upper()}")
     for planned in plan.cuts:
         for rule in planned.cut.excused:
             yield comment(dialect, f"EXCUSED {plain(rule)}", names[planned.cut.contour])

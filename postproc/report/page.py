@@ -18,6 +18,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.rules.plan_state import PlanState
 
 from .legend import nest_name
 
@@ -225,6 +226,7 @@ def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
         },
         "said": [],
         "ok": all(rule.holds for rule in plan.rules if rule.strength == "hard"),
+        "state": state_data(plan.stated),
         "cuts": [cut_data(nest, planned) for planned in plan.cuts],
         "pierces": [pierce_data(nest, pierce) for pierce in plan.pierces],
         "already": [nest.index[p.cut.contour] for p in plan.already_cut if p.cut.contour in nest.index],
@@ -235,6 +237,11 @@ def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
         "heat": None,
         "nc": None,
     }
+
+
+def state_data(state: PlanState) -> Data:
+    """Whether every hard rule holds: kept, kept but for some places, or broken; in short, and for an operator."""
+    return {"kind": state.kind, "short": state.short(), "told": state.words(), "for_operator": state.for_operator()}
 
 
 def cut_data(nest: Nest, planned: PlannedCut, path: Curve | None = None) -> Data:

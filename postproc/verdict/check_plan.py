@@ -124,10 +124,18 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
     return measure
 
 
-def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trusted | None = None) -> CheckResult:
+def judge(
+    nest: Nest,
+    plan: Plan,
+    program: str,
+    profile: Profile,
+    trusted: Trusted | None = None,
+    planned: CheckResult | None = None,
+) -> CheckResult:
     """Judge a plan and the program written from it: a rule holds if it holds in both.
 
-    A program in a dialect without comments is held against the plan, as `check --plan` does.
+    A program in a dialect without comments is held against the plan, as `check --plan` does. `planned` is the verdict
+    on the plan, where that is known.
 
     Raises
     ------
@@ -135,7 +143,7 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trust
         If the program that the profile's dialect makes of the plan cannot be read back: with the block, for nobody has
         the program.
     """
-    planned = check_plan(nest, plan, profile)
+    planned = planned or check_plan(nest, plan, profile)
     written = _check_written(nest, plan, program, profile, planned.by_rules, trusted)
     of_program = {judgement.id: judgement for judgement in written.rules}
     rules = []
@@ -146,7 +154,7 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trust
         if other is not None and other.must_be_judged and judgement.unjudged is None:
             rules[-1] = replace(rules[-1], unjudged=other.unjudged)
     warnings = tuple(dict.fromkeys(planned.warnings + written.warnings))
-    result = CheckResult((*of_program.values(), *rules), warnings, written.measured)
+    result = CheckResult((*of_program.values(), *rules), warnings, written.measured, relaxed=planned.relaxed)
     return result if result.ok else _by_block(result, program)
 
 

@@ -1,6 +1,6 @@
 /** @import { App } from "./app.js" */
 import { byId, make } from "./elements.js";
-import { clock, counted, metres, proven } from "./words.js";
+import { clock, counted, metres, proven, stateClass, stateText } from "./words.js";
 
 /**
  * The bar on top, and the panel that says what the sheet is, what it takes and what is proven.
@@ -14,8 +14,9 @@ export function factsPanel(app) {
     byId("title").textContent = title;
     const figures = side ? figuresOf(app) : [];
     byId("figures").replaceChildren(...figures.slice(0, 5).map(([name, value]) => make("span", {}, make("small", {}, name), ` ${value}`)));
-    byId("verdict").textContent = side ? (side.ok ? "every hard rule holds" : "a hard rule is broken") : "no plan";
-    byId("verdict").className = side ? (side.ok ? "chip good" : "chip bad") : "chip";
+    byId("verdict").textContent = side ? stateText(side.state) : "no plan";
+    byId("verdict").className = side ? `chip ${stateClass(side.state)}` : "chip";
+    byId("verdict").title = side ? side.state.told : "";
     byId("sheet-said").replaceChildren(
       ...(app.data.caption ? [make("p", { class: "warn" }, app.data.caption)] : []),
       make("dl", {}, ...pair("nest", nest.file || title), ...pair("sheet", `${(x1 - x0).toFixed(1)} × ${(y1 - y0).toFixed(1)} mm`),

@@ -21,7 +21,7 @@ export function workSheet(app) {
     paper.replaceChildren(
       make("h1", {}, title, side?.name ? ` – ${side.name}` : ""),
       make("p", {}, `${(x1 - x0).toFixed(0)} × ${(y1 - y0).toFixed(0)} mm · ${counted(nest.parts.length, "part")} · ${figures}`),
-      make("p", {}, `nest sha256 ${nest.sha256.slice(0, 16)} · ${side ? (side.ok ? "every hard rule holds" : "A HARD RULE IS BROKEN: do not cut") : ""}`),
+      make("p", {}, `nest sha256 ${nest.sha256.slice(0, 16)} · ${side ? side.state.for_operator : ""}`),
       drawing(app), ...(side ? [...notKept(app), table(app)] : []));
   };
   addEventListener("beforeprint", lay);

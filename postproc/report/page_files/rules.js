@@ -1,7 +1,7 @@
 /** @import { App } from "./app.js" */
 /** @import { Place, RuleData, SideData } from "./types.js" */
 import { byId, make } from "./elements.js";
-import { metres } from "./words.js";
+import { metres, stateClass } from "./words.js";
 
 /**
  * The rules: first what was excused and dropped, which is never hidden, then every rule with its verdict and price.
@@ -52,9 +52,10 @@ export function notHeld(side) {
 
 /** @type {(app: App) => HTMLElement} */
 function verdict(app) {
-  const { ok, rules } = app.side;
+  const { state, rules } = app.side;
   const broken = rules.filter(rule => rule.strength === "hard" && rule.verdict === "broken").map(rule => rule.id);
-  return make("p", { class: ok ? "good" : "bad" }, ok ? "Every hard rule holds." : `Broken: ${broken.join(", ") || "see below"}.`);
+  return make("p", { class: stateClass(state) }, state.kind === "kept" ? "Every hard rule holds."
+    : state.kind === "kept but for" ? `The hard rules are ${state.short}.` : `Broken: ${broken.join(", ") || "see below"}.`);
 }
 
 /** Broken ones first, then what costs, then the others. */

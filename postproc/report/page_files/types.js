@@ -91,6 +91,8 @@
  *
  * @typedef {{text: string, lines: number[][]}} NcData
  *
+ * @typedef {{kind: "kept" | "kept but for" | "broken", short: string, told: string, for_operator: string}} StateData
+ *
  * @typedef {object} SideData
  * @property {string} name
  * @property {string} profile
@@ -101,7 +103,8 @@
  * @property {{cut_mm: number, idle_mm: number, pierces: number, status: string, gap: number | null,
  *   light_gap: number | null, proof?: string, cost?: string | null}} figures
  * @property {string[]} said
- * @property {boolean} ok
+ * @property {boolean} ok - whether it may be cut: `state` says whether every hard rule holds
+ * @property {StateData} state
  * @property {CutData[]} cuts
  * @property {PierceData[]} pierces
  * @property {number[]} already

@@ -1,3 +1,4 @@
+/** @import { StateData } from "./types.js" */
 /** Numbers for people. */
 
 /** @type {(s: number) => string} */
@@ -52,4 +53,16 @@ export function provenShort({ status, gap, light_gap }) {
 /** @type {(place: readonly number[]) => string} */
 export function placeText(place) {
   return `(${place[0].toFixed(1)}, ${place[1].toFixed(1)})`;
+}
+
+/** What the chip says of a plan's hard rules. */
+/** @type {(state: StateData) => string} */
+export function stateText(state) {
+  return { kept: "every hard rule holds", "kept but for": state.short, broken: "a hard rule is broken" }[state.kind];
+}
+
+/** Green over a plan that keeps them all, amber where some places are not kept, red where it is broken. */
+/** @type {(state: StateData) => string} */
+export function stateClass(state) {
+  return { kept: "good", "kept but for": "warn", broken: "bad" }[state.kind];
 }
