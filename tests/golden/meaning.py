@@ -34,6 +34,10 @@ def of_file(path: Path, texts: Texts) -> Any:
     return "there" if read is None else read(path, texts)
 
 
+KEPT = ("kept", {"kind": "kept", "count": 0, "places": []})
+"""The state of a plan without exceptions: only others are kept here."""
+
+
 def of_json(path: Path, texts: Texts) -> Any:
     """A JSON file: a plan with all its cuts, anything else in so far as it is short."""
     held = json.loads(path.read_text(encoding="utf-8"))
@@ -56,7 +60,7 @@ def of_value(value: Any, texts: Texts, path: str = "") -> Any:
     if isinstance(value, dict):
         kept = {}
         for key, of in value.items():
-            if key in LEFT_OUT:
+            if key in LEFT_OUT or (key == "state" and of in KEPT):
                 continue
             where = f"{path}.{key}" if path else key
             if key in SENTENCES or (key not in NAMES and isinstance(of, str) and len(of.split()) > 3):
