@@ -51,6 +51,7 @@ from .small_features import (
     small_holes,
     with_passes,
 )
+from .stated_time import wrong_times
 from .torch_run import TorchRun, in_steps_of, judgement, tolerance_mm
 
 _ROUNDING_MM = 1e-3
@@ -153,6 +154,7 @@ def _judge_program(
     """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
     nest = judged_by.nest
     told = [*origin_warning(program, profile), *_coarse(program, profile)]
+    told += wrong_times(program, profile, None if planned is None else planned.time_s)
     profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
     profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))

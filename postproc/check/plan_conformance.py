@@ -28,11 +28,15 @@ _RULE = "follows-plan"
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PlanClaims:
-    """What a plan says: its cuts, those made before a stop among them, what it relaxes, and the machine's zero."""
+    """What a plan says: its cuts, those made before a stop among them, what it relaxes, and the machine's zero.
+
+    `time_s` is how long the program takes; None where the plan does not say so.
+    """
 
     cuts: CutSequence
     relaxed: tuple[RelaxedStatement, ...] = ()
     origin: Origin = "drawing"
+    time_s: float | None = None
 
     def names_of_burns(self) -> list[str]:
         """The first contour of each burn that the plan asks for."""

@@ -90,7 +90,10 @@ def check_program(
     InputError
         With the line, for a program that is malformed or says something the reader does not understand.
     """
-    planned = None if plan is None else PlanClaims(plan.sequence(), _relaxed_of(plan), plan.origin)
+    planned = None
+    if plan is not None:
+        time_s = None if plan.time is None else plan.totals.time_s
+        planned = PlanClaims(plan.sequence(), _relaxed_of(plan), plan.origin, time_s)
     program = file or f"the program of {nest.file or 'the nest'}"
     with notice_if_long(f"checking {program}"):
         amount(nc_text.count("\n"), "line", "lines")
