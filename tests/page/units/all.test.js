@@ -12,7 +12,7 @@ import { paintNumbers } from "../page_files/route.js";
 import { notHeld } from "../page_files/rules.js";
 import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
-import { clock, millimetres, proven, provenShort } from "../page_files/words.js";
+import { clock, millimetres, proven, provenShort, stateClass, stateText } from "../page_files/words.js";
 import { placeOn, wayOf } from "../page_files/way.js";
 import { Work } from "../page_files/work.js";
 
@@ -168,6 +168,12 @@ test("a number of the order comes first, then an id, then a part, then what hold
 test("times and lengths for people", () => {
   assert.deepEqual([0, 59.9, 61, 3725].map(clock), ["0:00", "0:59", "1:01", "1:02:05"]);
   assert.deepEqual([12.34, 567.8, 12345].map(millimetres), ["12.3 mm", "568 mm", "12.345 m"]);
+});
+
+test("green stands only over a plan that keeps every hard rule", () => {
+  const said = ["kept", "kept but for", "broken"].map(kind => ({ kind, short: "kept but for 3 places", told: "", for_operator: "" }));
+  assert.deepEqual(said.map(stateClass), ["good", "warn", "bad"]);
+  assert.deepEqual(said.map(stateText), ["every hard rule holds", "kept but for 3 places", "a hard rule is broken"]);
 });
 
 test("what was dropped and is broken therefore is told once", () => {
