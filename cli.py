@@ -1,4 +1,4 @@
-"""The command line: each verb is a file in `commands`, imported only when it is called."""
+"""The command line: the verbs are in `commands`, whose files are imported only when one of their verbs is called."""
 
 from __future__ import annotations
 
@@ -36,6 +36,13 @@ VERBS = {
 }
 
 
+FILES = {
+    **dict.fromkeys(("check", "explain", "time", "heat", "plot", "sheet"), "results"),
+    "facts": "read",
+    "make": "nest",
+}
+"""The file in `commands` that has a verb, where it is not called like the verb."""
+
 WRONG_INPUT, QUESTIONS, UNFORESEEN, INTERRUPTED = 2, 3, 70, 130
 
 
@@ -61,7 +68,8 @@ class Verbs(click.Group):
         """The verb's command, imported now; None for an unknown verb."""
         if cmd_name not in VERBS:
             return None
-        command: click.Command = importlib.import_module(f".commands.{cmd_name}", __package__).command
+        module = importlib.import_module(f".commands.{FILES.get(cmd_name, cmd_name)}", __package__)
+        command: click.Command = getattr(module, f"{cmd_name}_command", None) or module.command
         return command
 
     def resolve_command(

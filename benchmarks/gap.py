@@ -29,8 +29,8 @@ import kerfwise
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines.bounds import flow_bound
-from kerfwise.models.engines.bounds.flow import CROWD, MOST_SITES
+from kerfwise.models.engines.bounds import MOST_SITES, flow_bound
+from kerfwise.models.engines.bounds.flow import CROWD
 from kerfwise.models.engines.bounds.flow_program import FEWER_MOVES, MANY_MOVES
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.search import Searcher

@@ -50,7 +50,7 @@ def check(job: str, nest: str | Path | None, trust: bool) -> None:
 @command.command()
 def schema() -> None:
     """Print the JSON Schema of job files, for editors."""
-    from kerfwise.jobs.nest_job.schema import schema_text
+    from kerfwise.jobs.nest_job.job import schema_text
 
     click.echo(schema_text(), nl=False)
     expect_printed()

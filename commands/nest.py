@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
 
 import click
 
 from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.nesting.find_nests import Watching
 from kerfwise.rules.profile.load import DEFAULT
 
 from .shared_options import AMOUNT_OVER_ZERO, TRUST, length_or_zero, print_note
@@ -17,7 +21,54 @@ from .terminal import expect_printed
 if TYPE_CHECKING:
     from kerfwise.jobs.nesting.find_nests import Engine, NestingRequest, NestingResult, Purpose
     from kerfwise.jobs.nesting.nests import Nested
+    from kerfwise.nesting.layout import Layout
     from kerfwise.rules.profile.profile import Profile
+
+
+# What nesting shows on a terminal while it looks, and Ctrl-C that keeps the best nests so far.
+
+
+class NestProgress(Watching):
+    """Told after each round; answers False once the user has pressed Ctrl-C. In a pipe it is silent."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._status: Any = None
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            from .terminal import bare
+
+            self._status = Console(file=bare(sys.stderr)).status("laying parts")
+
+    def __call__(self, number: int, best: Layout) -> bool:
+        """Show the best so far; whether to go on."""
+        if self._status is not None:
+            whole = sum(sheet.stock.area_mm2 for sheet in best.sheets)
+            used = sum(sheet.metal_mm2(best.wanted) for sheet in best.sheets) / whole if whole else 0.0
+            spent = time.monotonic() - self.started
+            line = f"{spent:5.1f} s  round {number}  {len(best.sheets)} sheets, {used:.1%} used"
+            self._status.update(f"{line}  (Ctrl-C keeps the best so far)")
+        return super().__call__(number, best)
+
+    def going(self, doing: str) -> bool:
+        """Show what is being done; whether to go on."""
+        if self._status is not None:
+            self._status.update(f"{time.monotonic() - self.started:5.1f} s  {doing}  (Ctrl-C keeps the best so far)")
+        return super().going(doing)
+
+    def __enter__(self) -> Self:
+        super().__enter__()
+        if self._status is not None:
+            self._status.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._status is not None:
+            self._status.__exit__(kind, error, trace)
+        super().__exit__(kind, error, trace)
 
 
 # What a person says of parts, sheets and how to lay them: the options of `nest` and `make`.
@@ -110,7 +161,6 @@ def looked_for(asked: NestingRequest) -> NestingResult:
     """The nests: progress on a terminal, Ctrl-C that keeps the best so far, or says that nothing was laid."""
     from kerfwise.jobs.nesting.find_nests import NOTHING_LAID, find_nests
 
-    from .nest_progress import NestProgress
     from .progress import ProgressLine
 
     try:
@@ -135,7 +185,7 @@ def _schema(context: click.Context, option: click.Parameter, asked: bool) -> Non
     """Print the schema, and nothing else."""
     if not asked:
         return
-    from kerfwise.jobs.nesting.schema import schema_text
+    from kerfwise.jobs.nesting.request import schema_text
 
     click.echo(schema_text(), nl=False)
     expect_printed()
@@ -148,7 +198,7 @@ def _schema(context: click.Context, option: click.Parameter, asked: bool) -> Non
               help="Print the JSON Schema of lists of parts, for editors.")  # fmt: skip
 @click.option("--picture", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True,
               help="Format of the pictures.")  # fmt: skip
-def command(dxf: bool, picture: str, **options: Any) -> int:
+def nest_command(dxf: bool, picture: str, **options: Any) -> int:
     """Lay PARTS, files with their quantities (bracket.dxf=12) or lists of parts, on sheets; remnants first."""
     from kerfwise.jobs.nesting.nests import nest_files, write_nests
 
@@ -161,3 +211,32 @@ def command(dxf: bool, picture: str, **options: Any) -> int:
     if found.interrupted:
         return 130
     return 1 if any(found.nested.layout.missing) else 0
+
+
+# kerfwise make: a list of parts to programs in one command: nest, plan, check, write.
+
+
+@click.command()
+@nest_options
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
+              help="Deterministic limit of each plan: the same work gives the same bytes.")  # fmt: skip
+@click.option(
+    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
+)
+def make_command(dxf: bool, work: float, relax: bool, **options: Any) -> int:
+    """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
+    from kerfwise.jobs.nesting.nests import write_nests
+    from kerfwise.jobs.nesting.programs import make_programs
+
+    from .progress import ProgressLine
+
+    asked, out = read_nesting_request(**options)
+    found = looked_for(asked)
+    made = make_programs(found.nested, asked.plant, work, relax, lambda name: ProgressLine())
+    written = write_nests(out, made.nested, made.files(dxf), profile=asked.plant.name, seed=asked.effort.seed)
+    print_nests(made.nested, found, asked.plant)
+    click.echo("\n".join(made.told))
+    click.echo(f"written: {len(written)} files in {escape_text(str(out))}")
+    if found.interrupted or made.interrupted:
+        return 130
+    return 1 if any(made.nested.layout.missing) else 0

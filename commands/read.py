@@ -1,4 +1,4 @@
-"""kerfwise read: what a drawing is taken for, before anything is made of it."""
+"""What is read of a nest: what a drawing is taken for, and its facts."""
 
 from __future__ import annotations
 
@@ -12,10 +12,14 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.text import escape_text
 
-from .shared_options import input_options, nest_request, print_note, reading_options
+from .shared_options import input_options, nest_request, print_note, protect, read_inputs, reading_options
+from .terminal import expect_printed
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import Seen
+
+
+# kerfwise read: what a drawing is taken for, before anything is made of it.
 
 OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 
@@ -24,7 +28,7 @@ OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 @input_options
 @click.option("-o", "--output", metavar="READING.png|.svg|.pdf", help="A picture: cut, marked, left out, unknown.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with the questions.")
-def command(output: str | None, as_json: bool, **given: Any) -> int:
+def read_command(output: str | None, as_json: bool, **given: Any) -> int:
     """Print how NEST is read: units, sheet, each layer, what is left out and repaired, and open questions.
 
     Exit code 3 if questions are open, 2 if it cannot be cut as drawn; the picture is drawn in any case.
@@ -72,3 +76,37 @@ def _data(nest: str, found: Seen) -> dict[str, Any]:
         "questions": error.as_json() if isinstance(error, Questions) else [],
         "refused": None if error is None or isinstance(error, Questions) else str(error),
     }
+
+
+# kerfwise facts: what the rules are told of a nest.
+
+
+@click.command()
+@input_options
+@click.option(
+    "-o",
+    "--output",
+    metavar="FACTS.json|FACTS.dzn",
+    help="Output file, .json or .dzn. Default: print JSON.",
+)
+def facts_command(output: str | None, **given: Any) -> None:
+    """Write the facts of NEST: containment, what lies ahead, hulls, neighbours, zones, candidates."""
+    if output and Path(output).suffix not in (".json", ".dzn"):
+        raise InputError(
+            f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn",
+            file=output,
+        )
+    from kerfwise.encoder.facts import facts_dzn, facts_json
+    from kerfwise.jobs.request import facts_of
+    from kerfwise.postproc.output_files import expect_outputs, write_files
+
+    expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
+    asked = read_inputs(**given)
+    protect(asked, given["nest"], [output])
+    facts = facts_of(asked.nest, asked.profile)
+    facts = facts if facts.copies is None else facts.copies.whole
+    if output is None:
+        click.echo(facts_json(facts), nl=False)
+        expect_printed()
+    else:
+        write_files({Path(output): facts_dzn(facts) if output.endswith(".dzn") else facts_json(facts)})

@@ -450,7 +450,7 @@ def kept_answers(nest: str | Path, job: Job | None, asked: NestRequest, read: Ne
         return job
     path = Path(asked.job) if asked.job is not None else Path(nest).with_name(beside_name(nest))
     try:
-        text = path.read_text("utf-8-sig") if path.exists() else ""
+        text = path.read_text(encoding="utf-8-sig") if path.exists() else ""
         write_files({path: with_kept(text, new, str(path))})
     except (InputError, OSError, UnicodeDecodeError) as error:
         tell(f"the answers are not kept: {error}")

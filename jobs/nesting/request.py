@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -28,7 +30,7 @@ from kerfwise.jobs.nest_job import job_beside, read_job
 from kerfwise.nesting.blocks import sides_on_axes
 from kerfwise.nesting.demand import GRAINS, QUARTERS, Demand, Grain, PartType, Stock, turns_along
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import option, options_of
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, items
 from kerfwise.rules.profile.load import read_fields
 
@@ -401,3 +403,53 @@ def _drawn(drawing: Drawing, options: ReadOptions) -> Sheet:
 def without_placing_notes(nest: Nest) -> Nest:
     """A nest whose sheet does not matter, without the notes on where it was laid."""
     return replace(nest, notes=tuple(note for note in nest.notes if not note.text.startswith(NO_SHEET)))
+
+
+# The JSON Schema of a list of parts: `python -m kerfwise.jobs.nesting.request > jobs/nesting/parts.schema.json`.
+
+Json = dict[str, Any]
+
+
+def list_schema() -> Json:
+    """The schema, made from the declarations that lists are read with."""
+    sheet = _row(SheetRow) | {"oneOf": [{"required": ["size"]}, {"required": ["file"]}]}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "kerfwise list of parts",
+        "description": "Parts with quantities, and what there is to cut them from.",
+        "type": "object",
+        "additionalProperties": False,
+        "required": ["parts"],
+        "properties": {
+            "parts": {
+                "description": "files of parts, and how often each is wanted",
+                "type": "array",
+                "items": _row(PartRow) | {"required": ["part"]},
+                "minItems": 1,
+            },
+            "sheets": {
+                "description": "sheets and remnants; they may be named on the command line, too",
+                "type": "array",
+                "items": sheet,
+            },
+        },
+    }
+
+
+def _row(kind: type) -> Json:
+    keys = {o.key: {"description": o.help, **_value(o.kind)} for o in options_of(kind)}
+    return {"type": "object", "properties": keys, "additionalProperties": False}
+
+
+def _value(kind: OptionKind) -> Json:
+    """A text may be a number to readers of YAML, such as that of an order."""
+    return kind.schema() | ({"type": ["string", "number"]} if isinstance(kind, Text) else {})
+
+
+def schema_text() -> str:
+    """The schema as the text of its file."""
+    return json.dumps(list_schema(), indent=1, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    sys.stdout.write(schema_text())

@@ -11,7 +11,6 @@ from functools import total_ordering
 from itertools import groupby
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import shapely
@@ -326,7 +325,7 @@ def _document(paths: Iterable[_Path], size: tuple[float, float]) -> bytes:
         f' width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}">'
     ]
     for layer, group in groupby(paths, key=lambda path: path.layer):
-        lines.append(f'<g inkscape:groupmode="layer" inkscape:label={quoteattr(layer)}>' if layer else "<g>")
+        lines.append(f'<g inkscape:groupmode="layer" inkscape:label={_quoted(layer)}>' if layer else "<g>")
         lines += [f'<path d="{path.commands}"{path.look}/>' for path in group]
         lines.append("</g>")
     return ("\n".join([*lines, "</svg>"]) + "\n").encode("utf-8")
@@ -338,7 +337,7 @@ def _look(element: Any) -> str:
                     (element.fill, element.stroke))  # fmt: skip
     width = element.values.get("stroke-width")
     return f' fill="{fill or "none"}" stroke="{stroke or "none"}"' + (
-        f" stroke-width={quoteattr(str(width))}" if width else ""
+        f" stroke-width={_quoted(str(width))}" if width else ""
     )
 
 
@@ -402,3 +401,10 @@ def _xy(point: Any) -> str:
 def _number(value: float) -> str:
     text = f"{float(value):.6f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "") else text
+
+
+def _quoted(text: str) -> str:
+    """The text as the value of an attribute."""
+    from xml.sax.saxutils import quoteattr  # brings urllib along, which most runs do without
+
+    return quoteattr(text)

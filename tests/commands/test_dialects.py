@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from kerfwise.postproc.dialects import dialect_names, dialect_text, load_dialect
-from kerfwise.postproc.dialects.schema import schema_text
+from kerfwise.postproc.dialects.load import schema_text
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = (
@@ -79,7 +79,7 @@ def test_the_published_schema_is_up_to_date() -> None:
     import kerfwise.postproc.dialects as package
 
     published = Path(package.__file__).with_name("dialect.schema.json")
-    assert published.read_text(encoding="utf-8") == schema_text(), "run python -m kerfwise.postproc.dialects.schema"
+    assert published.read_text(encoding="utf-8") == schema_text(), "run python -m kerfwise.postproc.dialects.load"
 
 
 def test_a_dialect_without_marks_refuses_a_nest_with_them_before_it_is_planned() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import kerfwise as package
 from kerfwise.arrays import Floats
-from kerfwise.commands.nest_progress import NestProgress
+from kerfwise.commands.nest import NestProgress
 from kerfwise.encoder.readers import read_nest
 from kerfwise.nesting.fill import Room
 from kerfwise.nesting.layout import Layout, nest_dxf, nest_json

@@ -83,12 +83,12 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the backgro
 from kerfwise.encoder.readers import read
 from kerfwise.encoder import progress_notice as still_going
 still_going.AFTER_S = 0.2
-plain = read._nest
+plain = read._Door._nest
 def slow(*given):
     nest = plain(*given)
     time.sleep({seconds})
     return nest
-read._nest = slow
+read._Door._nest = slow
 from kerfwise.cli import main
 main(["facts", {nest!r}])
 """

@@ -45,6 +45,7 @@ from kerfwise.models.problem.conditions import LoweredStatements, lower_statemen
 from kerfwise.models.problem.problem import links_on
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement, by_kind, candidates_named, contours_named
 from kerfwise.rules.stating.feasible_order import positions
+from kerfwise.rules.stating.lazy_statements import in_held_metal
 from kerfwise.rules.stating.reduced_statements import GantryStatements, Remainder, remaining_statements
 from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
 from kerfwise.tests.models.every_kind import ABOUT, FEEDS, HOME, PARTS, PROFILE, TRAVEL
@@ -127,6 +128,7 @@ REFUSES: dict[str, list[Refuses]] = {
         lambda _: list(GantryStatements(alone()).of_first([INVENTED])),
     ],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
+    "rules/stating/lazy_statements.py": [lambda _: list(in_held_metal(FACTS, Remainder(range(PARTS), {}), [INVENTED]))],
     "models/plan/make_plan.py": [
         lambda _: excuses(FACTS, at_weight(EXEMPTION_MM), planned()[0]),
         lambda _: reasons(FACTS, STATED, planned()[0], HOME),

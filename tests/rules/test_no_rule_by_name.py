@@ -27,7 +27,6 @@ ALLOWED = {
 WORDS = {
     "locks": {
         "jobs/nest_job/job.py",
-        "jobs/nest_job/schema.py",
         "rules/profile/profile_sections.py",
         "rules/profile/load.py",
         "rules/profile/schema.py",

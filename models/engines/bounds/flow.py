@@ -23,7 +23,7 @@ from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.problem import Links, Problem
 
 from .flow_program import FlowProgram
-from .flow_work import sets_out_s
+from .flow_work import MOST_CONTOURS, MOST_SITES, SETTING_OUT, sets_out_s
 from .inequalities import DemandColumns, Inequalities, block_inequalities
 from .move_costs import Stopped, size_without_inner, sure_crossings
 from .network import Multipliers, Network, network_of
@@ -38,12 +38,8 @@ CROWD = 3
 """Inequalities per contour, beyond which those are dropped that nothing is paid for."""
 RISEN = 1e-5
 """Share by which the bound has risen before inequalities are dropped again: else the same ones come back in turn."""
-MOST_SITES, MOST_CONTOURS = 9000, 1500
-"""With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
 BYTES_A_MOVE = 14.0
 """What is kept of every move, and needed while they are gone through."""
-SETTING_OUT = 0.75
-"""Share of the work that may go before the first bound; where it takes more, contours stand for all of their sites."""
 ROUNDS, GAIN = 3, 3e-4
 """A case is split again once so many rounds of cuts have gained less than this share."""
 MOST_BRANCHED, MOST_CASES = 1200, 1000

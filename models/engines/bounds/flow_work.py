@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+MOST_SITES, MOST_CONTOURS = 9000, 1500
+"""With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
+SETTING_OUT = 0.75
+"""Share of the work that may go before the first bound; where it takes more, contours stand for all of their sites."""
+
 ROWS_PER_S = 1e7
 """Rows times rounds of the simplex method that a second is counted for, where there are half as many cuts as contours
 or more."""

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import accumulate
 from typing import Any, TypeVar, cast
 
 import numpy as np
+from numba import extending
+from numba.core import cgutils, types
+from numba.core.typing.templates import AttributeTemplate
+from numba.np.numpy_support import from_dtype
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
@@ -58,9 +64,9 @@ class Struct:
     def __init__(self, fields: Any) -> None:
         self.fields = fields
         with compiling():
-            from . import numba_struct
+            from . import jit_tools as numba_struct
 
-            numba_struct.take(Struct)
+            take(Struct)
 
         self._types: Any = numba_struct
         words: list[int] = []
@@ -71,7 +77,7 @@ class Struct:
             kinds.append((name, kind, len(words) * WORD))
             words += more
         self._block = np.array(words, dtype=np.int64)
-        self.kind: Any = numba_struct.StructType(type(fields).__name__, tuple(kinds))
+        self.kind: Any = StructType(type(fields).__name__, tuple(kinds))
         self.address = self._block.ctypes.data
 
     def _words(self, value: Any) -> tuple[Any, list[int]]:
@@ -179,3 +185,57 @@ def is_odd(bits: np.uint64) -> bool:
 def chunk(bits: np.uint64) -> int:
     """0 … 4095, by the bits above the seventeenth."""
     return int(np.int64((bits >> np.uint64(17)) & np.uint64(0xFFF)))
+
+
+# What numba has to know of a `Struct`: its type, and how its fields are loaded.
+
+WHOLE, FLOAT = types.int64, types.float64
+
+
+def array(value: Any) -> types.Type:
+    """The numba type of an array in C order."""
+    return types.Array(from_dtype(value.dtype), value.ndim, "C")
+
+
+class StructType(types.Type):
+    """The numba type of a `Struct`; `fields` are names, types and offsets in bytes."""
+
+    def __init__(self, label: str, fields: tuple[tuple[str, types.Type, int], ...]) -> None:
+        self.fields = fields
+        digest = hashlib.sha256(repr(fields).encode()).hexdigest()[:8]
+        super().__init__(name=f"{label}_{digest}")
+
+
+@cache
+def take(kind: type) -> None:
+    """Have numba take objects of a class, a `Struct`, for what their `kind` says."""
+    _compiler.typeof_impl.register(kind)(lambda value, _: value.kind)
+
+
+def _type_of_field(_: object, struct: StructType, name: str) -> types.Type | None:
+    return next((kind for field, kind, _ in struct.fields if field == name), None)
+
+
+def _unbox(_: StructType, value: Any, c: Any) -> Any:
+    """The pointer that stands for a `Struct` in a kernel."""
+    address = c.pyapi.object_getattr_string(value, "address")
+    pointer = c.pyapi.long_as_voidptr(address)
+    c.pyapi.decref(address)
+    return _compiler.NativeValue(pointer)
+
+
+def _load(context: Any, builder: Any, struct: StructType, pointer: Any, name: str) -> Any:
+    """Load a field. Its words never change, so the compiler may load them when it likes and keep them."""
+    kind, offset = next((kind, offset) for field, kind, offset in struct.fields if field == name)
+    shape = context.get_value_type(kind).as_pointer()
+    field = builder.load(_compiler_tools.pointer_add(builder, pointer, offset, return_type=shape))
+    field.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return field
+
+
+_compiler: Any = extending
+_compiler_tools: Any = cgutils
+_compiler.register_model(StructType)(_compiler.models.OpaqueModel)
+_compiler.unbox(StructType)(_unbox)
+_compiler.infer_getattr(type("Fields", (AttributeTemplate,), {"key": StructType, "generic_resolve": _type_of_field}))
+_compiler.lower_getattr_generic(StructType)(_load)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.commands.batch_progress import printed
+from kerfwise.commands.batch import printed
 from kerfwise.jobs.batch.reports import index_files
 from kerfwise.jobs.batch.result import Figures, Row, cheapest, groups_of, quickest, totals
 from kerfwise.jobs.batch.run import Batch

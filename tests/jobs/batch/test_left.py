@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.commands.batch_progress import printed
+from kerfwise.commands.batch import printed
 from kerfwise.jobs.batch.result import Figures, Row
 from kerfwise.jobs.batch.run import Batch, run_batch
 from kerfwise.jobs.batch.store import Store

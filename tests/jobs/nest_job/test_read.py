@@ -14,8 +14,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job import job_beside, read_job
-from kerfwise.jobs.nest_job.job import Job, job_of
-from kerfwise.jobs.nest_job.schema import job_schema, schema_text
+from kerfwise.jobs.nest_job.job import Job, job_of, job_schema, schema_text
 from kerfwise.rules.lock import Lock
 
 WHOLE = """profile: plants/laser.yaml
@@ -115,7 +114,7 @@ def test_files_that_cannot_be_read(tmp_path: Path, content: bytes | None, messag
 def test_the_published_schema_is_up_to_date_and_says_what_the_reader_does() -> None:
     published = resources.files("kerfwise.jobs.nest_job") / "job.schema.json"
     text = published.read_text(encoding="utf-8")
-    assert text == schema_text(), "run python -m kerfwise.jobs.nest_job.schema"
+    assert text == schema_text(), "run python -m kerfwise.jobs.nest_job.job"
     validator = jsonschema.Draft202012Validator(json.loads(text))
     jsonschema.Draft202012Validator.check_schema(job_schema())
     validator.validate({**yaml.load(WHOLE, Loader=yaml.BaseLoader), "quantity": 3, "tabs": {"P3": "off", "P4": [1, 2]}})
