@@ -161,12 +161,12 @@ def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
 def _around_looks(clock: Clock) -> None:
     """Count what rules that judge a whole order find wrong with those that are tried."""
     place: Any = importlib.import_module("kerfwise.jobs.plan_nest")
-    plain = place.afterthoughts
+    plain = place.lazy_statements
 
     def counted(*given: Any) -> Callable[..., Any]:
         return clock.around("looks at whole orders", plain(*given))
 
-    place.afterthoughts = counted
+    place.lazy_statements = counted
 
 
 def main() -> None:

@@ -36,6 +36,9 @@ WORK = 8
 """The limit of each engine: enough for a proof, with a search before it that finds nothing more."""
 FIRM = ("inner-before-outer", "level-ahead", "zone-order")
 """Rules that are always hard on the larger nests, so that few enough orders are left to judge one by one."""
+PROMISED = "inner-before-outer"
+"""What no profile turns off, whatever its rules say: nothing is cut in metal that has come loose. Every plan that is
+tried one by one is judged by rules alone, so that this rule stands for the promise."""
 SCRAP_LAST = "scrap-last"
 """The rule that is always hard where there are scrap lines: without it the check fails for loose metal."""
 Kind = Literal["plain", "slits", "options", "links", "scrap", "common"]
@@ -112,7 +115,7 @@ def _with_scrap(seed: int) -> Case:
         profile = _visible(rng, random_profile(rng, drawn))
         lined = with_lines(rng, drawn, 1 + seed % 3, profile.material.kerf_mm)
         if lined is not None:
-            rules = dict(profile.rules) | {SCRAP_LAST: _hard(profile, SCRAP_LAST)}
+            rules = dict(profile.rules) | {rule: _hard(profile, rule) for rule in (SCRAP_LAST, PROMISED)}
             return _as_case(rng, lined, replace(profile, rules=rules), seed)
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
@@ -53,11 +53,6 @@ class Change:
     setting: str = "hard"
 
 
-def falling(change: Change) -> Any:
-    """A change after which metal falls before it is cut."""
-    return pytest.param(change, marks=pytest.mark.scrap("what lies inside falls out before it is cut"))
-
-
 CHANGES = [
     Change("level-ahead", "before(j, i)", "before(i, j)", "reversed"),
     Change("level-ahead", "level_ahead[j, i]]", "level_ahead[j, i] /\\ part[j] = 2]", "weakened"),
@@ -94,8 +89,8 @@ CHANGES = [
     Change("no-islands", "> 1];", "> 99];", "weakened"),
     Change("part-rigidity", ">= part_rigidity_needed[c]\n", ">= part_rigidity_needed[c] div 2\n", "weakened"),
     Change("nested-before-host-holes", "kind[guest] = OUTER", "kind[guest] = MARK", "weakened", HOST),
+    Change("inner-before-outer", "before(i, parent[i])", "before(i, parent[i]) \\/ kind[i] = HOLE", "weakened"),
     Change("scrap-last", "kind[i] != SCRAP /\\", "kind[i] = HOLE /\\", "weakened", CUT_UP),
-    falling(Change("inner-before-outer", "before(i, parent[i])", "before(parent[i], i)", "reversed")),
 ]
 
 
@@ -124,6 +119,14 @@ def planned(change: Change, profile: Profile) -> VerifiedPlan:
 def cuts_of(made: VerifiedPlan) -> CutSequence:
     plan = made.plan
     return CutSequence(tuple(planned.cut for planned in plan.cuts), plan.start_side)
+
+
+def test_a_file_that_cuts_in_loose_metal_is_contradicted(tmp_path: Path) -> None:
+    """What lies in a contour is cut before it, whatever a plant's file says: that is no rule but a promise."""
+    change = Change("inner-before-outer", "before(i, parent[i])", "before(parent[i], i)", "reversed")
+    with pytest.raises(RulesConflict) as error:
+        planned(change, profile_of(tmp_path, change, True))
+    assert "cutting A.outer frees the metal it is in" in str(error.value)
 
 
 @pytest.mark.parametrize("change", few(CHANGES, 6), ids=lambda c: f"{c.rule} {c.how}")
