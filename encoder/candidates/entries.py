@@ -406,7 +406,6 @@ class Approaches:
 # The keys of a profile that set the options of leads, for messages.
 
 IN_PROFILE = {
-    "kerf_mm": "material.kerf",
     "lead_in_mm": "leads.lead_in",
     "lead_in_min_mm": "leads.lead_in_min",
     "pierce_clearance_mm": "rules.pierce.clearance",

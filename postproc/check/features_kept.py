@@ -159,7 +159,10 @@ def features_lost(
             # the buffer of lines taken apart where they meet is rounder, and made in ten times the time
             exactly = _left(contours[k : k + 1], [path], within_mm)[0]
             for one in _of_run(cut[k], shapely.difference(exactly, spared), path, kerf_mm, allowed, slit):
-                (found.lost if isinstance(one, Violation) else found.left).append(one)  # type: ignore[arg-type]
+                if isinstance(one, Violation):
+                    found.lost.append(one)
+                else:
+                    found.left.append(one)
     return found
 
 
