@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import ProfileLike, plant_of, reading
+from kerfwise.jobs.nest_job.request import answered
 from kerfwise.jobs.nesting.find_nests import (
     PURPOSES,
     WEIGH_WORK,
     WEIGHED,
     Engine,
     NestingRequest,
-    NestingResult,
     Purpose,
     Watching,
     expect_engine,
-    find_nests,
     spacing_of,
     spacing_warning,
 )
+from kerfwise.jobs.nesting.nest_list import ListRequest, nest_groups, request_list
 from kerfwise.jobs.nesting.programs import make_programs
 from kerfwise.jobs.nesting.request import order_of
-from kerfwise.jobs.nesting.result import Nests, nests_of_job
+from kerfwise.jobs.nesting.result import Done, Nests, nests_of_job
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import WORK
+from kerfwise.nesting.demand import Demand
 from kerfwise.nesting.layout import Layout
 from kerfwise.nesting.rounds import Effort
 from kerfwise.rules.profile.load import DEFAULT
+from kerfwise.rules.profile.profile import Profile
 
 Files = Mapping[str | Path, int] | Iterable[str | Path] | str | Path
 """Files with how many of each, or words as on the command line, such as bracket.dxf=12, or the path of a list."""
@@ -39,7 +42,7 @@ OnRound = Callable[[int, int], object]
 
 def nest(
     parts: Files,
-    profile: ProfileLike = DEFAULT,
+    profile: ProfileLike | Sequence[ProfileLike] = DEFAULT,
     *,
     sheets: Files = (),
     remnants: Files = (),
@@ -54,6 +57,9 @@ def nest(
     seed: int = 1,
     units: str | None = None,
     repair: bool = False,
+    skip_bad: bool = False,
+    name_pattern: str | None = None,
+    answers: Mapping[str, str] | None = None,
     on_round: OnRound | None = None,
 ) -> Nests:
     """Lay parts on sheets, remnants first, as `kerfwise nest` does. Nothing is written: see `Nests.save`.
@@ -63,7 +69,7 @@ def nest(
     parts
         Files of parts with quantities, such as {"bracket.dxf": 12}; words such as "bracket.dxf=12"; lists of parts.
     profile
-        A profile, its name or its path.
+        A profile, its name or its path; several for a list of several materials, each cut by the one that is for it.
     sheets, remnants
         Sizes such as "3000x1500", or files, each with how many there are: {"3000x1500": 4}, or "3000x1500=4".
     gap_mm, edge_mm
@@ -78,6 +84,12 @@ def nest(
         Orders that are tried; a limit by the clock in their place; the seed of random orders.
     units, repair
         As for `read_nest`.
+    skip_bad
+        Leave out parts that cannot be read or cut: `left_out` of the result names them.
+    name_pattern
+        What the names of files say, such as "{part}_{quantity}x".
+    answers
+        Answers to questions of drawings, and of which row of a chart is for a material: {"row:S235-8mm": "10mm"}.
     on_round
         Called after each round; if it answers False, the best nests so far are taken.
 
@@ -102,17 +114,15 @@ def nest(
     (1, 8, {})
     """
     notes: list[str] = []
-    distances = (gap_mm, edge_mm)
-    effort = Effort(rounds, time_s, seed)
-    asked = _asked(
-        (parts, sheets, remnants), profile, distances, effort, engine, purpose, weigh, weigh_work, units, repair, notes
-    )
-    return nests_of_job(asked.plant, _found(asked, on_round, notes), None, seed, notes)
+    how = _How((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
+    asked = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
+    found = nest_groups(asked, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
+    return nests_of_job(asked, [Done(one, result) for one, result in found], seed, notes)
 
 
 def make(
     parts: Files,
-    profile: ProfileLike = DEFAULT,
+    profile: ProfileLike | Sequence[ProfileLike] = DEFAULT,
     *,
     sheets: Files = (),
     remnants: Files = (),
@@ -129,13 +139,17 @@ def make(
     relax: bool = False,
     units: str | None = None,
     repair: bool = False,
+    skip_bad: bool = False,
+    name_pattern: str | None = None,
+    answers: Mapping[str, str] | None = None,
     on_round: OnRound | None = None,
 ) -> Nests:
     """Lay parts on sheets, and turn every sheet into a checked program, as `kerfwise make` does.
 
     Parameters
     ----------
-    parts, profile, sheets, remnants, gap_mm, edge_mm, engine, purpose, weigh, weigh_work, rounds, seed, units, repair
+    parts, profile, sheets, remnants, gap_mm, edge_mm, engine, purpose, weigh, weigh_work, rounds, seed
+    units, repair, skip_bad, name_pattern, answers
         As for `nest`.
     time_s, on_round
         As for `nest`: of laying parts, not of planning.
@@ -160,48 +174,75 @@ def make(
     'sheet1.nc: 12 contours'
     """
     notes: list[str] = []
-    distances = (gap_mm, edge_mm)
-    effort = Effort(rounds, time_s, seed)
-    asked = _asked(
-        (parts, sheets, remnants), profile, distances, effort, engine, purpose, weigh, weigh_work, units, repair, notes
-    )
-    found = _found(asked, on_round, notes)
-    made = make_programs(found.nested, asked.plant, work, relax, lambda name: Listener())
-    return nests_of_job(asked.plant, found, made, seed, notes)
+    how = _How((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
+    asked = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
+    found = nest_groups(asked, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
+    done = [
+        Done(one, result, make_programs(result.nested, one.cutting.plant, work, relax, lambda name: Listener()))
+        for one, result in found
+    ]
+    return nests_of_job(asked, done, seed, notes)
+
+
+@dataclass(frozen=True, slots=True)
+class _How:
+    """How parts are laid, as the caller said it."""
+
+    distances_mm: tuple[float | None, float | None]
+    effort: Effort
+    engine: Engine
+    purpose: Purpose
+    weigh: int
+    weigh_work: float
+
+    def expect(self) -> None:
+        """Refuse what nothing can be laid by."""
+        if self.purpose not in PURPOSES:
+            raise InputError(unknown("purpose", str(self.purpose), PURPOSES))
+        for name, value in (("rounds", self.effort.rounds), ("weigh", self.weigh)):
+            if not isinstance(value, int) or value < 1:
+                raise InputError(f"{name}: expected a whole number from 1, got {value!r}")
+        for name, limit in (("time_s", self.effort.time_s), ("weigh_work", self.weigh_work)):
+            if limit is not None and not limit > 0:
+                raise InputError(f"{name}: expected a number over 0, got {limit!r}")
+        for name, mm in zip(("gap_mm", "edge_mm"), self.distances_mm, strict=True):
+            if mm is not None and not mm >= 0:
+                raise InputError(f"{name}: expected 0 or more, got {mm!r}")
+
+    def request(self, plant: Profile, wanted: Demand, notes: list[str]) -> NestingRequest:
+        """What is to be laid under a profile."""
+        spacing = spacing_of(plant, *self.distances_mm)
+        if said := spacing_warning(plant, spacing):
+            notes.append(said)
+        return NestingRequest(
+            plant, wanted, spacing, self.effort, self.engine, self.purpose, self.weigh, self.weigh_work
+        )
 
 
 def _asked(
     files: tuple[Files, Files, Files],
-    profile: ProfileLike,
-    distances_mm: tuple[float | None, float | None],
-    effort: Effort,
-    engine: Engine,
-    purpose: Purpose,
-    weigh: int,
-    weigh_work: float,
+    profile: ProfileLike | Sequence[ProfileLike],
+    how: _How,
     units: str | None,
     repair: bool,
+    skip_bad: bool,
+    name_pattern: str | None,
+    answers: Mapping[str, str] | None,
     notes: list[str],
-) -> NestingRequest:
-    if purpose not in PURPOSES:
-        raise InputError(unknown("purpose", str(purpose), PURPOSES))
-    for name, value in (("rounds", effort.rounds), ("weigh", weigh)):
-        if not isinstance(value, int) or value < 1:
-            raise InputError(f"{name}: expected a whole number from 1, got {value!r}")
-    for name, limit in (("time_s", effort.time_s), ("weigh_work", weigh_work)):
-        if limit is not None and not limit > 0:
-            raise InputError(f"{name}: expected a number over 0, got {limit!r}")
-    for name, mm in zip(("gap_mm", "edge_mm"), distances_mm, strict=True):
-        if mm is not None and not mm >= 0:
-            raise InputError(f"{name}: expected 0 or more, got {mm!r}")
-    plant = plant_of(profile)
-    expect_engine(engine)
-    spacing = spacing_of(plant, *distances_mm)
-    if said := spacing_warning(plant, spacing):
-        notes.append(said)
+) -> ListRequest:
+    how.expect()
+    given = tuple((answers or {}).items())
+    named = [profile] if isinstance(profile, str | Path | Profile) else list(profile)
+    plants = [answered(plant_of(one), None, given) for one in named]
+    expect_engine(how.engine)
+    for plant in plants:
+        spacing_of(plant, *how.distances_mm)
     parts, sheets, remnants = (_words(named) for named in files)
-    wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), notes.append)
-    return NestingRequest(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
+    options = reading(plants[0], units=units, repair=repair)
+    order = order_of(parts, sheets, remnants, options, notes.append, skip_bad=skip_bad, name_pattern=name_pattern)
+    return request_list(
+        order, plants, lambda plant, wanted: how.request(plant, wanted, notes), skip_bad=skip_bad, answers=given
+    )
 
 
 def _words(files: Files) -> list[str]:
@@ -223,7 +264,3 @@ class _Watch(Watching):
         if self._on_round is not None and self._on_round(number, len(best.sheets)) is False:
             self.stopped = True
         return super().__call__(number, best)
-
-
-def _found(asked: NestingRequest, on_round: OnRound | None, notes: list[str]) -> NestingResult:
-    return find_nests(asked, _Watch(on_round), lambda name: Listener(), notes.append)

@@ -11,16 +11,21 @@ from typing import TYPE_CHECKING, Any, Self
 
 import click
 
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import is_there
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nesting.find_nests import Watching
 from kerfwise.rules.profile.load import DEFAULT
 
-from .shared_options import AMOUNT_OVER_ZERO, TRUST, length_or_zero, print_note
+from .shared_options import AMOUNT_OVER_ZERO, ANSWER, SET, TRUST, length_or_zero, print_note
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
     from kerfwise.jobs.nesting.find_nests import Engine, NestingRequest, NestingResult, Purpose
+    from kerfwise.jobs.nesting.nest_list import GroupRequest, ListRequest
     from kerfwise.jobs.nesting.nests import Nested
+    from kerfwise.jobs.nesting.programs import Programs
+    from kerfwise.nesting.demand import Demand
     from kerfwise.nesting.layout import Layout
     from kerfwise.rules.profile.profile import Profile
 
@@ -77,12 +82,18 @@ Verb = Callable[..., Any]
 
 _OPTIONS = (
     click.option("--sheet", "sheets", metavar="WxH[=N]|FILE[=N]", multiple=True,
-                 help="A sheet in mm, such as 3000x1500, and its stock; repeatable."),
+                 help="A sheet in mm, such as 3000x1500, and its stock, or a list of stock; repeatable."),
     click.option("--remnant", "remnants", metavar="FILE[=N]|WxH[=N]", multiple=True,
                  help="A remnant of any shape, used before sheets; repeatable."),
-    click.option("-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Name or path."),
+    click.option("-p", "--profile", "profiles", metavar="PROFILE", multiple=True,
+                 help=f"Name or path; repeatable, for lists of several materials. Default: {DEFAULT}."),
     TRUST,
-    click.option("-o", "--output", metavar="DIR", required=True, help="Output folder of the nests."),
+    SET,
+    ANSWER,
+    click.option("-o", "--output", metavar="DIR", help="Output folder of the nests."),
+    click.option("--skip-bad", is_flag=True, help="Leave out parts that cannot be read or cut, each with its reason."),
+    click.option("--name-pattern", metavar="PATTERN",
+                 help="What names of files say: {part}_{quantity}x, {order}, {material}, {thickness}, * for the rest."),
     click.option("--gap", metavar="LENGTH", help="Gap between parts. Default: a kerf and the profile's nesting.web."),
     click.option("--edge", metavar="LENGTH", help="Distance to the sheet's edge. Default: the profile's nesting.edge."),
     click.option("--dxf", is_flag=True, help="Also write each nest as DXF."),
@@ -113,13 +124,15 @@ def nest_options(verb: Verb) -> Verb:
     return verb
 
 
-def read_nesting_request(
+def read_list_request(
     parts: tuple[str, ...],
     sheets: tuple[str, ...],
     remnants: tuple[str, ...],
-    profile: str,
+    profiles: tuple[str, ...],
     trust: bool,
-    output: str,
+    settings: tuple[str, ...],
+    answers: tuple[str, ...],
+    output: str | None,
     gap: str | None,
     edge: str | None,
     rounds: int,
@@ -127,47 +140,83 @@ def read_nesting_request(
     seed: int,
     units: str | None,
     repair: bool,
+    skip_bad: bool,
+    name_pattern: str | None,
     engine: Engine,
     purpose: Purpose,
     weigh: int,
     weigh_work: float,
-) -> tuple[NestingRequest, Path]:
-    """Read parts, sheets and profile; what the readers have to say goes to standard error.
+) -> tuple[ListRequest, Path]:
+    """Read parts, sheets and profiles; what the readers have to say goes to standard error.
 
     Returns
     -------
-    What is asked for, and the folder that the nests are written to.
+    What is asked for, group by group, and the folder that the nests are written to.
     """
+    from kerfwise.encoder.questions import answers_of
     from kerfwise.jobs.inputs import plant_of, reading
+    from kerfwise.jobs.nest_job.request import answered
     from kerfwise.jobs.nesting.find_nests import NestingRequest as Asked
     from kerfwise.jobs.nesting.find_nests import expect_engine, spacing_of, spacing_warning
+    from kerfwise.jobs.nesting.nest_list import request_list
     from kerfwise.jobs.nesting.nests import expect_folder
     from kerfwise.jobs.nesting.request import order_of
     from kerfwise.nesting.rounds import Effort
+    from kerfwise.rules.profile.overrides import read_setting, with_settings
 
-    plant, out = plant_of(profile, trust), Path(output)
+    if output is None:
+        raise click.UsageError("Missing option '-o' / '--output'.")
+    given, out = answers_of(answers), Path(output)
+    named = [answered(plant_of(name, trust), None, given) for name in profiles or (DEFAULT,)]
+    plants = [with_settings(plant, [read_setting(one) for one in settings]) for plant in named]
     expect_engine(engine)
     expect_folder(out)
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
-    spacing = spacing_of(plant, gap_mm, None if edge is None else length_or_zero("--edge", edge))
-    wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), print_note)
-    if said := spacing_warning(plant, spacing):
-        print_note(said)
+    edge_mm = None if edge is None else length_or_zero("--edge", edge)
+    for plant in plants:
+        spacing_of(plant, gap_mm, edge_mm)
+    options = reading(plants[0], units=units, repair=repair)
+    order = order_of(parts, sheets, remnants, options, print_note, skip_bad=skip_bad, name_pattern=name_pattern)
     effort = Effort(rounds, time_limit, seed)
-    return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work), out
+
+    def request(plant: Profile, wanted: Demand) -> NestingRequest:
+        spacing = spacing_of(plant, gap_mm, edge_mm)
+        if said := spacing_warning(plant, spacing):
+            print_note(said)
+        for text in plant.chart_notes():
+            print_note(text)
+        return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
+
+    return request_list(order, plants, request, skip_bad=skip_bad, answers=given), out
 
 
-def looked_for(asked: NestingRequest) -> NestingResult:
+def looked_for(asked: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
     """The nests: progress on a terminal, Ctrl-C that keeps the best so far, or says that nothing was laid."""
-    from kerfwise.jobs.nesting.find_nests import NOTHING_LAID, find_nests
+    from kerfwise.jobs.nesting.find_nests import NOTHING_LAID
+    from kerfwise.jobs.nesting.nest_list import nest_groups
 
     from .progress import ProgressLine
 
     try:
-        return find_nests(asked, NestProgress(), lambda name: ProgressLine(), print_note)
+        return nest_groups(asked, NestProgress, lambda name: ProgressLine(), print_note)
     except KeyboardInterrupt:
         print_note(NOTHING_LAID)
         raise
+
+
+def _end(asked: ListRequest, out: Path, files: list[Path]) -> None:
+    from kerfwise.jobs.nesting.nest_list import left_out_text
+
+    if asked.bad:
+        click.echo(left_out_text(asked.bad))
+    click.echo(f"written: {len(files)} files in {escape_text(str(out))}")
+
+
+def _code(asked: ListRequest, found: list[tuple[GroupRequest, NestingResult]], interrupted: bool) -> int:
+    """The exit code: 130 after Ctrl-C, 1 where parts are missing or left out."""
+    if interrupted or len(found) < len(asked.groups):
+        return 130
+    return 1 if asked.bad or any(any(result.nested.layout.missing) for _, result in found) else 0
 
 
 def print_nests(nested: Nested, found: NestingResult, plant: Profile) -> None:
@@ -185,11 +234,14 @@ def _schema(context: click.Context, option: click.Parameter, asked: bool) -> Non
     """Print the schema, and nothing else."""
     if not asked:
         return
-    from kerfwise.jobs.nesting.request import schema_text
+    from kerfwise.jobs.nesting.part_list import schema_text
 
     click.echo(schema_text(), nl=False)
     expect_printed()
     context.exit()
+
+
+NEW_LIST = "new-list"
 
 
 @click.command()
@@ -199,18 +251,41 @@ def _schema(context: click.Context, option: click.Parameter, asked: bool) -> Non
 @click.option("--picture", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True,
               help="Format of the pictures.")  # fmt: skip
 def nest_command(dxf: bool, picture: str, **options: Any) -> int:
-    """Lay PARTS, files with their quantities (bracket.dxf=12) or lists of parts, on sheets; remnants first."""
-    from kerfwise.jobs.nesting.nests import nest_files, write_nests
+    """Lay PARTS, files with their quantities (bracket.dxf=12), folders or lists of parts, on sheets; remnants first.
 
-    asked, out = read_nesting_request(**options)
+    `kerfwise nest new-list -o parts.csv` writes a list to fill in, as CSV or XLSX.
+    """
+    if options["parts"] == (NEW_LIST,):
+        return _new_list(options["output"])
+    from kerfwise.jobs.nesting.nest_list import write_list
+    from kerfwise.jobs.nesting.nests import nest_files
+
+    asked, out = read_list_request(**options)
     found = looked_for(asked)
-    files = nest_files(found.nested, f".{picture}", dxf)
-    written = write_nests(out, found.nested, files, profile=asked.plant.name, seed=asked.effort.seed)
-    print_nests(found.nested, found, asked.plant)
-    click.echo(f"written: {len(written)} files in {escape_text(str(out))}")
-    if found.interrupted:
-        return 130
-    return 1 if any(found.nested.layout.missing) else 0
+    files = [(one, result.nested, nest_files(result.nested, f".{picture}", dxf)) for one, result in found]
+    written = write_list(out, asked, files, seed=asked.groups[0].asked.effort.seed)
+    for one, result in found:
+        if head := asked.head(one):
+            click.echo(head)
+        print_nests(result.nested, result, one.cutting.plant)
+    _end(asked, out, written)
+    return _code(asked, found, any(result.interrupted for _, result in found))
+
+
+def _new_list(output: str | None) -> int:
+    """Write a list of parts to fill in."""
+    from kerfwise.jobs.nesting.tables import TEMPLATE, template_workbook
+    from kerfwise.postproc.output_files import expect_outputs, write_files
+
+    path = Path(output or "parts.csv")
+    if path.suffix.lower() not in (".csv", ".xlsx"):
+        raise InputError(f"-o {path}: a list is a .csv or an .xlsx file")
+    if is_there(path):
+        raise InputError("is there already: remove it, or give another name with -o", file=path)
+    expect_outputs([path], [])
+    write_files({path: TEMPLATE if path.suffix.lower() == ".csv" else template_workbook()})
+    click.echo(f"written: {escape_text(str(path))}")
+    return 0
 
 
 # kerfwise make: a list of parts to programs in one command: nest, plan, check, write.
@@ -223,20 +298,33 @@ def nest_command(dxf: bool, picture: str, **options: Any) -> int:
 @click.option(
     "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
 )
-def make_command(dxf: bool, work: float, relax: bool, **options: Any) -> int:
+@click.option("--picture", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True,
+              help="Format of the pictures.")  # fmt: skip
+@click.option("--sheets", "papers", is_flag=True, help="Also print the work sheets: sheets.pdf in each folder.")
+def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool, **options: Any) -> int:
     """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
-    from kerfwise.jobs.nesting.nests import write_nests
-    from kerfwise.jobs.nesting.programs import make_programs
+    from kerfwise.jobs.nesting.nest_list import write_list
+    from kerfwise.jobs.nesting.programs import make_programs, work_sheets_of
 
     from .progress import ProgressLine
 
-    asked, out = read_nesting_request(**options)
+    asked, out = read_list_request(**options)
     found = looked_for(asked)
-    made = make_programs(found.nested, asked.plant, work, relax, lambda name: ProgressLine())
-    written = write_nests(out, made.nested, made.files(dxf), profile=asked.plant.name, seed=asked.effort.seed)
-    print_nests(made.nested, found, asked.plant)
-    click.echo("\n".join(made.told))
-    click.echo(f"written: {len(written)} files in {escape_text(str(out))}")
-    if found.interrupted or made.interrupted:
-        return 130
-    return 1 if any(made.nested.layout.missing) else 0
+    files: list[tuple[GroupRequest, Nested, dict[str, str | bytes]]] = []
+    programs: list[Programs] = []
+    for one, result in found:
+        made = make_programs(result.nested, one.cutting.plant, work, relax, lambda name: ProgressLine())
+        programs.append(made)
+        pages = {"sheets.pdf": work_sheets_of(made)} if papers else {}
+        files.append((one, made.nested, {**made.files(dxf, picture), **pages}))
+        if made.interrupted:
+            break
+    written = write_list(out, asked, files, seed=asked.groups[0].asked.effort.seed)
+    for (one, result), made in zip(found, programs, strict=False):
+        if head := asked.head(one):
+            click.echo(head)
+        print_nests(made.nested, result, one.cutting.plant)
+        click.echo("\n".join(made.told))
+    _end(asked, out, written)
+    stopped = any(made.interrupted for made in programs) or any(result.interrupted for _, result in found)
+    return _code(asked, found, stopped)

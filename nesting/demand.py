@@ -41,6 +41,10 @@ class PartType:
         The file that it was read from.
     held
         Whether tabs of the plant hold it, so that its edges are not cut once.
+    material, thickness_mm
+        The sheet that it is cut from, where the order says it.
+    due
+        The day on which it has to be ready, ISO 8601, where the order says it.
     """
 
     name: str
@@ -53,6 +57,9 @@ class PartType:
     file: str = ""
     free: bool = False
     held: bool = False
+    material: str = ""
+    thickness_mm: float | None = None
+    due: str = ""
 
     @property
     def area_mm2(self) -> float:
@@ -88,6 +95,8 @@ class Stock:
     count: int | None = None
     price: float | None = None
     remnant: bool = False
+    material: str = ""
+    thickness_mm: float | None = None
 
     @property
     def area_mm2(self) -> float:

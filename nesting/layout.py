@@ -233,7 +233,8 @@ def nests_of(layout: Layout) -> list[Nest]:
             kind = layout.wanted.types[one.kind]
             made = one.part(kind.part, f"{kind.name}-{count[one.kind]}")
             told: dict[str, object] = {OF: kind.name, "priority": kind.priority}
-            made.attributes.update(told | ({"order": kind.order} if kind.order else {}))
+            more = {"order": kind.order, "due": kind.due, "material": kind.material, "thickness": kind.thickness_mm}
+            made.attributes.update(told | {key: value for key, value in more.items() if value})
             parts.append(made)
         nests.append(Nest(sheet.stock.sheet, tuple(parts)))
     return nests

@@ -14,7 +14,7 @@ from kerfwise.jobs.plan_nest import FinishedPlan
 from kerfwise.jobs.programs import Times, time_made
 from kerfwise.jobs.progress import CtrlC, Listener, Listeners
 from kerfwise.nesting import sparrow
-from kerfwise.nesting.demand import Common, Demand, PartType, Spacing, Stock
+from kerfwise.nesting.demand import Common, Demand, PartType, Spacing
 from kerfwise.nesting.layout import Layout
 from kerfwise.nesting.nofit import Placed
 from kerfwise.nesting.rounds import Effort, Method, layouts
@@ -23,7 +23,7 @@ from kerfwise.nesting.sparrow import compact_layout
 from kerfwise.rules.profile.profile import Profile
 
 from .nests import Nested, expect_room, nests_from
-from .programs import planned
+from .programs import planned, with_sheet_price
 
 Purpose = Literal["density", "cutting"]
 PURPOSES: tuple[Purpose, ...] = get_args(Purpose)
@@ -342,14 +342,6 @@ def _price(times: Times, profile: Profile) -> float:
     if not profile.prices.given:
         return times.total_s
     return times.cost.total if times.cost is not None else 0.0
-
-
-def with_sheet_price(profile: Profile, stock: Stock) -> Profile:
-    """The profile with the price of this sheet, where it has prices; a remnant that has none was paid before."""
-    if not profile.prices.given or (stock.price is None and not stock.remnant):
-        return profile
-    prices = replace(profile.prices, sheet_each=stock.price or 0.0, sheet_kg=0.0)
-    return replace(profile, prices=prices)
 
 
 def cheapest(weighed: Sequence[Weighed]) -> Weighed:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -221,7 +222,8 @@ def expect_folder(out: Path) -> None:
     expect_place(out)
     if not is_folder(out):
         return
-    own = {TABLE, *_before(out)}
+    files, folders = _before(out)
+    own = {TABLE, *files, *folders}
     others = sorted(path.name for path in out.iterdir() if path.name[0] != "." and path.name not in own)
     if others:
         raise InputError(
@@ -252,19 +254,39 @@ def write_nests(out: Path, nested: Nested, files: Mapping[str, str | bytes], **a
     make_folder(out)
     before = _before(out)
     write_files({out / name: content for name, content in made.items()})
-    for name in sorted(before - made.keys()):
-        (out / name).unlink(missing_ok=True)
+    _remove(out, before, set(made), ())
     return [out / name for name in made]
 
 
-def _before(out: Path) -> set[str]:
-    """Names of the files that an earlier run wrote."""
+def remove_earlier(out: Path, made: AbstractSet[str], folders: Collection[str]) -> None:
+    """Remove what an earlier run wrote in the folder of a list, and is not made again."""
+    _remove(out, _before(out), made, folders)
+
+
+def _remove(out: Path, before: tuple[set[str], set[str]], made: AbstractSet[str], folders: Collection[str]) -> None:
+    files, groups = before
+    for name in sorted(files - made):
+        (out / name).unlink(missing_ok=True)
+    for name in sorted(groups - set(folders)):
+        _remove(out / name, _before(out / name), set(), ())
+        (out / name / TABLE).unlink(missing_ok=True)
+        if is_folder(out / name) and not any((out / name).iterdir()):
+            (out / name).rmdir()
+
+
+def _plain_names(names: Sequence[object]) -> set[str]:
+    return {name for name in names if isinstance(name, str) and Path(name).name == name}
+
+
+def _before(out: Path) -> tuple[set[str], set[str]]:
+    """Names of the files that an earlier run wrote, and of the folders of its groups."""
     table = out / TABLE
     if not is_file(table):
-        return set()
+        return set(), set()
     try:
         data: Mapping[str, Any] = json.loads(read_limited(table))
-        names = data[_FILES] if data.get("format") == FORMAT else []
-        return {name for name in names if isinstance(name, str) and Path(name).name == name}
+        known = data.get("format") == FORMAT
+        files, folders = (data.get(key, []) if known else [] for key in (_FILES, "groups"))
+        return _plain_names(files), _plain_names(folders)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return set()
+        return set(), set()

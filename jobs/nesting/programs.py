@@ -18,6 +18,7 @@ from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener, Listeners
 from kerfwise.jobs.request import options_for
+from kerfwise.nesting.demand import Stock
 from kerfwise.nesting.fill import LEFT, Taste
 from kerfwise.nesting.layout import OF, Sheetful, refill_sheet
 from kerfwise.nesting.shapes import Shapes
@@ -37,11 +38,11 @@ class Programs:
     told: tuple[str, ...]
     interrupted: bool
 
-    def files(self, dxf: bool) -> dict[str, str | bytes]:
-        """Nests, programs, plans, pictures and remnants, by the names that they have."""
-        files = nest_files(self.nested, ".nest.svg", dxf)
-        for name, done in zip(self.nested.names, self.plans, strict=True):
-            files |= program_files(name, done)
+    def files(self, dxf: bool, picture: str = "svg") -> dict[str, str | bytes]:
+        """Nests, programs, plans, pictures and remnants, by the names that they have; `picture` is a format."""
+        files = nest_files(self.nested, f".nest.{picture}", dxf)
+        for name, done in zip(self.nested.names, self.plans, strict=False):
+            files |= program_files(name, done, picture)
         return files
 
 
@@ -64,7 +65,7 @@ def make_programs(
         except RulesConflict as error:
             raise RulesConflict(f"{name}: {error.message}; nothing was written", error.reasons) from error
         plans.append(done)
-        told += [plan_text(name, done), *([how] if how else [])]
+        told += [plan_text(name, done, nested.layout.sheets[number].stock), *([how] if how else [])]
     return Programs(nested, tuple(plans), tuple(told), heard.interrupted)
 
 
@@ -95,20 +96,29 @@ def plan_sheet(
     return done
 
 
-def program_files(name: str, done: FinishedPlan) -> dict[str, str | bytes]:
+def program_files(name: str, done: FinishedPlan, picture: str = "svg") -> dict[str, str | bytes]:
     """Program, plan and picture of a sheet, and what of it can be used again, by the names that they have."""
     nest, profile, plan = done.given.nest, done.given.profile, done.made.plan
     files: dict[str, str | bytes] = {
         f"{name}.nc": done.made.program,
         f"{name}.plan.json": plan.to_json(),
-        f"{name}.svg": draw(nest, plan, ".svg", profile.home_on(nest)),
+        f"{name}.{picture}": draw(nest, plan, f".{picture}", profile.home_on(nest)),
     }
     return files | {path.name: text for path, text in remnant_files(f"{name}.nc", nest, profile).items()}
 
 
-def plan_text(name: str, done: FinishedPlan) -> str:
-    """What the program of a sheet takes, in a line."""
-    plan, times = done.made.plan, time_made(done.given, done.made.plan)
+def work_sheets_of(made: Programs) -> bytes:
+    """The work sheets of all programs, as one PDF."""
+    from kerfwise.jobs.work_sheet import sheets_pdf, work_sheet
+
+    named = zip(made.nested.names, made.plans, strict=False)
+    return sheets_pdf([work_sheet(done.given, done.made.plan, name=f"{name}.nc") for name, done in named])
+
+
+def plan_text(name: str, done: FinishedPlan, stock: Stock) -> str:
+    """What the program of a sheet takes, in a line; the sheet costs what the list says."""
+    priced = replace(done.given, profile=with_sheet_price(done.given.profile, stock))
+    plan, times = done.made.plan, time_made(priced, done.made.plan)
     cost = "" if times.cost is None else f", {times.cost.total:.2f} {times.cost.currency}"
     totals = plan.totals
     return (
@@ -232,3 +242,11 @@ def planned(
         return plan_sheet(name, text, profile, work, relax=relax, listener=heard(name))
 
     return plan_or_repair(nested, number, plan, lambda: heard.stopped)
+
+
+def with_sheet_price(profile: Profile, stock: Stock) -> Profile:
+    """The profile with the price of this sheet, where it has prices; a remnant that has none was paid before."""
+    if not profile.prices.given or (stock.price is None and not stock.remnant):
+        return profile
+    prices = replace(profile.prices, sheet_each=stock.price or 0.0, sheet_kg=0.0)
+    return replace(profile, prices=prices)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import sys
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-
-import yaml
+from typing import ClassVar
 
 from kerfwise.encoder.contour_checks import sheet_ring_problems
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
+from kerfwise.encoder.files import is_file, read_limited
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.questions import Questions, QuestionsOfFiles, with_answers
 from kerfwise.encoder.readers.drawing import Drawing
@@ -28,13 +25,20 @@ from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.nest_job import job_beside, read_job
 from kerfwise.nesting.blocks import sides_on_axes
-from kerfwise.nesting.demand import GRAINS, QUARTERS, Demand, Grain, PartType, Stock, turns_along
-from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
-from kerfwise.rules.options.option import option, options_of
-from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, items
-from kerfwise.rules.profile.load import read_fields
+from kerfwise.nesting.demand import QUARTERS, Demand, PartType, Stock, turns_along
+
+from .part_list import ANY, MOST, BadRow, PartList, PartRow, SheetRow, is_list, read_list
+from .tables import WrongCell, is_table, length_in, whole_in
 
 # What was asked for, from files: the command line's parts, lists and sheets as one order.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Order:
+    """What is to be nested, and what of the lists cannot be: `bad` is empty unless bad parts may be left out."""
+
+    wanted: Demand
+    bad: tuple[BadRow, ...] = ()
 
 
 def order_of(
@@ -43,62 +47,167 @@ def order_of(
     remnants: Sequence[str],
     reading: ReadOptions,
     tell: Tell = silent,
-) -> Demand:
+    *,
+    skip_bad: bool = False,
+    name_pattern: str | None = None,
+) -> Order:
     """Read everything that the command line names.
 
     Parameters
     ----------
     parts
-        Files of parts, each with its quantity behind it (`bracket.dxf=12`), and lists of parts.
+        Files of parts, each with its quantity behind it (`bracket.dxf=12`), folders of them, and lists of parts.
     sheets
-        Sizes such as `3000x1500`, or files, each with how many there are behind it (`3000x1500=4`).
+        Sizes such as `3000x1500`, or files, each with how many there are behind it (`3000x1500=4`), and lists of stock.
     remnants
         The same, of remnants.
     reading
         How drawings are read.
     tell
         Told what the readers had to say.
+    skip_bad
+        Whether parts that cannot be read are left out, each with its reason.
+    name_pattern
+        What the names of files say, such as `{part}_{quantity}x`: see `NamePattern`.
 
     Raises
     ------
     InputError
-        For the first thing that cannot be read or used.
+        For all that cannot be read or used, unless it may be left out.
     """
+    names = None if name_pattern is None else NamePattern(name_pattern)
     rows: list[tuple[PartRow, Path]] = []
     stock: list[tuple[SheetRow, Path]] = []
+    bad: list[BadRow] = []
     for text in parts:
-        for listed, folder in _lists(text):
+        for listed, folder in _lists(text, names, skip_bad, bad):
             rows += ((row, folder) for row in listed.parts)
             stock += ((row, folder) for row in listed.sheets)
-    stock += ((_sheet_row(text, remnant=False), Path()) for text in sheets)
-    stock += ((_sheet_row(text, remnant=True), Path()) for text in remnants)
-    found: list[PartType] = []
-    asked: list[Questions] = []
-    for row, folder in rows:
-        try:
-            found += _types(row, folder, reading, tell)
-        except Questions as questions:
-            asked.append(questions)
-    if asked:
-        raise QuestionsOfFiles(asked)
-    types = _named(found)
+            bad += listed.bad
+    for text in (*sheets, *remnants):
+        if is_table(file := Path(text)):
+            stock += ((row, file.parent) for row in read_list(file).sheets)
+    for remnant, texts in ((False, sheets), (True, remnants)):
+        stock += ((_sheet_row(text, remnant), Path()) for text in texts if not is_table(Path(text)))
+    types = _named(_types_of(rows, reading, tell, skip_bad, bad))
+    if not types:
+        raise InputError("no part can be nested", details=tuple(map(str, bad)))
     if not stock:
         raise InputError(
             "there is nothing to lay parts on: name sheets such as 3000x1500, or give them in the list of parts"
         )
-    return Demand(types, tuple(_stock(row, folder, reading) for row, folder in stock))
+    return Order(Demand(types, tuple(_stock(row, folder, reading) for row, folder in stock)), tuple(bad))
 
 
-def _lists(text: str) -> Iterator[tuple[PartList, Path]]:
-    """A word of the command line as a list: one that it names, or one of a single part."""
+def _types_of(
+    rows: Sequence[tuple[PartRow, Path]], reading: ReadOptions, tell: Tell, skip_bad: bool, bad: list[BadRow]
+) -> list[PartType]:
+    """All parts of all rows; those that cannot be read are noted in `bad`, or raised together."""
+    found: list[PartType] = []
+    asked: list[Questions] = []
+    wrong: list[InputError] = []
+    for row, folder in rows:
+        try:
+            found += _types(row, folder, reading, tell)
+        except InputError as error:
+            if skip_bad:
+                bad.append(BadRow(row.part, row.place, _in_a_line(error)))
+            elif isinstance(error, Questions):
+                asked.append(error)
+            else:
+                wrong.append(error)
+    if len(wrong) > 1:
+        head = f"{len(wrong)} of {len(rows)} parts cannot be used (--skip-bad nests the others)"
+        raise InputError(head, details=tuple(map(_in_a_line, wrong)))
+    if wrong:
+        raise wrong[0]
+    if asked:
+        raise QuestionsOfFiles(asked)
+    return found
+
+
+def _in_a_line(error: InputError) -> str:
+    return " ".join(str(error).split())
+
+
+class NamePattern:
+    """What the names of files say: text, `*` for anything, and {part}, {quantity}, {material}, {thickness}, {order}.
+
+    Examples
+    --------
+    >>> NamePattern("{order}_{part}_{quantity}x_*").row("4711_bracket_12x_v2").quantity
+    12
+    """
+
+    _KINDS: ClassVar[Mapping[str, str]] = {
+        "part": ".+?", "quantity": "\\d+", "material": ".+?", "thickness": "[\\d.,]+", "order": ".+?",
+        "priority": "\\d+",
+    }  # fmt: skip
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        said = ""
+        for piece in re.split(r"(\{[^{}]*\}|\*)", text):
+            name = piece[1:-1] if piece.startswith("{") else ""
+            if name and name not in self._KINDS:
+                raise InputError(f"--name-pattern {text!r}: {unknown('field', name, self._KINDS)}")
+            said += ".*?" if piece == "*" else f"(?P<{name}>{self._KINDS[name]})" if name else re.escape(piece)
+        try:
+            self._pattern = re.compile(said, re.IGNORECASE)
+        except re.error:
+            raise InputError(f"--name-pattern {text!r}: each field may stand in it once") from None
+
+    def row(self, stem: str) -> PartRow:
+        """What the name of a file says of its part.
+
+        Raises
+        ------
+        InputError
+            If the name is not like the pattern, or says a number that cannot be.
+        """
+        found = self._pattern.fullmatch(stem)
+        if found is None:
+            raise InputError(f"the name {stem!r} is not like --name-pattern {self._text!r}")
+        said = {key: value for key, value in found.groupdict().items() if key != "part"}
+        try:
+            row = PartRow(material=said.get("material", ""), order=said.get("order", ""))
+            if "thickness" in said:
+                row = replace(row, thickness_mm=length_in(said["thickness"]))
+            if "priority" in said:
+                row = replace(row, priority=whole_in(said["priority"], 50))
+            return replace(row, quantity=whole_in(said["quantity"], MOST)) if "quantity" in said else row
+        except WrongCell as error:
+            raise InputError(f"the name {stem!r}: {error}") from None
+
+
+def _lists(text: str, names: NamePattern | None, skip_bad: bool, bad: list[BadRow]) -> Iterator[tuple[PartList, Path]]:
+    """A word of the command line as a list: one that it names, or one of a single part or of a folder."""
     path, quantity = _counted(text, "quantity")
     file = Path(path)
-    if is_file(file) and is_list(file, read_limited(file)[:4000]):
+    if is_table(file) or (is_file(file) and is_list(file, read_limited(file)[:4000])):
         if quantity is not None:
             raise InputError(f"a list of parts has quantities of its own: leave ={quantity} out", file=file)
-        yield read_list(file), file.parent
-    else:
-        yield PartList((PartRow(part=path, quantity=1 if quantity is None else quantity),)), Path()
+        yield read_list(file, skip_bad), file.parent
+        return
+    files = _drawings(file) if file.is_dir() else [file]
+    if not files:
+        raise InputError("the folder holds no drawing of a part", file=file)
+    for one in files:
+        try:
+            row = PartRow() if names is None else names.row(one.stem)
+        except InputError as error:
+            if not skip_bad:
+                raise InputError(error.message, file=one) from None
+            bad.append(BadRow(one.name, None, error.message))
+            continue
+        named = str(one) if one is not file else path
+        yield PartList((replace(row, part=named, quantity=row.quantity if quantity is None else quantity),)), Path()
+
+
+def _drawings(folder: Path) -> list[Path]:
+    """The drawings of a folder by name: plans, tables of nests and lists are none."""
+    found = sorted(one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES and is_file(one))
+    return [one for one in found if one.suffix.lower() != ".json" or not is_list(one, read_limited(one)[:4000])]
 
 
 def _counted(text: str, what: str) -> tuple[str, int | None]:
@@ -120,7 +229,7 @@ def _sheet_row(text: str, remnant: bool) -> SheetRow:
 
 def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iterator[PartType]:
     """Each part in a file, as often as its row says."""
-    file = folder / row.part
+    file = _file_of(folder / row.part)
     nest = without_placing_notes(_read(file, row, reading))
     for note in nest.notes:
         tell(f"{file}: {note.text}")
@@ -133,7 +242,17 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
         name = file.stem if len(nest.parts) == 1 else f"{file.stem}.{part.id}"
         if free:
             turns = sides_on_axes(part)
-        yield PartType(name, part, row.quantity, row.priority, row.order, turns, row.mirror, str(file), free)
+        kind = PartType(name, part, row.quantity, row.priority, row.order, turns, row.mirror, str(file), free)
+        due = "" if row.due is None else row.due.isoformat()
+        yield replace(kind, material=row.material, thickness_mm=row.thickness_mm, due=due)
+
+
+def _file_of(file: Path) -> Path:
+    """The file that a list names; where it names none with an ending, the drawing of that name."""
+    if file.suffix.lower() in SUFFIXES or is_file(file):
+        return file
+    there = [one for suffix in SUFFIXES if is_file(one := file.with_name(file.name + suffix))]
+    return there[0] if len(there) == 1 else file
 
 
 def _read(file: Path, row: PartRow, reading: ReadOptions) -> Nest:
@@ -183,7 +302,7 @@ def _stock(row: SheetRow, folder: Path, reading: ReadOptions) -> Stock:
         width, height = _size(row)
         sheet, name = Sheet.rectangle(width, height), f"{width:g}x{height:g}"
     count = 1 if row.remnant and row.stock is None else row.stock
-    return Stock(name, sheet, count, row.price, row.remnant)
+    return Stock(name, sheet, count, row.price, row.remnant, row.material, row.thickness_mm)
 
 
 def _size(row: SheetRow) -> tuple[float, float]:
@@ -195,161 +314,6 @@ def _size(row: SheetRow) -> tuple[float, float]:
     if not (0 < size[0] <= 1e6 and 0 < size[1] <= 1e6):
         raise _at(row, f"{row.size!r} is not a size: write width x height in mm, such as 3000x1500")
     return size
-
-
-# Lists of parts read, YAML or JSON: every mistake with its line and column.
-
-PARTS, SHEETS = "parts", "sheets"
-
-
-@dataclass(frozen=True, slots=True)
-class PartList:
-    """What a list says: parts, and sheets if it names any."""
-
-    parts: tuple[PartRow, ...]
-    sheets: tuple[SheetRow, ...] = ()
-
-
-def is_list(path: Path, head: bytes) -> bool:
-    """Whether a file is a list of parts: YAML, or JSON that is no nest."""
-    return path.suffix.lower() in (".yaml", ".yml") or (
-        path.suffix.lower() == ".json" and b"kerfwise-nest/" not in head
-    )
-
-
-def read_list(path: Path) -> PartList:
-    """Read a list of parts.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
-    """
-    try:
-        text = read_limited(path, MOST_BYTES_OF_YAML).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a list of parts: the file is not UTF-8 text ({error.reason})", file=path) from None
-    except ValueError as error:
-        raise InputError(f"cannot read the list: no file can have this name ({error})", file=path) from None
-    except OSError as error:
-        raise InputError(f"cannot read the list of parts: {error.strerror}", file=path) from None
-    return list_of(text, str(path))
-
-
-def list_of(text: str, file: str) -> PartList:
-    """The list that a text holds.
-
-    Examples
-    --------
-    >>> found = list_of("parts: [{part: a.dxf, quantity: 3}]", "day.yaml")
-    >>> found.parts[0].quantity, str(found.parts[0].place)
-    (3, 'day.yaml:1:9')
-    """
-    problems, root = Problems(file), compose(text, file)
-    found: dict[str, yaml.Node] = {}
-    for key, key_node, value in entries(root, problems, "list of parts") if root is not None else ():
-        if key in (PARTS, SHEETS):
-            found[key] = value
-        else:
-            problems.add(key_node, unknown("key", key, (PARTS, SHEETS)))
-    parts = [_part(node, k, problems) for k, node in enumerate(_members(found, PARTS, problems), 1)]
-    sheets = [_sheet(node, k, problems) for k, node in enumerate(_members(found, SHEETS, problems), 1)]
-    problems.raise_any()
-    if not parts:
-        raise InputError("names no parts: expected parts: [{part: FILE, quantity: N}, …]", file=file)
-    return PartList(tuple(parts), tuple(sheets))
-
-
-def _members(found: Mapping[str, yaml.Node], key: str, problems: Problems) -> list[yaml.Node]:
-    return items(found[key], problems, key) if key in found else []
-
-
-def _part(node: yaml.Node, number: int, problems: Problems) -> PartRow:
-    what, so_far = f"{PARTS}[{number}]", len(problems.found)
-    row = read_fields(entries(node, problems, what), PartRow(), problems, what)
-    if not row.part and len(problems.found) == so_far:
-        problems.add(node, f"{what}: names no file: expected part: FILE")
-    return replace(row, place=problems.place(node))
-
-
-def _sheet(node: yaml.Node, number: int, problems: Problems) -> SheetRow:
-    what, so_far = f"{SHEETS}[{number}]", len(problems.found)
-    row = read_fields(entries(node, problems, what), SheetRow(), problems, what)
-    if bool(row.size) == bool(row.file) and len(problems.found) == so_far:
-        problems.add(node, f"{what}: expected either size: 3000x1500 or file: FILE")
-    return replace(row, place=problems.place(node))
-
-
-_DEGREES = Number(0, 360)
-LEAST_STEP_DEG = 1
-ANY: tuple[float, ...] = ()
-"""How `any` is kept."""
-
-
-@dataclass(frozen=True, slots=True)
-class Turns(OptionKind):
-    """A list of degrees, counter-clockwise; a step such as 45 for every 45°; `none`, as it is drawn; or `any` turn."""
-
-    def read(self, node: yaml.Node) -> tuple[float, ...]:
-        if isinstance(node, yaml.SequenceNode) and node.value:
-            return tuple(dict.fromkeys(float(_DEGREES.read(one)) % 360 for one in node.value))
-        if isinstance(node, yaml.ScalarNode) and node.value == "none":
-            return (0.0,)
-        if isinstance(node, yaml.ScalarNode) and node.value == "any":
-            return ANY
-        if not isinstance(node, yaml.ScalarNode):
-            raise self.refuse(node)
-        step = float(Number(LEAST_STEP_DEG, 360).read(node))
-        if 360 % step:
-            raise self.refuse(node)
-        return tuple(k * step for k in range(int(360 / step)))
-
-    def write(self, value: Any) -> str:
-        return "any" if value == ANY else f"[{', '.join(f'{turn:g}' for turn in value)}]"
-
-    def schema(self) -> dict[str, Any]:
-        degrees = {"type": "number", "minimum": 0, "maximum": 360}
-        step = {"type": "number", "minimum": LEAST_STEP_DEG, "maximum": 360}
-        return {"anyOf": [{"enum": ["none", "any"]}, step, {"type": "array", "items": degrees, "minItems": 1}]}
-
-    def expected(self) -> str:
-        return "degrees such as [0, 180], a step that 360 is a multiple of such as 45, none, or any"
-
-
-# The rows of a list of parts, and of the command line: what they may say.
-
-MOST = 100_000
-
-
-@dataclass(frozen=True, slots=True)
-class PartRow:
-    """A file of parts, and how often each part in it is wanted."""
-
-    part: str = field(default="", metadata=option(Text(), "file of the part: DXF, SVG or JSON, from the list's folder"))
-    quantity: int = field(default=1, metadata=option(Number(1, MOST, whole=True), "how many are wanted"))
-    priority: int = field(
-        default=1, metadata=option(Number(1, 50, whole=True), "parts of lower numbers are placed first")
-    )
-    order: str = field(default="", metadata=option(Text(), "the order that it is for"))
-    rotations: tuple[float, ...] = field(default=QUARTERS, metadata=option(Turns(), "how it may be turned"))
-    grain: Grain | None = field(
-        default=None,
-        metadata=option(Choice(("none", *GRAINS), none="none"), "how its x axis lies to the sheet's, because of grain"),
-    )
-    mirror: bool = field(default=False, metadata=option(Flag(), "whether it may be turned over"))
-    place: Place | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class SheetRow:
-    """A sheet by its size, or by a file, and how many there are."""
-
-    size: str = field(default="", metadata=option(Text(), "width x height in mm, such as 3000x1500"))
-    file: str = field(default="", metadata=option(Text(), "file of the sheet, from the list's folder"))
-    stock: int | None = field(default=None, metadata=option(Number(1, MOST, whole=True), "how many there are"))
-    price: float | None = field(default=None, metadata=option(Number(0), "price of one"))
-    remnant: bool = field(default=False, metadata=option(Flag(), "whether it is a remnant, which is used first"))
-    place: Place | None = None
 
 
 # A sheet alone, to lay parts on: a remnant as `solve` writes it, or a drawing of one.
@@ -403,53 +367,3 @@ def _drawn(drawing: Drawing, options: ReadOptions) -> Sheet:
 def without_placing_notes(nest: Nest) -> Nest:
     """A nest whose sheet does not matter, without the notes on where it was laid."""
     return replace(nest, notes=tuple(note for note in nest.notes if not note.text.startswith(NO_SHEET)))
-
-
-# The JSON Schema of a list of parts: `python -m kerfwise.jobs.nesting.request > jobs/nesting/parts.schema.json`.
-
-Json = dict[str, Any]
-
-
-def list_schema() -> Json:
-    """The schema, made from the declarations that lists are read with."""
-    sheet = _row(SheetRow) | {"oneOf": [{"required": ["size"]}, {"required": ["file"]}]}
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "kerfwise list of parts",
-        "description": "Parts with quantities, and what there is to cut them from.",
-        "type": "object",
-        "additionalProperties": False,
-        "required": ["parts"],
-        "properties": {
-            "parts": {
-                "description": "files of parts, and how often each is wanted",
-                "type": "array",
-                "items": _row(PartRow) | {"required": ["part"]},
-                "minItems": 1,
-            },
-            "sheets": {
-                "description": "sheets and remnants; they may be named on the command line, too",
-                "type": "array",
-                "items": sheet,
-            },
-        },
-    }
-
-
-def _row(kind: type) -> Json:
-    keys = {o.key: {"description": o.help, **_value(o.kind)} for o in options_of(kind)}
-    return {"type": "object", "properties": keys, "additionalProperties": False}
-
-
-def _value(kind: OptionKind) -> Json:
-    """A text may be a number to readers of YAML, such as that of an order."""
-    return kind.schema() | ({"type": ["string", "number"]} if isinstance(kind, Text) else {})
-
-
-def schema_text() -> str:
-    """The schema as the text of its file."""
-    return json.dumps(list_schema(), indent=1, ensure_ascii=False) + "\n"
-
-
-if __name__ == "__main__":
-    sys.stdout.write(schema_text())

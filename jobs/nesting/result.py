@@ -1,7 +1,8 @@
-"""What nesting gives back in Python: the nests, what did not fit, and what was weighed."""
+"""What nesting gives back in Python: the nests, what did not fit or was left out, and what was weighed."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,8 @@ from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
 
 from .find_nests import NestingResult, weighed_text
-from .nests import Nested, as_text, expect_folder, nest_files, use_of_all, write_nests
+from .nest_list import GroupRequest, ListRequest, left_out_text, write_list
+from .nests import Nested, as_text, expect_folder, nest_files
 from .programs import Programs
 
 
@@ -22,13 +24,15 @@ class Nests:
     Attributes
     ----------
     nests
-        A nest a sheet, as they can be given to `solve`.
+        A nest a sheet, as they can be given to `solve`: of a list of several materials those of one after the other.
     profile
-        The profile that distances and prices are of.
+        The profile that distances and prices are of; of a list of several materials that of the first.
     programs
         What `make` has planned, a line a sheet; empty for `nest`.
     notes
         What the readers had to say, and which sheets were repaired.
+    left_out
+        Parts that cannot be read or cut, by name: why. Empty unless `skip_bad`.
     interrupted
         Whether Ctrl-C, or the progress callback, ended the look: the nests are the best so far.
     """
@@ -37,27 +41,40 @@ class Nests:
     profile: Profile
     programs: tuple[str, ...]
     notes: tuple[str, ...]
+    left_out: dict[str, str]
     interrupted: bool
-    _nested: Nested
-    _found: NestingResult
-    _made: Programs | None
+    _asked: ListRequest
+    _found: tuple[Done, ...]
     _seed: int
 
     @property
     def missing(self) -> dict[str, int]:
         """Parts that are on no sheet, by name: how many."""
-        layout = self._nested.layout
-        return {kind.name: lost for kind, lost in zip(layout.wanted.types, layout.missing, strict=True) if lost}
+        layouts = [one.nested.layout for one in self._found]
+        return {
+            kind.name: lost
+            for layout in layouts
+            for kind, lost in zip(layout.wanted.types, layout.missing, strict=True)
+            if lost
+        }
 
     @property
     def use(self) -> float:
         """Metal of all parts laid, of that of all sheets taken."""
-        return use_of_all(self._nested)
+        layouts = [one.nested.layout for one in self._found]
+        whole = sum(sheet.stock.area_mm2 for layout in layouts for sheet in layout.sheets)
+        metal = sum(sheet.metal_mm2(layout.wanted) for layout in layouts for sheet in layout.sheets)
+        return metal / whole if whole else 0.0
 
     @property
     def prices(self) -> tuple[float | None, ...]:
         """What each layout that was weighed costs to cut, the densest first; None for one that has no plan."""
-        return tuple(one.price for one in self._found.weighed)
+        return tuple(one.price for done in self._found for one in done.result.weighed)
+
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """The folder that `save` writes each nest to: "" but for a list of several materials."""
+        return tuple(self._asked.folder(done.group) for done in self._found for _ in done.nested.nests)
 
     def picture(self, sheet: int = 1) -> Picture:
         """A nest as SVG; sheets count from 1."""
@@ -73,21 +90,48 @@ class Nests:
         """
         out = Path(folder)
         expect_folder(out)
-        files = nest_files(self._nested, ".svg", dxf) if self._made is None else self._made.files(dxf)
-        return write_nests(out, self._nested, files, profile=self.profile.name, seed=self._seed)
+        files = [(done.group, done.nested, done.files(dxf)) for done in self._found]
+        return write_list(out, self._asked, files, seed=self._seed)
 
     def __str__(self) -> str:
-        lines = [as_text(self._nested)]
-        if self._found.taken is not None:
-            lines.append(weighed_text(self._found.weighed, self._found.taken, self.profile))
-        return "\n".join([*lines, *self.programs])
+        lines = []
+        for done in self._found:
+            if head := self._asked.head(done.group):
+                lines.append(head)
+            lines.append(as_text(done.nested))
+            if done.result.taken is not None:
+                lines.append(weighed_text(done.result.weighed, done.result.taken, done.group.cutting.plant))
+            lines += () if done.made is None else done.made.told
+        return "\n".join([*lines, *([left_out_text(self._asked.bad)] if self._asked.bad else [])])
 
     __repr__ = __str__
 
 
-def nests_of_job(plant: Profile, found: NestingResult, made: Programs | None, seed: int, notes: list[str]) -> Nests:
+@dataclass(frozen=True, eq=False, slots=True)
+class Done:
+    """A group, its nests, and what `make` made of them."""
+
+    group: GroupRequest
+    result: NestingResult
+    made: Programs | None = None
+
+    @property
+    def nested(self) -> Nested:
+        """The nests as they are written: those of the programs, which may be repaired."""
+        return self.result.nested if self.made is None else self.made.nested
+
+    def files(self, dxf: bool) -> dict[str, str | bytes]:
+        """Nests and pictures, and what `make` made, by the names that they have."""
+        return nest_files(self.nested, ".svg", dxf) if self.made is None else self.made.files(dxf)
+
+
+def nests_of_job(asked: ListRequest, done: Sequence[Done], seed: int, notes: list[str]) -> Nests:
     """What the job has found, and made of it."""
-    nested = found.nested if made is None else made.nested
-    interrupted = found.interrupted or (made is not None and made.interrupted)
-    programs = () if made is None else made.told
-    return Nests(nested.nests, plant, programs, tuple(notes), interrupted, nested, found, made, seed)
+    interrupted = len(done) < len(asked.groups) or any(
+        one.result.interrupted or (one.made is not None and one.made.interrupted) for one in done
+    )
+    nests = tuple(nest for one in done for nest in one.nested.nests)
+    programs = tuple(text for one in done if one.made is not None for text in one.made.told)
+    left_out = {one.name or str(one.place): one.why for one in asked.bad}
+    plant = asked.groups[0].cutting.plant
+    return Nests(nests, plant, programs, tuple(notes), left_out, interrupted, asked, tuple(done), seed)

@@ -107,10 +107,10 @@ def test_parts_that_did_not_fit_are_named(parts: Path) -> None:
     [
         (["plate.json=0", "--sheet", "400x200"], "the quantity behind = is '0': expected a whole number from 1"),
         (["plate.json=two", "--sheet", "400x200"], "expected a whole number from 1"),
-        (["plate.json", "--sheet", "50x50"], "plate is 60.0 × 30.0 mm: give a larger sheet"),
+        (["plate.json", "--sheet", "50x50"], "it is 60.0 × 30.0 mm: give a larger sheet"),
         (["plate.json", "--sheet", "400x200", "--edge", "0"], "the torch runs half a kerf, 0.75 mm, beside each part"),
-        (["plate.json", "--sheet", "400x200", "--edge", "90 mm"], "1 of 1 parts fit on no sheet"),
-        (["plate.json", "--sheet", "400x200", "--edge", "150 mm"], "1 of 1 parts fit on no sheet"),
+        (["plate.json", "--sheet", "400x200", "--edge", "90 mm"], "plate: fits on no sheet"),
+        (["plate.json", "--sheet", "400x200", "--edge", "150 mm"], "plate: fits on no sheet"),
         (["plate.json"], "there is nothing to lay parts on"),
         (["plate.json", "--sheet", "400"], "'400' is not a size"),
         (["plate.json", "--sheet", "400x200", "--gap", "wide"], "--gap 'wide': expected a length"),

@@ -11,7 +11,7 @@ import yaml
 
 import kerfwise
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.nesting.request import list_of, list_schema, schema_text
+from kerfwise.jobs.nesting.part_list import list_of, list_schema, schema_text
 from kerfwise.tests.commands.run_cli import kerfwise as run
 
 VALIDATOR = jsonschema.Draft202012Validator(list_schema())
@@ -20,7 +20,7 @@ DAY = Path(kerfwise.__file__).parent / "examples" / "parts" / "day.yaml"
 
 def test_the_published_schema_is_the_one_that_lists_are_read_by() -> None:
     published = resources.files("kerfwise.jobs.nesting") / "parts.schema.json"
-    assert published.read_text(encoding="utf-8") == schema_text(), "run python -m kerfwise.jobs.nesting.request"
+    assert published.read_text(encoding="utf-8") == schema_text(), "run python -m kerfwise.jobs.nesting.part_list"
     assert run("nest", "--schema").out == schema_text()
 
 
