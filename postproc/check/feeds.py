@@ -55,7 +55,7 @@ def judge_running(
         ],
         "program-state": [],
         "feeds": list(_feeds(program, profile, control, runs, shares or {})),
-        "pierce-delay": list(_waits(nest, program, profile, in_kerfs)),
+        "pierce-delay": list(_waits(nest, program, profile, in_kerfs, control.stands_s)),
         "returns-home": list(_home(program, profile.home_on(nest))),
     }
     corner = profile.frame_on(nest).corner
@@ -98,7 +98,8 @@ def _feeds(
                 where = f" in {name}" if high < asked else ""
                 says = f"the profile says {high * 60:.0f} mm/min{where}"
                 yield burn.line, f"it {'cuts' if cuts else 'marks'} at {feed * 60:.0f} mm/min, {says}"
-    for slow in program.slow_travel:
+    ours = written_from_profile(program.comments) and not fitting_dialect(profile).travels_as_line
+    for slow in program.slow_travel if ours else ():  # in a program of somebody else it is travel
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
 
 
@@ -129,11 +130,11 @@ def _powers(program: NcProgram, profile: Profile, control: Control) -> Iterator[
 
 
 def _waits(
-    nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[tuple[str, int]]
+    nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[tuple[str, int]], own_s: float
 ) -> Iterator[tuple[int, str]]:
     """Pierces too short or too long, of each torch: one may be over metal where another is off the sheet's edge.
 
-    A torch that comes in from the edge pierces nothing, but may preheat.
+    A torch that comes in from the edge pierces nothing, but may preheat. For `own_s` the dialect's own words wait.
     """
     program = expand_torches(program, profile.machine.torches.shift)
     burns = program.burns
@@ -153,7 +154,7 @@ def _waits(
         start_s = {machine.pierce_time_s} if pierced and not in_kerf else {preheat_s}
         start_s |= {machine.pierce_time_s} if maybe and not in_kerf else set()
         start_s = {preheat_s if flame else 0.0} if hole else start_s
-        allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0}
+        allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0 if marks else own_s}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
             says, torch = " or ".join(f"{s:g} s" for s in sorted(allowed)), _torch(burn)
             yield burn.line, f"{torch} stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"

@@ -1,7 +1,18 @@
 """Controls and how they spell a program."""
 
-from .dialect import ControlName, Dialect, LineNumbers
-from .load import dialect_names, dialect_text, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
+from .blocks import LineNumbers
+from .dialect import ControlName, Dialect
+from .load import (
+    dialect_names,
+    dialect_text,
+    expect_words,
+    fitting_dialect,
+    load_dialect,
+    own_wait_s,
+    pierce_dwell_of,
+    plant_words,
+    powers_of,
+)
 
 __all__ = [
     "ControlName",
@@ -12,6 +23,8 @@ __all__ = [
     "expect_words",
     "fitting_dialect",
     "load_dialect",
+    "own_wait_s",
     "pierce_dwell_of",
+    "plant_words",
     "powers_of",
 ]

@@ -2,240 +2,90 @@
 
 from __future__ import annotations
 
-import string
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Literal, get_args
 
-import yaml
-
-from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text, Unfit, scalar_text
+from kerfwise.rules.options.kind import Choice, Flag, Number, Pairs, Text, TextOrWord
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH
-from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty
+from kerfwise.rules.options.quantities import LENGTH, OrWord, positive
 from kerfwise.rules.profile.plant_sections import PROCESSES, PierceDwell, Process
 
-# What the keys of a dialect's file may hold: blocks with places for values, lists of them, and line numbers.
-
-DWELL = "dwell"
-"""The name of the place in a list of blocks where the torch waits for the pierce."""
-POWERS = ("power", "pierce_power", "mark_power")
-"""The names of the S words of a laser in a block."""
-MOST_COUNT = 1000
-
-
-class LineNumbers(NamedTuple):
-    """The N word of the first block and the step from block to block."""
-
-    start: int
-    step: int
-
-
-class ProgramNumber(NamedTuple):
-    """The number that a program is called by on the control, and how many digits it is written with."""
-
-    number: int
-    digits: int
-
-
-class Powers(NamedTuple):
-    """S words of a laser: while it cuts, pierces and marks, where a profile does not say, and that of full power."""
-
-    cut: int
-    pierce: int
-    mark: int
-    full: int
-
-
-@dataclass(frozen=True, slots=True)
-class Block(OptionKind):
-    """One block: a line of text, in which `{name}` stands for a value.
-
-    `holes` are the names that may stand there, `needs` those of which one must. With `none` the key may be null, with
-    `empty` the text may be "".
-    """
-
-    holes: tuple[str, ...] = ()
-    needs: tuple[str, ...] = ()
-    none: bool = False
-    empty: bool = False
-
-    def read(self, node: yaml.Node) -> str | None:
-        if self.none and is_empty(node):
-            return None
-        text = scalar_text(node, self)
-        if not text.isprintable():
-            raise Unfit(f"expected one line of text, got {text!r}", node)
-        if not text and not self.empty:
-            raise self.refuse(node)
-        named = _names(text)
-        allowed = {(name, "", None) for name in (*self.holes, *self.needs)}
-        if not set(named) <= allowed or (self.needs and len([n for n in named if n[0] in self.needs]) != 1):
-            raise self.refuse(node)
-        return text
-
-    def write(self, value: str | None) -> str:
-        return "null" if value is None else value
-
-    def schema(self) -> dict[str, Any]:
-        made: dict[str, Any] = {"type": ["string", "null"] if self.none else "string"}
-        if not self.empty:
-            made["minLength"] = 1
-        if self.needs:
-            made["pattern"] = r"\{(" + "|".join(self.needs) + r")\}"
-        return made
-
-    def expected(self) -> str:
-        or_null = ", or null" if self.none else ""
-        if self.needs:
-            more = "".join(f", {{{name}}}" for name in self.holes)
-            return f"one {' or '.join(f'{{{name}}}' for name in self.needs)}{more}, and no other brace{or_null}"
-        if self.holes:
-            return f"a line of text, with no braces but {', '.join(f'{{{name}}}' for name in self.holes)}{or_null}"
-        return f"a line of text without braces{or_null}"
-
-
-@dataclass(frozen=True, slots=True)
-class Blocks(OptionKind):
-    """Blocks in the order in which they are written; a single one may stand without a list.
-
-    With `some` there must be one, with `none` the key may be null.
-    """
-
-    each: Block = Block()
-    none: bool = False
-    some: bool = False
-
-    def read(self, node: yaml.Node) -> tuple[str, ...]:
-        if self.none and is_empty(node):
-            return ()
-        if self.some and isinstance(node, yaml.SequenceNode) and not node.value:
-            raise self.refuse(node)
-        if isinstance(node, yaml.SequenceNode):
-            return tuple(str(self.each.read(one)) for one in node.value)
-        if isinstance(node, yaml.ScalarNode) and not is_empty(node):
-            return (str(self.each.read(node)),)
-        raise self.refuse(node)
-
-    def write(self, value: tuple[str, ...]) -> str:
-        return yaml.safe_dump(list(value), default_flow_style=True, width=1e9).strip()
-
-    def schema(self) -> dict[str, Any]:
-        one = self.each.schema()
-        many = {"type": "array", "items": one} | ({"minItems": 1} if self.some else {})
-        return {"anyOf": [one, many, *([{"type": "null"}] if self.none else [])]}
-
-    def expected(self) -> str:
-        many = "one or more blocks" if self.some else "blocks"
-        return f"a block or a list of {many}, each {self.each.expected()}{', or null' if self.none else ''}"
-
-
-@dataclass(frozen=True, slots=True)
-class Counted(OptionKind):
-    """Whole numbers under their names, such as `{start: 10, step: 10}`, or null."""
-
-    made: type[LineNumbers] | type[ProgramNumber] | type[Powers]
-    shown: str
-    most: tuple[int, ...] = (MOST_COUNT, MOST_COUNT)
-
-    def read(self, node: yaml.Node) -> LineNumbers | ProgramNumber | Powers | None:
-        if is_empty(node):
-            return None
-        if not isinstance(node, yaml.MappingNode):
-            raise self.refuse(node)
-        inner = Problems("")
-        values = {key: value for key, _, value in entries(node, inner, "it")}
-        if inner.found or set(values) != set(self.made._fields):
-            raise self.refuse(node)
-        limits = zip(self.made._fields, self.most, strict=True)
-        return self.made(*(int(Number(1, most, whole=True).read(values[name])) for name, most in limits))
-
-    def write(self, value: LineNumbers | ProgramNumber | Powers | None) -> str:
-        if value is None:
-            return "null"
-        return f"{{{', '.join(f'{key}: {number}' for key, number in value._asdict().items())}}}"
-
-    def schema(self) -> dict[str, Any]:
-        limits = zip(self.made._fields, self.most, strict=True)
-        return {
-            "type": ["object", "null"],
-            "properties": {name: {"type": "integer", "minimum": 1, "maximum": most} for name, most in limits},
-            "required": list(self.made._fields),
-            "additionalProperties": False,
-        }
-
-    def expected(self) -> str:
-        return f"{self.shown} (up to {' and '.join(map(str, dict.fromkeys(self.most)))}) or null"
-
-
-@dataclass(frozen=True, slots=True)
-class Assumptions(OptionKind):
-    """Comments by process, and of what marks under "marks"."""
-
-    words: tuple[str, ...]
-
-    def read(self, node: yaml.Node) -> dict[str, tuple[str, ...]]:
-        if not isinstance(node, yaml.MappingNode):
-            raise self.refuse(node)
-        inner, told = Problems(""), Blocks(Block(holes=POWERS))
-        values = {key: value for key, _, value in entries(node, inner, "it")}
-        if inner.found or not set(values) <= set(self.words):
-            raise self.refuse(node)
-        return {key: told.read(value) for key, value in values.items()}
-
-    def write(self, value: dict[str, tuple[str, ...]]) -> str:
-        return yaml.safe_dump({k: list(v) for k, v in value.items()}, default_flow_style=True, width=1e9).strip()
-
-    def schema(self) -> dict[str, Any]:
-        told = Blocks(Block(holes=POWERS)).schema()
-        return {
-            "type": "object",
-            "properties": dict.fromkeys(self.words, told),
-            "additionalProperties": False,
-        }
-
-    def expected(self) -> str:
-        return f"lists of comments under {', '.join(self.words[:-1])} or {self.words[-1]}"
-
-
-@dataclass(frozen=True, slots=True)
-class Words(OptionKind):
-    """A list of some of a few words."""
-
-    words: tuple[str, ...]
-
-    def read(self, node: yaml.Node) -> tuple[str, ...]:
-        if not isinstance(node, yaml.SequenceNode) or not node.value:
-            raise self.refuse(node)
-        found = tuple(str(one.value) for one in node.value if isinstance(one, yaml.ScalarNode))
-        if len(found) < len(node.value) or not set(found) <= set(self.words):
-            raise self.refuse(node)
-        return found
-
-    def write(self, value: tuple[str, ...]) -> str:
-        return f"[{', '.join(value)}]"
-
-    def schema(self) -> dict[str, Any]:
-        return {"type": "array", "minItems": 1, "items": {"enum": list(self.words)}}
-
-    def expected(self) -> str:
-        return f"a list of {', '.join(self.words)}"
-
-
-def _names(text: str) -> list[tuple[str, str | None, str | None]]:
-    """The `{name}`s of a text, each with its format and conversion; ("", …) where its braces do not match."""
-    try:
-        return [(name, spec, turn) for _, name, spec, turn in string.Formatter().parse(text) if name is not None]
-    except ValueError:
-        return [("", None, None)]
-
+from .blocks import (
+    DWELL,
+    MOST_COUNT,
+    POWERS,
+    Also,
+    AlsoList,
+    Assumptions,
+    Block,
+    Blocks,
+    Counted,
+    Group,
+    Keyed,
+    LineNumbers,
+    Powers,
+    ProgramNumber,
+    SomeOrAll,
+    Words,
+)
 
 ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc", "grbl", "eia", "burny", "essi", "essi-radius"]
 ArcCentre = Literal["relative", "absolute", "radius", "none"]
 Positions = Literal["absolute", "incremental"]
+INCH_MM = 25.4
+Modal = Literal["motion", "x", "y", "feed"]
+FEEDS = ("mm_min", "m_min", "in_min", "mm_s")
+"""The names of a feed in a block, by its unit."""
+PLANT = ("material", "thickness", "kerf", "amps", "volts", "gas", "pierce_height", "cut_height", "process")
+"""The names of what a profile, or its chart's row, says of the material."""
 _TEXT, _BLOCK = Text(), Block()
-_TOOL = Blocks(Block(holes=(DWELL, "mm_min", *POWERS)), some=True)
+_WORD = Block(holes=(*POWERS, *PLANT))
+_TOOL = Blocks(Block(holes=(DWELL, *FEEDS, *POWERS, *PLANT)), some=True)
 _LINE, _ARC = Block(holes=("x", "y"), empty=True), Block(holes=("x", "y", "i", "j", "r"))
+
+
+@dataclass(frozen=True, slots=True)
+class Dwell:
+    """How a control is told to wait: by which letter of G4, in seconds or in milliseconds."""
+
+    letter: str = field(default="P", metadata=option(Choice(("P", "X", "F", "S", "U", "K", "R", "H")), "its letter"))
+    unit: Literal["s", "ms"] = field(default="s", metadata=option(Choice(("s", "ms")), "what it counts"))
+
+
+@dataclass(frozen=True, slots=True)
+class Reads:
+    """What a control makes of its programs otherwise than `control`, which it is like."""
+
+    title: str | None = field(default=None, metadata=option(TextOrWord("unknown"), "the control's own name"))
+    means: tuple[tuple[str, str], ...] = field(
+        default=(),
+        metadata=option(Pairs(), "words of its own, each with what `control` calls the same: {M70: M07, CR=: R}"),
+    )
+    fixed: tuple[str, ...] = field(
+        default=(), metadata=option(Blocks(), "G words that are in force without being said, such as G21 or G91")
+    )
+    dwell: Dwell | None = field(default=None, metadata=option(Group(Dwell), "how a wait is told"))
+    step_mm: float | None = field(
+        default=None, metadata=option(LENGTH, "what 1 is in its coordinates, where that is no mm and no inch")
+    )
+    longest: int | None = field(
+        default=None, metadata=option(Number(10, 252, whole=True), "bytes of the longest line that it takes")
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Around:
+    """Blocks before what cuts a kind of contour starts, and behind where it stops."""
+
+    before: tuple[str, ...] = field(default=(), metadata=option(Blocks(_WORD, none=True), "before it starts"))
+    after: tuple[str, ...] = field(default=(), metadata=option(Blocks(_WORD, none=True), "after it has stopped"))
+
+
+NOTHING_AROUND = Around()
+KINDS = ("outer", "hole", "small_hole", "slit", "scrap", "mark")
+"""What cuts may differ in: contours of parts, holes that are cut slower, slots of one pass, the skeleton, and marks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,7 +114,9 @@ class Dialect:
     )
     header: tuple[str, ...] = field(
         metadata=option(
-            Blocks(Block(holes=("program",))), "blocks before the first cut, with {program} for the program's number"
+            Blocks(Block(holes=("program", *PLANT))),
+            "blocks before the first cut, with {program} for the program's number, and of the material "
+            + ", ".join(f"{{{name}}}" for name in PLANT),
         )
     )
     footer: tuple[str, ...] = field(metadata=option(Blocks(some=True), "blocks after the last cut: the program's end"))
@@ -291,7 +143,7 @@ class Dialect:
             "(radius), or there are no arcs (none) and chords are written",
         )
     )
-    feed: str = field(metadata=option(Block(needs=("mm_min",)), "the feed word, with {mm_min}"))
+    feed: str = field(metadata=option(Block(needs=FEEDS), "the feed word, with {mm_min}, {m_min}, {in_min} or {mm_s}"))
     dwell: tuple[str, ...] = field(
         metadata=option(
             Blocks(Block(holes=("seconds", "milliseconds")), some=True),
@@ -310,7 +162,12 @@ class Dialect:
         )
     )
     line_numbers: LineNumbers | None = field(
-        metadata=option(Counted(LineNumbers, "{start: 10, step: 10}"), "N words, or null for none")
+        metadata=option(
+            Counted(
+                LineNumbers, "{start: 10, step: 10}, with highest: 9999 where there is one", (*(MOST_COUNT,) * 2, 10**9)
+            ),
+            "N words, or null for none",
+        )
     )
     decimals: int = field(metadata=option(Number(0, 6, whole=True), "digits after the decimal point of a coordinate"))
     max_line: int = field(metadata=option(Number(80, 252, whole=True), "longest block that the control takes, bytes"))
@@ -341,7 +198,7 @@ class Dialect:
     tab_end: tuple[str, ...] = field(
         default=(),
         metadata=option(
-            Blocks(Block(holes=("mm_min", *POWERS)), none=True),
+            Blocks(Block(holes=(*FEEDS, *POWERS)), none=True),
             "lights it again; null for what torch_on says, without its wait",
         ),
     )
@@ -383,10 +240,62 @@ class Dialect:
         ),
     )
 
+    also: tuple[Also, ...] = field(
+        default=(),
+        metadata=option(AlsoList(), "words that its control knows besides, which touch neither the path nor the torch"),
+    )
+    reads: Reads | None = field(
+        default=None, metadata=option(Group(Reads), "what its control makes of words otherwise than `control` does")
+    )
+    around: tuple[tuple[str, Around], ...] = field(
+        default=(), metadata=option(Keyed(KINDS, Group(Around)), "blocks around a kind of contour")
+    )
+    units: Literal["mm", "inch"] = field(
+        default="mm", metadata=option(Choice(("mm", "inch")), "units of lengths and feeds; header says them, too")
+    )
+    newline: Literal["lf", "crlf"] = field(default="lf", metadata=option(Choice(("lf", "crlf")), "how a line ends"))
+    modal: tuple[Modal, ...] = field(
+        default=(),
+        metadata=option(SomeOrAll(get_args(Modal)), "words that are said only where they change; true for all"),
+    )
+    blanks: bool = field(default=True, metadata=option(Flag(), "whether blanks stand between words"))
+    trailing_zeros: bool = field(
+        default=False, metadata=option(Flag(), "whether numbers have all their decimals, zeros too")
+    )
+    whole_point: bool = field(default=False, metadata=option(Flag(), "whether whole numbers end in a point: X10."))
+    decimal: Literal[".", ","] = field(default=".", metadata=option(Choice((".", ",")), "the decimal point, or comma"))
+    feed_decimals: int | None = field(
+        default=None,
+        metadata=option(OrWord(Number(0, 6, whole=True), none="auto"), "digits after the decimal point of a feed"),
+    )
+    greatest_radius_mm: float | None = field(
+        default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")
+    )
+
+    @property
+    def inch(self) -> bool:
+        """Whether its programs are in inches."""
+        return self.units == "inch" or abs(self.scale * INCH_MM - 1) < 1e-5
+
+    @property
+    def per_mm(self) -> float:
+        """What 1 mm is in a program."""
+        by_scale = abs(self.scale * INCH_MM - 1) < 1e-5  # the scale says that it is in inches, rounded
+        return 1 / INCH_MM if by_scale else self.scale / INCH_MM if self.inch else self.scale
+
     @property
     def step_mm(self) -> float:
         """The least length that its coordinates tell."""
-        return float(10**-self.decimals / self.scale)
+        return float(10**-self.decimals / self.per_mm)
+
+    def around_kind(self, kind: str) -> Around:
+        """The blocks around a kind of contour."""
+        return dict(self.around).get(kind, NOTHING_AROUND)
+
+    @property
+    def travels_as_line(self) -> bool:
+        """Whether it travels by lines at a feed, the torch being off."""
+        return bool(re.match(r"G0*1(?![0-9])", self.rapid))
 
     @property
     def says_power(self) -> bool:

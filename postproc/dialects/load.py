@@ -6,7 +6,7 @@ import dataclasses
 import json
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib import resources
 
 import yaml
@@ -30,7 +30,8 @@ from kerfwise.rules.options.yaml_positions import (
 from kerfwise.rules.profile.plant_sections import MACHINE_WAITS, PierceDwell
 from kerfwise.rules.profile.profile import Profile
 
-from .dialect import POWERS, Dialect, Powers
+from .blocks import POWERS, Powers
+from .dialect import INCH_MM, PLANT, Dialect
 
 _COARSEST_MM = 0.1
 
@@ -201,6 +202,13 @@ def fitting_dialect(profile: Profile) -> Dialect:
             "cuts.pierce_pass: where the torch waits for metal to cool (dwells) holes are pierced one by one: say "
             "pierce_pass: off, or dwells: false",
         )
+    if (own_s := own_wait_s(dialect)) > machine.pierce_time_s:
+        raise wrong_at(
+            _said_at(profile, ("machine", "pierce_time"), ("machine", "dialect"), ("name",)),
+            f"machine.pierce_time: it is {machine.pierce_time_s:g} s, and the dialect '{dialect.name}' waits {own_s:g} "
+            "s by itself where the torch starts (torch_on): give the whole time from where the torch stands to where "
+            "it moves",
+        )
     if machine.torches.several and not (dialect.torch_select and dialect.torch_deselect):
         others = [name for name in dialect_names() if load_dialect(name).torch_select]
         raise wrong_at(
@@ -295,6 +303,66 @@ def powers_of(dialect: Dialect, profile: Profile | None = None) -> Mapping[str, 
             for share, otherwise in ((material.power, cut), (said, pierce), (material.mark_power, mark))
         )
     return {"power": cut, "pierce_power": pierce, "mark_power": mark}
+
+
+def own_wait_s(dialect: Dialect) -> float:
+    """How long the blocks that start the torch wait by themselves, s: as for a preheat, whatever a profile says.
+
+    Examples
+    --------
+    >>> own_wait_s(dataclasses.replace(load_dialect("eia"), torch_on=("M14", "G04 X30", "M07")))
+    30.0
+    """
+    waited_s = 0.0
+    for block in dialect.dwell:
+        form = re.escape(block)
+        for hole, unit_s in (("seconds", 1.0), ("milliseconds", 0.001)):
+            if f"{{{hole}}}" in block:
+                form = re.sub(r"\\\{\w+\\\}", r"([0-9]+\\.?[0-9]*)", form).replace(r"\ ", r"\s*")
+                found = (re.fullmatch(form, one) for one in dialect.torch_on)
+                waited_s += sum(float(one[1]) * unit_s for one in found if one)
+    return waited_s
+
+
+def plant_words(dialect: Dialect, profile: Profile | None = None) -> Mapping[str, str]:
+    """What a profile says of the material, by the names that stand for it in a dialect's blocks.
+
+    Without a profile a number stands for each, so that a dialect can be tried.
+
+    Raises
+    ------
+    InputError
+        Where a block of the dialect needs what the profile, and its chart's row, do not say.
+    """
+    if profile is None:
+        return dict.fromkeys(PLANT, "1")
+    material = profile.material
+    heights = {"pierce_height": material.pierce_height_mm, "cut_height": material.cut_height_mm}
+    lengths = {"thickness": material.thickness_mm, "kerf": material.kerf_mm, **heights}
+    plain = {"amps": material.amps, "volts": material.volts}
+    numbers = {
+        **{name: None if mm is None else mm / (INCH_MM if dialect.inch else 1.0) for name, mm in lengths.items()},
+        **plain,
+    }
+    texts = {"material": material.name, "gas": material.gas, "process": material.process}
+    said = {name: None if value is None else f"{round(value, 4):g}" for name, value in numbers.items()} | texts
+    for key, block in _material_blocks(dialect):
+        for name in (name for name in PLANT if f"{{{name}}}" in block and not said[name]):
+            raise wrong_at(
+                _said_at(profile, ("material", "chart"), ("material", "row"), ("machine", "dialect")),
+                f"material.{name}: the dialect '{dialect.name}' writes it ({key}: {block}), and neither the profile "
+                f"nor its chart's row says it: give material.{name}",
+            )
+    return {name: value or "" for name, value in said.items()}
+
+
+def _material_blocks(dialect: Dialect) -> Iterator[tuple[str, str]]:
+    """The blocks that may say something of the material, with their keys."""
+    for key in ("header", "torch_on", "mark_on"):
+        yield from ((key, block) for block in getattr(dialect, key))
+    yield from (
+        (f"around.{kind}", block) for kind, around in dialect.around for block in (*around.before, *around.after)
+    )
 
 
 # The JSON Schema of a dialect: `python -m kerfwise.postproc.dialects.load > postproc/dialects/dialect.schema.json`.

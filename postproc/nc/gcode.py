@@ -14,13 +14,18 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import CornerFeed, Paced, paced
-from kerfwise.postproc.dialects import Dialect, powers_of
-from kerfwise.postproc.dialects.dialect import DWELL
+from kerfwise.postproc.dialects import Dialect, own_wait_s, powers_of
+from kerfwise.postproc.dialects.blocks import DWELL
+from kerfwise.postproc.dialects.dialect import INCH_MM
 
 CHORD_MM = 0.001
 RISE_MM = 0.0025
 SPECK_MM = 1e-4
 FLAT_RAD = 1e-3
+_NO_WAIT_S = 1e-9
+_SETS_MOTION = re.compile(r"G0*[0-3](?![0-9])")
+_NAMES_PROGRAM = re.compile(r"%.*|[O:][0-9]+")
+"""Rows without an N word: those that frame a program and name it."""
 _BY_RADIUS_RAD = 1.6
 """An arc that turns further is split where a dialect gives the radius: near a half turn its centre hangs on the last
 digit."""
@@ -43,12 +48,22 @@ class GcodeWriter:
     ('G0 X10 Y5', ['G3 X20 Y5 I5 J0 F600'])
     """
 
-    def __init__(self, dialect: Dialect, at: Point, powers: Mapping[str, int] | None = None) -> None:
+    def __init__(
+        self,
+        dialect: Dialect,
+        at: Point,
+        powers: Mapping[str, int] | None = None,
+        plant: Mapping[str, str] | None = None,
+    ) -> None:
         self.dialect = dialect
         self.powers = powers_of(dialect) if powers is None else powers
+        self.plant = plant or {}
+        self._per_mm = dialect.per_mm
         # Where positions count from the last one, the first is where the torch stands, whatever its digits.
         self._zero = at if dialect.positions == "incremental" else (0.0, 0.0)
         self.at = self._rounded(at)
+        self._said: dict[str, str] = {}
+        """The words in force, for a dialect that says them only where they change."""
         self._marks: bool | None = None
         self.torches = 1
         self._lit: set[int] | None = None
@@ -58,7 +73,17 @@ class GcodeWriter:
         if marks == self._marks:
             return ()
         self._marks = marks
-        return self.dialect.mark_station if marks else self.dialect.torch_station
+        return tuple(self.others(self.dialect.mark_station if marks else self.dialect.torch_station))
+
+    def others(self, blocks: Iterable[str]) -> list[str]:
+        """Blocks of the dialect's own: what they may have set is said again behind them."""
+        made = list(blocks)
+        if self._said and (text := " ".join(made)):
+            if _SETS_MOTION.search(text):
+                self._said.pop("motion", None)
+            if "F" in text:
+                self._said.pop("feed", None)
+        return made
 
     def leave(self, torches: Collection[int]) -> list[str]:
         """Deselect all further torches but these: before the first cut all others."""
@@ -82,30 +107,31 @@ class GcodeWriter:
     def rapid(self, point: Point) -> str:
         """Travel to a point with the torch off."""
         end = self._rounded(point)
-        block = _spelt(self.dialect.rapid, self._words(end))
+        block = self._spelt(self.dialect.rapid, self._words(end), end)
         self.at = end
         return block
 
     def start(self, marks: bool, dwell_s: float, feed_mm_s: float) -> list[str]:
         """Start the torch, or what marks, and wait for `dwell_s`, where that is more than nothing."""
         blocks = self.dialect.mark_on if marks else self.dialect.torch_on
+        dwell_s -= 0.0 if marks else own_wait_s(self.dialect)
         wait = f"{{{DWELL}}}"
         made: list[str] = []
         for block in blocks if wait in blocks else (*blocks, wait):
             if block != wait:
-                made.append(block.format(mm_min=self._feed(feed_mm_s), dwell="", **self.powers))
-            elif dwell_s > 0:
+                made.append(block.format(**self._feeds(feed_mm_s), dwell="", **self.powers, **self.plant))
+            elif dwell_s > _NO_WAIT_S:
                 made += self.wait(dwell_s)
-        return made
+        return self.others(made)
 
     def stop(self, marks: bool) -> tuple[str, ...]:
         """Stop it."""
-        return self.dialect.mark_off if marks else self.dialect.torch_off
+        return tuple(self.others(self.dialect.mark_off if marks else self.dialect.torch_off))
 
     def wait(self, seconds: float) -> list[str]:
         """The blocks that wait."""
-        time = {"seconds": number(seconds, 3), "milliseconds": number(seconds * 1000, 0)}
-        return [block.format(**time) for block in self.dialect.dwell]
+        time = {"seconds": self._shown(seconds, 3), "milliseconds": self._shown(seconds * 1000, 0)}
+        return self.others(block.format(**time) for block in self.dialect.dwell)
 
     def path(
         self,
@@ -125,7 +151,8 @@ class GcodeWriter:
         """
         dialect = self.dialect
         blocks: list[str] = []
-        in_force = ""
+        modal = "feed" in dialect.modal
+        in_force = self._said.get("feed", "") if modal else ""
         ends, at_mm = [mm for stretch in unlit for mm in stretch], 0.0
         self.at = self._rounded(path.segments[0].start) if path.segments else self.at
         words: dict[float, str] = {}
@@ -135,27 +162,29 @@ class GcodeWriter:
                 in_force, ends = "", ends[1:]
             at_mm += stretch.length_mm if ends else 0.0
             if share not in words:
-                words[share] = dialect.feed.format(mm_min=self._feed(feed_mm_s * share))
+                words[share] = dialect.feed.format(**self._feeds(feed_mm_s * share))
             word = words[share]
             for piece in self._pieces(stretch) if stretch.is_arc else (stretch,):
                 end = self._rounded(piece.end)
                 if end == self.at:
                     continue
-                motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
+                motion = self._arc(piece, end) if piece.is_arc else self._spelt(dialect.line, self._words(end), end)
                 if word == in_force:
                     blocks.append(motion)
                 else:
                     blocks += [word, motion] if dialect.feed_alone else [f"{motion} {word}"]
                 in_force, self.at = word, end
+                if modal:
+                    self._said["feed"] = word
         return blocks
 
     def _over_tab(self, ends: bool, feed_mm_s: float) -> list[str]:
         """Put the torch out where a tab begins, or light it again where it ends, without a wait."""
         if not ends:
-            return list(self.dialect.tab_begin or self.dialect.torch_off)
+            return self.others(self.dialect.tab_begin or self.dialect.torch_off)
         if not self.dialect.tab_end:
             return self.start(False, 0.0, feed_mm_s)
-        return [block.format(mm_min=self._feed(feed_mm_s), **self.powers) for block in self.dialect.tab_end]
+        return self.others(block.format(**self._feeds(feed_mm_s), **self.powers) for block in self.dialect.tab_end)
 
     def _arc(self, piece: Segment, end: Point) -> str:
         arc = Segment(self.at, end, piece.bulge)
@@ -166,7 +195,26 @@ class GcodeWriter:
             words["r"] = self._number(math.dist(self.at, (cx, cy)))
         else:
             words |= {"i": self._number(i), "j": self._number(j)}
-        return _spelt(self.dialect.arc_ccw if piece.bulge > 0 else self.dialect.arc_cw, words)
+        return self._spelt(self.dialect.arc_ccw if piece.bulge > 0 else self.dialect.arc_cw, words, end)
+
+    def _spelt(self, motion: str, words: dict[str, str], end: Point) -> str:
+        """A block of a motion: its own text with the words filled in, or its word with all of them behind it.
+
+        A word that is in force is left out, where the dialect says words only where they change.
+        """
+        if "{" in motion:
+            return motion.format(**dict.fromkeys("xyijr", "0") | words)
+        said, modal = self._said, self.dialect.modal
+        for axis, letter in enumerate("xy") if modal and self._zero == (0.0, 0.0) else ():
+            if letter in modal and said.get(letter) and end[axis] == self.at[axis] and end != self.at:
+                del words[letter]
+            said[letter] = letter
+        spelt = [f"{letter.upper()}{text}" for letter, text in words.items()]
+        if motion and not ("motion" in modal and said.get("motion") == motion):
+            spelt.insert(0, motion)
+        if modal:
+            said["motion"] = motion
+        return " ".join(spelt)
 
     def _words(self, end: Point) -> dict[str, str]:
         x, y = end
@@ -175,17 +223,35 @@ class GcodeWriter:
         return {"x": self._number(x), "y": self._number(y)}
 
     def _number(self, mm: float) -> str:
-        text = number(mm * self.dialect.scale, self.dialect.decimals)
+        text = self._shown(mm * self.dialect.per_mm, self.dialect.decimals)
         return f"+{text}" if self.dialect.signed and not text.startswith("-") else text
 
-    def _feed(self, feed_mm_s: float) -> str:
-        return number(feed_mm_s * 60, 3 if self.dialect.decimals else 0)
+    def _shown(self, value: float, decimals: int) -> str:
+        """A number with the zeros, and the point or comma, that the dialect wants."""
+        return shown_number(value, decimals, self.dialect)
+
+    def _feeds(self, feed_mm_s: float) -> dict[str, str]:
+        """A feed in each unit; `mm_min` is a minute's way in the units of the program: inches in one in inches."""
+        dialect = self.dialect
+        digits = (3 if dialect.decimals else 0) if dialect.feed_decimals is None else dialect.feed_decimals
+        mm_min = feed_mm_s * 60
+        by_unit = {
+            "mm_min": mm_min / (INCH_MM if dialect.inch else 1.0),
+            "in_min": mm_min / INCH_MM,
+            "m_min": mm_min / 1000,
+            "mm_s": feed_mm_s,
+        }
+        extra = 0 if dialect.feed_decimals is not None else 1 if dialect.decimals else 3
+        return {
+            unit: self._shown(value, digits if unit == "mm_min" else digits + extra) for unit, value in by_unit.items()
+        }
 
     def _pieces(self, segment: Segment) -> Iterator[Segment]:
         """An arc as lines and arcs that every control makes the same way."""
         dialect = self.dialect
         rise_mm = segment.chord_mm * abs(segment.bulge) / 2
-        chords = dialect.arc_centre == "none"
+        most_mm = dialect.greatest_radius_mm
+        chords = dialect.arc_centre == "none" or (most_mm is not None and segment.radius_mm > most_mm)
         if rise_mm < RISE_MM:
             yield Segment(segment.start, segment.end)
         elif not chords and (count := pieces_of_arc(segment, dialect)) > 1:
@@ -201,7 +267,7 @@ class GcodeWriter:
             yield segment
 
     def _rounded(self, point: Point) -> Point:
-        d, scale, (x, y) = self.dialect.decimals, self.dialect.scale, self._zero
+        d, scale, (x, y) = self.dialect.decimals, self._per_mm, self._zero
         if scale == 1.0 and self._zero == (0.0, 0.0):
             return round(point[0], d), round(point[1], d)
         return x + round((point[0] - x) * scale, d) / scale, y + round((point[1] - y) * scale, d) / scale
@@ -213,14 +279,6 @@ def pieces_of_arc(segment: Segment, dialect: Dialect) -> int:
     if dialect.arc_centre == "radius":
         most = min(most, _BY_RADIUS_RAD)
     return max(1, math.ceil(abs(segment.sweep_rad) / most - 1e-6))
-
-
-def _spelt(motion: str, words: dict[str, str]) -> str:
-    """A block of a motion: its own text with the words filled in, or its word with all of them behind it."""
-    if "{" in motion:
-        return motion.format(**dict.fromkeys("xyijr", "0") | words)
-    spelt = " ".join([f"{letter.upper()}{text}" for letter, text in words.items()])
-    return f"{motion} {spelt}" if motion else spelt
 
 
 def _split(pieces: Iterable[Paced], at_mm: Sequence[float]) -> Iterator[Paced]:
@@ -235,6 +293,16 @@ def _split(pieces: Iterable[Paced], at_mm: Sequence[float]) -> Iterator[Paced]:
         else:
             yield segment, share
         begin_mm += length_mm
+
+
+def shown_number(value: float, decimals: int, dialect: Dialect) -> str:
+    """A number with the zeros, and the point or comma, that a dialect wants."""
+    text = f"{value:.{decimals}f}" if dialect.trailing_zeros else number(value, decimals)
+    if text.startswith("-") and not text.strip("-0."):
+        text = text[1:]
+    if dialect.whole_point and "." not in text:
+        text += "."
+    return text.replace(".", dialect.decimal) if dialect.decimal != "." else text
 
 
 # Blocks of a program as text: numbers, comments, and N words.
@@ -294,12 +362,16 @@ def number_blocks(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
         For a block longer than the control takes.
     """
     rule = dialect.line_numbers
-    count = 0
+    number_of_block = rule.start if rule is not None else 0
     for block in filter(None, blocks):
-        line = block
-        if rule is not None and not is_comment(block, dialect) and block != "%":
-            line = f"N{rule.start + rule.step * count} {block}"
-            count += 1
+        line, told = block, is_comment(block, dialect)
+        if rule is not None and not told and not _NAMES_PROGRAM.fullmatch(block):
+            line = f"N{number_of_block} {block}"
+            number_of_block += rule.step
+            if rule.highest and number_of_block > rule.highest:
+                number_of_block = rule.start
+        if not dialect.blanks and not told:
+            line = line.replace(" ", "")
         if len(line.encode()) > dialect.max_line:
             raise InputError(f"dialect '{dialect.name}': block longer than max_line {dialect.max_line}: {line}")
         yield line

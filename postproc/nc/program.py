@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, OrderedDict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, tee
+from itertools import chain, takewhile, tee
 from pathlib import PurePath
 
 from kerfwise.encoder.cut import Cut, Pierce
@@ -15,7 +15,15 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.reading import DONE
 from kerfwise.encoder.slits import features_cut_across
 from kerfwise.models.plan.plan import Plan, PlannedCut
-from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
+from kerfwise.postproc.dialects import (
+    Dialect,
+    expect_words,
+    fitting_dialect,
+    load_dialect,
+    pierce_dwell_of,
+    plant_words,
+    powers_of,
+)
 from kerfwise.rules.profile.profile import Profile
 
 from .gcode import (
@@ -52,7 +60,9 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     names = program_names(profile.as_cut(nest), dialect)
     body = body_of_plan(plan, names, nest, profile, dialect)
-    return "\n".join([*number_blocks([*_header(plan, names, nest, profile, dialect), *body], dialect), ""])
+    first = opening(dialect)  # before all comments
+    blocks = [*body[:first], *_header(plan, names, nest, profile, dialect), *body[first:]]
+    return NEWLINES[dialect.newline].join([*number_blocks(blocks, dialect), ""])
 
 
 def head_comments(plan: Plan, nest: Nest, profile: Profile) -> list[str]:
@@ -239,9 +249,10 @@ def _body(
 
     `pierces` are made before the cuts that they say.
     """
-    yield from (block.format(program=program_number(dialect)) for block in dialect.header)
+    plant = plant_words(dialect, profile)
+    yield from header_blocks(dialect, plant)
     x, y = profile.frame_on(nest).corner
-    pen = GcodeWriter(dialect, profile.machine.home, powers_of(dialect, profile))
+    pen = GcodeWriter(dialect, profile.machine.home, powers_of(dialect, profile), plant)
     due: dict[int, list[tuple[int, Pierce]]] = {}
     for count, pierce in enumerate(pierces, 1):
         due.setdefault(pierce.before, []).append((count, pierce))
@@ -270,6 +281,22 @@ def _with_next(paths: Iterable[Toolpath]) -> Iterator[tuple[Toolpath, Toolpath |
     return zip(left, chain(right, [None]), strict=False)
 
 
+NEWLINES = {"lf": "\n", "crlf": "\r\n"}
+
+
+def header_blocks(dialect: Dialect, plant: Mapping[str, str]) -> Iterator[str]:
+    """The blocks before the first cut; one that stands for words of the material's process may be several."""
+    for block in dialect.header:
+        made = block.format(program=program_number(dialect), **plant)
+        yield from (one.strip() for one in made.split(";")) if "{process}" in block else (made,)
+
+
+def opening(dialect: Dialect) -> int:
+    """How many blocks of the header come before everything: those that frame a program, and name it."""
+    named = takewhile(lambda block: block.startswith(("%", "O", ":")), dialect.header)
+    return sum(1 for _ in named)
+
+
 def program_number(dialect: Dialect) -> str:
     """The number that the program is called by on the control, as its header spells it."""
     return "" if dialect.program is None else str(dialect.program.number).zfill(dialect.program.digits)
@@ -290,6 +317,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
     cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
     yield cut_comment(order, name, cut, mark, dialect)
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
+    around = dialect.around_kind(_kind(made))
     if not made.linked:
         yield from pen.select(mark)
         lit = {planned.cut.torch for planned in made.together}
@@ -301,6 +329,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
         waits = pierce_dwell_of(profile, dialect) == "program"
         start_s = machine.unpierced_s if made.edge_start else machine.pierce_time_s
         start_s = machine.at_hole_s if made.pierced and not made.edge_start else start_s
+        yield from pen.others(block.format(**pen.powers, **pen.plant) for block in around.before)
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
@@ -308,6 +337,14 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
     yield from pen.path(made.path, feed_mm_s, law, made.unlit)
     yield from dialect.height_on if slowed else ()
     yield from () if stays_on else pen.stop(mark)
+    if not stays_on:
+        yield from pen.others(block.format(**pen.powers, **pen.plant) for block in around.after)
+
+
+def _kind(made: Toolpath) -> str:
+    """What a cut is, for the blocks that a dialect has around it."""
+    kind = "mark" if made.marks else made.planned.kind
+    return "small_hole" if kind == "hole" and made.feed_share < 1.0 else kind
 
 
 # What a program that goes on after a stop says of what is already cut, in comments that a control passes over.

@@ -94,8 +94,9 @@ def split_program(old: OldProgram, file: str = "") -> SplitProgram:
         since = rows[ends[n - 1]].line if n else rows[first].line - 1
         pieces.append(_piece(burn, rows, range(begin, last + 1), since, texts, ours, file))
     head = tuple(texts[: rows[first].line - 1])
-    tail = tuple(texts[rows[ends[-1]].line :])
-    rapid = next((row.rapid for row in rows if row.rapid), "")
+    tail = tuple(_said_motion(texts, rows[ends[-1] + 1 :])[rows[ends[-1]].line :])
+    words = [row.rapid for row in rows if row.rapid]
+    rapid = next((word for word in words if not word.endswith("1")), words[0] if words else "")
     state = rows[first - 1].state if first else State()
     step_mm, end = old.program.step_mm, rows[ends[-1]].line
     numbering = None if step_mm else _numbering(texts)
@@ -133,10 +134,23 @@ def _piece(
     before = rows[begin - 1].state if begin else State()
     body_from = rows[begin - 1].line if begin > own.start else since
     comments = () if ours else tuple(_for_people(texts[since:body_from]))
-    body = tuple(text for text in texts[body_from : rows[own.stop - 1].line] if not (ours and is_comment(text)))
+    body_texts = _said_motion(texts, [rows[k] for k in own if k >= begin])
+    body = tuple(text for text in body_texts[body_from : rows[own.stop - 1].line] if not (ours and is_comment(text)))
     (x0, y0), (x1, y1) = burn.path.vertices[0, :2].tolist(), burn.path.vertices[-1, :2].tolist()
     after = rows[own.stop - 1].state
     return Piece(burn.line, comments, tuple(filter(str.strip, body)), before, after, (x0, y0), (x1, y1))
+
+
+def _said_motion(texts: Sequence[str], own: Sequence[LineEffect]) -> Sequence[str]:
+    """The lines of a program; the first move of a piece that leans on a motion word before it says that itself."""
+    first = next((row for row in own if row.implied or row.moves), None)
+    if first is None or not first.implied:
+        return texts
+    made = list(texts)
+    number, text = NUMBER.match(made[first.line - 1]), made[first.line - 1]
+    at = number.end() if number else len(text) - len(text.lstrip())
+    made[first.line - 1] = f"{text[:at]}{first.implied} {text[at:]}"
+    return made
 
 
 def _homing(old: OldProgram, after: int) -> tuple[int, Point] | None:

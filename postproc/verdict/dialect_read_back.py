@@ -6,7 +6,7 @@ else. Then every plan would fail in the check. So each word is looked at by what
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,12 +14,13 @@ import numpy as np
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
-from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.controls import Control
+from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
-from kerfwise.postproc.dialects import Dialect, fitting_dialect
+from kerfwise.postproc.dialects import Dialect, fitting_dialect, own_wait_s, plant_words
 from kerfwise.postproc.nc.gcode import GcodeWriter, comment, number_blocks, pieces_of_arc
-from kerfwise.postproc.nc.program import program_number
+from kerfwise.postproc.nc.program import NEWLINES, header_blocks, opening
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.plant_sections import ENDINGS
 from kerfwise.rules.profile.profile import Profile
@@ -31,6 +32,9 @@ _NEAR_MM, _SHARE = 0.02, 1e-3
 _INCH_MM = 25.4
 _SAID = "KERFWISE READS THIS BACK"
 _HOME = (0.0, 0.0)
+_WAY_OUT = (
+    "a word that touches neither the path nor the torch is named under also, one of the control's own under reads"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +55,14 @@ def trusted_dialect(profile: Profile) -> Dialect:
         place in the dialect's file.
     """
     dialect = fitting_dialect(profile)
-    read_back(dialect, profile.machine.dialect)
+    read_back(dialect, profile.machine.dialect, plant_words(dialect, profile))
     return dialect
 
 
-def read_back(dialect: Dialect, name: str) -> None:
+def read_back(dialect: Dialect, name: str, plant: Mapping[str, str] | None = None) -> None:
     """Write the small program in a dialect and read it; `name` is what a profile calls the dialect by.
+
+    `plant` is what the profile says of the material, for blocks that say it too.
 
     Raises
     ------
@@ -69,13 +75,14 @@ def read_back(dialect: Dialect, name: str) -> None:
     >>> for name in dialect_names():
     ...     read_back(load_dialect(name), name)
     """
-    pen = GcodeWriter(dialect, _HOME)
-    lines = [*_header(dialect), *_run("torch", _CUT, pen)]
+    plant = plant_words(dialect) if plant is None else plant
+    control = control_for(dialect, name)
+    pen = GcodeWriter(dialect, _HOME, plant=plant)
+    lines = [*_header(dialect, plant), *_run("torch", _CUT, pen)]
     if dialect.marks:
         lines += _run("mark", _MARK, pen)
     lines += [_Line("rapid", pen.rapid(_HOME)), *(_Line("footer", block) for block in dialect.footer)]
     lines = [line for line in lines if line.block]
-    control = CONTROLS[dialect.control]
 
     def wrong(key: str, what: str) -> InputError:
         place = place_in(name, (key,)) if name.endswith(ENDINGS) else None
@@ -89,28 +96,29 @@ def read_back(dialect: Dialect, name: str) -> None:
             blocks.append(next(numbers))
         except InputError:
             raise wrong(line.key, f"{line.block[:60]!r}… is longer than max_line, {dialect.max_line}") from None
-    text = "\n".join([*blocks, ""])
+    text = NEWLINES[dialect.newline].join([*blocks, ""])
     try:
         program = read_nc(text, control=control, home=_HOME)
     except InputError as error:
         line = lines[min(error.line or len(lines), len(lines)) - 1]
-        raise wrong(line.key, f"{line.block!r} cannot be read: {error.message}") from None
-    for key, what in _misread(program, lines, dialect):
+        raise wrong(line.key, f"{line.block!r} cannot be read: {error.message}; {_WAY_OUT}") from None
+    for key, what in _misread(program, lines, dialect, control):
         raise wrong(key, what)
 
 
-def _header(dialect: Dialect) -> Iterator[_Line]:
-    yield _Line("comment", comment(dialect, _SAID))
-    yield from (_Line("header", block.format(program=program_number(dialect))) for block in dialect.header)
+def _header(dialect: Dialect, plant: Mapping[str, str]) -> Iterator[_Line]:
+    lines, first = [_Line("header", block) for block in header_blocks(dialect, plant)], opening(dialect)
+    return iter([*lines[:first], _Line("comment", comment(dialect, _SAID)), *lines[first:]])
 
 
 def _run(tool: str, path: Curve, pen: GcodeWriter) -> Iterator[_Line]:
     """Travel to a path, the tool on, a wait, the path, the tool off."""
     marks, wait = tool == "mark", pen.wait(_DWELL_S)
+    dwell_s = _DWELL_S if marks else _DWELL_S + own_wait_s(pen.dialect)
     yield from (_Line(f"{tool}_station", block) for block in pen.select(marks))
     yield _Line("rapid", pen.rapid(path.point_at(0.0)))
     yield from (
-        _Line("dwell" if block in wait else f"{tool}_on", block) for block in pen.start(marks, _DWELL_S, _FEED_MM_S)
+        _Line("dwell" if block in wait else f"{tool}_on", block) for block in pen.start(marks, dwell_s, _FEED_MM_S)
     )
     blocks = pen.path(path, _FEED_MM_S)
     if pen.dialect.feed_alone:
@@ -127,11 +135,11 @@ def _spread(words: list[str], blocks: int) -> list[str]:
     return [words[0], *["arc_ccw"] * (blocks - 2), words[-1]]
 
 
-def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterator[tuple[str, str]]:
+def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect, control: Control) -> Iterator[tuple[str, str]]:
     """Keys whose words are read as something else, and what is read."""
     if dialect.comment is not None and not any(_SAID in told for told in program.comments):
         yield "comment", f"{lines[0].block!r} is not read as a comment"
-    near_mm = _NEAR_MM + CONTROLS[dialect.control].step_mm
+    near_mm = _NEAR_MM + max(control.step_mm, dialect.step_mm)
     begun = {_started_by(burn, lines): burn for burn in reversed(program.burns)}
     tools = [("torch", 0, _CUT), *([("mark", 1, _MARK)] if dialect.marks else [])]
     for tool, number_of, path in tools:
@@ -147,6 +155,8 @@ def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterat
             yield from _moved_wrong(burn, path, dialect, near_mm)
     for stretch in program.slow_travel:
         line = lines[stretch.line - 1]
+        if line.key == "rapid" and dialect.travels_as_line:
+            continue
         yield line.key, f"{line.block!r} moves at the feed of a cut with nothing on"
     for fault in program.faults:
         at = lines[min(max(fault.line, 1), len(lines)) - 1]
@@ -171,14 +181,19 @@ def _after(program: NcProgram, lines: list[_Line], off: str) -> str | None:
 
 def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect, near_mm: float) -> Iterator[tuple[str, str]]:
     """What is wrong with one burn's wait, feed and path."""
-    if abs(burn.path.length_mm - _INCH_MM * path.length_mm) < _NEAR_MM * _INCH_MM:
-        yield "header", "it leaves the control in inches: programs are in millimetres"
-    if abs(burn.pierce_s - _DWELL_S) > _SHARE:
-        yield "dwell", f"a wait of {_DWELL_S:g} s is read as one of {burn.pierce_s:g} s"
+    if abs(burn.path.length_mm - _INCH_MM * path.length_mm) < _NEAR_MM * _INCH_MM and not dialect.inch:
+        yield "header", "it leaves the control in inches: say units: inch, or have it say millimetres"
+    if dialect.inch and abs(burn.path.length_mm - path.length_mm / _INCH_MM) < _NEAR_MM:
+        yield "header", "it leaves the control in millimetres, and the dialect says units: inch"
+    dwell_s = _DWELL_S if burn.tool else _DWELL_S + own_wait_s(dialect)
+    if abs(burn.pierce_s - dwell_s) > _SHARE:
+        yield "dwell", f"a wait of {dwell_s:g} s is read as one of {burn.pierce_s:g} s"
     if any(abs(feed - _FEED_MM_S) > _SHARE * _FEED_MM_S for feed in burn.feeds_mm_s):
         feeds = ", ".join(f"{feed * 60:g}" for feed in burn.feeds_mm_s)
         yield "feed", f"a feed of {_FEED_MM_S * 60:g} mm/min is read as {feeds} mm/min"
-    if dialect.arc_centre == "none":
+    most_mm = dialect.greatest_radius_mm
+    too_large = most_mm is not None and any(s.is_arc and s.radius_mm > most_mm for s in path.segments)
+    if dialect.arc_centre == "none" or too_large:
         far = [
             p for p in map(tuple, burn.path.vertices[:, :2].tolist()) if path.project(p)[1] > near_mm + dialect.chord_mm
         ]

@@ -144,6 +144,7 @@ COLUMNS: Mapping[str, Column] = {
     "mark_power": Column(SHARE_OF_POWER, "power while marking", "material", "mark_power"),
     "gas": Column(Text(), "gas, or gases", "material", "gas"),
     "gas_flow": Column(FLOW, "gas that flows with the torch on", "material", "gas_flow"),
+    "process": Column(Text(), "what the control calls the row, for a dialect's {process}", "material", "process"),
     "small_hole_feed": Column(
         Number(0.05, 1), "share of the feed in the smallest holes", "small_holes", "small_hole_feed"
     ),

@@ -24,7 +24,7 @@ from kerfwise.rules.outside import PythonFile, is_trusted, refusal, rules_in_fil
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
 
-from .plant_sections import Material
+from .plant_sections import Material, is_own_dialect
 
 # Files of rules that a profile names, as its keys `models` and `python` do.
 
@@ -268,8 +268,18 @@ def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: 
     return given if looked_up is None else _filled(given, looked_up, own, problems)
 
 
+def with_dialect_beside(node: yaml.Node | None, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The sections of a profile with the dialect that stands beside its file, where none is there as seen from here."""
+    said = {key.value for key, _ in node.value} if isinstance(node, yaml.MappingNode) else set()
+    name: str = given["machine"].dialect
+    if "dialect" not in said or not is_own_dialect(name) or is_file(name):
+        return given
+    beside = _beside(problems.file, name)
+    return _put(given, "machine", "dialect", beside) if is_file(beside) else given
+
+
 def _beside(profile: str, chart: str) -> str:
-    """The path of a chart as seen from the profile's file, without `..` where that leads to the same file."""
+    """The path of a file as seen from the profile's file, without `..` where that leads to the same file."""
     path = str(Path(profile).parent / chart)
     shorter = os.path.normpath(path)
     return shorter if os.path.realpath(shorter) == os.path.realpath(path) else path

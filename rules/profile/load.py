@@ -28,7 +28,7 @@ from kerfwise.rules.own import OwnFile, read_own_rules
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 
-from .linked_files import with_chart, with_model_files, with_python_files
+from .linked_files import with_chart, with_dialect_beside, with_model_files, with_python_files
 from .plant_sections import is_own_dialect
 from .profile import Profile
 from .profile_sections import check_together, own_model_rule
@@ -235,6 +235,7 @@ def profile_values(
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
             given[section] = read_fields(members, given[section], problems, section)
+    given = with_dialect_beside(found.get("machine"), given, problems)
     if not problems.found:
         given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
     if "python" in found:

@@ -40,7 +40,7 @@ def is_own_dialect(name: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class DialectName(Choice):
-    """A dialect that comes with kerfwise, or a path that ends in .yaml, as seen from where kerfwise is run."""
+    """A dialect that comes with kerfwise, or a path that ends in .yaml, as seen from here or from the profile."""
 
     def read(self, node: yaml.Node) -> str | None:
         if isinstance(node, yaml.ScalarNode) and str(node.value).endswith(ENDINGS):
@@ -225,6 +225,13 @@ class Material:
     )
     gas_flow_m3_h: float | None = field(
         default=None, metadata=option(OrWord(FLOW, none="unknown"), "gas that flows with the torch on, for its price")
+    )
+    process: str | None = field(
+        default=None,
+        metadata=option(
+            TextOrWord("unknown"),
+            "what the control calls it: a number, or blocks with ; between, for a dialect's {process}",
+        ),
     )
 
 

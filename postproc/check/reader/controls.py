@@ -93,12 +93,24 @@ def _found(char: str) -> str:
     )
 
 
+MISMATCH_MM = 0.005
+"""Radius at an arc's end against that at its start, at most: LinuxCNC takes 0.0283 mm, and 0.1 % of large radii; what
+lies between the two is the control's choice."""
+
 # The controls whose programs the check reads, and how each spells them: written apart from the dialects.
 
 _LINUXCNC_G = frozenset(
     {0.0, 1.0, 2.0, 3.0, 4.0, 17.0, 20.0, 21.0, 40.0, 49.0, 54.0, 61.0, 61.1, 64.0, 80.0, 90.0, 90.1, 91.0, 91.1, 92.1}
     | {94.0, 97.0}
 )
+
+
+class Declared(NamedTuple):
+    """Words that touch neither path nor torch: their pattern, where they may stand, and how they are told."""
+
+    pattern: re.Pattern[str]
+    where: Literal["anywhere", "header", "off", "on"]
+    words: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +137,13 @@ class Control:
 
     `arcs` says that programs are ESSI (ISO 6582), blocks of signed numbers without letters, and how arcs are told
     there, by centre or by radius. `step_mm` is what 1 means there; feeds are whole, in steps of `feed_step_mm_min`.
+
+    `also` are words that touch neither path nor torch, `means` words of its own with the code that they stand for, and
+    `program_names` rows that only name a program. `opens` are the characters that begin a comment anywhere in a row,
+    `comment_form` is how rows that are comments begin and end besides. `decimal` is the point of its numbers. `dwell_s`
+    and `place_mm` are what 1 means in a wait and, in mm or inches, in a place. The radius of an arc may differ by
+    `mismatch_mm` between its ends. `halts_lit` says that a program may halt with the torch on, before that moves.
+    Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off.
     """
 
     title: str
@@ -158,6 +177,23 @@ class Control:
     arcs: Literal["", "centre", "radius"] = ""
     step_mm: float = 0.0
     feed_step_mm_min: float = 0.0
+    also: tuple[Declared, ...] = ()
+    means: tuple[tuple[re.Pattern[str], str], ...] = ()
+    program_names: tuple[re.Pattern[str], ...] = ()
+    opens: str = "(;"
+    comment_form: tuple[str, str] | None = None
+    decimal: str = "."
+    dwell_s: float = 1.0
+    place_mm: float = 1.0
+    mismatch_mm: float = MISMATCH_MM
+    halts_lit: bool = False
+    preheat_s: float = 0.0
+    stands_s: float = 0.0
+
+    @property
+    def has_own_words(self) -> bool:
+        """Whether a row may hold words that no family of controls has."""
+        return bool(self.also or self.means or self.program_names or self.decimal != ".")
 
 
 _COMMON_M = frozenset({0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 8.0, 9.0, 30.0, 48.0, 49.0, 50.0, 51.0, 53.0})
@@ -188,7 +224,7 @@ CONTROLS: Mapping[str, Control] = {
         deselects=65.0,
         torch_letter="P",
         torch_less=1,
-        known_m=_COMMON_M | {64.0, 65.0},
+        known_m=_COMMON_M | {64.0, 65.0, 67.0, 68.0},
         refused_m={66.0: _WAITS} | dict.fromkeys((62.0, 63.0), _MID_CUT),
     ),
     "grbl": Control(
@@ -206,14 +242,21 @@ CONTROLS: Mapping[str, Control] = {
     "eia": Control(
         "Hypertherm EDGE with Phoenix",
         known_g=frozenset({0.0, 1.0, 2.0, 3.0, 4.0, 20.0, 21.0, 40.0, 90.0, 91.0}),
-        known_m=frozenset({0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 10.0, 15.0, 16.0, 30.0, 36.0, 37.0, 38.0, 50.0, 51.0}),
+        known_m=frozenset(
+            {0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 10.0, 13.0, 14.0, 15.0, 16.0, 30.0, 36.0, 37.0, 38.0, 48.0, 49.0, 50.0, 51.0}
+        ),
+        also=(
+            Declared(re.compile(r"G59V5[0-9]{2}F[0-9.]+"), "off", "G59 V502 F34"),  # the process, by the cut chart
+            Declared(re.compile(r"(?<=M07)HS"), "off", "M07 HS"),
+            Declared(re.compile(r"(?<=M08)R[TF]"), "anywhere", "M08 RT"),
+        ),
         selects=37.0,
         deselects=38.0,
         process=36.0,
         marking=frozenset({3.0, 4.0}),
         refused_m={65.0: _LOADS},
-        starts={7.0: 0, 15.0: 0, 9.0: 1},
-        stops={8.0: 0, 16.0: 0, 10.0: 1},
+        starts={7.0: 0, 15.0: 0, 9.0: 1, 13.0: 1},
+        stops={8.0: 0, 16.0: 0, 10.0: 1, 14.0: 1},
         dwell="X",
     ),
     "burny": Control(
@@ -266,8 +309,8 @@ class Row(NamedTuple):
         return self.comment_at is not None and bool(self.columns) and self.columns[0] < self.comment_at
 
 
-def row_of(text: str, line: int) -> Row:
-    """Take the comments off a row.
+def row_of(text: str, line: int, opens: str = "(;") -> Row:
+    """Take the comments off a row; `opens` are the characters that begin one.
 
     Raises
     ------
@@ -290,7 +333,7 @@ def row_of(text: str, line: int) -> Row:
     while at < len(text):
         char, start = text[at], at
         at += 1
-        if char in "(;":
+        if char in opens:
             at = _end(text, start, line)
             body = text[start + 1 : at - 1] if char == "(" else text[start + 1 :]
             _harmless(body, line, start + 1)
@@ -299,7 +342,7 @@ def row_of(text: str, line: int) -> Row:
             comment_at = comment_at or start + 1
             code.append(COMMENT)
             columns.append(start + 1)
-        elif char == ")":
+        elif char == ")" and "(" in opens:
             raise InputError("a ')' that closes no comment: not supported here; delete it", line=line, column=at)
         elif char not in " \t":
             if not char.isascii():
@@ -341,3 +384,11 @@ def _harmless(body: str, line: int, column: int) -> None:
             line=line,
             column=column,
         )
+
+
+def without(row: Row, found: re.Match[str], instead: str = "") -> Row:
+    """The row with some of its characters replaced; all that takes their place stands in their first column."""
+    begin, end = found.span()
+    columns = (*row.columns[:begin], *[row.columns[begin]] * len(instead), *row.columns[end:])
+    code = row.code[:begin] + instead + row.code[end:]
+    return Row(code, columns, row.comments, row.comment_at)

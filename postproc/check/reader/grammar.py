@@ -10,7 +10,7 @@ from kerfwise.encoder.geometry.tolerances import TOLERANCE_MM
 
 from .controls import Control
 from .program import Track
-from .words import Block, Word, arc_by_centre, arc_by_radius
+from .words import SHORT_MM, Block, Word, arc_by_centre, arc_by_radius
 
 # Which words may stand in one block: one of each modal group, and no number that nothing uses.
 
@@ -41,8 +41,7 @@ _M_GROUPS: Mapping[str, frozenset[float]] = {
     "stops": frozenset({0.0, 1.0, 2.0, 30.0}),
     "outputs": frozenset({64.0, 65.0, 67.0, 68.0}),
     "torch": frozenset({3.0, 4.0, 5.0}),
-    "gas": frozenset({7.0, 8.0, 9.0, 10.0, 15.0, 16.0}),
-    "height": frozenset({14.0}),
+    "gas": frozenset({7.0, 8.0, 9.0, 10.0, 13.0, 14.0, 15.0, 16.0}),
     "process": frozenset({36.0}),
     "stations": frozenset({37.0, 38.0}),
     "overrides": frozenset({48.0, 49.0, 50.0, 51.0, 52.0, 53.0}),
@@ -233,7 +232,9 @@ class ModalState:
 
     def __post_init__(self) -> None:
         self.modes = Modes(self.control.known_g, self.control.fixed)
-        self.centre_absolute = self.control.centre_absolute
+        self.centre_absolute = self.control.centre_absolute or 90.1 in self.control.fixed
+        self.unit_mm = INCH_MM if self.control.fixed & {20.0, 70.0} else 1.0
+        self.absolute = 91.0 not in self.control.fixed
 
     def of(self, block: Block) -> float | None:
         """The motion that a block makes, None for none; with no motion word, a line or travel as the torch is."""
@@ -265,7 +266,7 @@ class ModalState:
             letter = self.control.dwell
             if letter not in block.words:
                 raise block.refused(f"G4 without its time: expected {letter} and seconds, such as G4 {letter}0.5")
-            self.track.wait(block.of(letter))
+            self.track.wait(block.of(letter) * self.control.dwell_s)
 
     def move(self, block: Block, motion: float | None) -> None:
         """Set modes, then make the block's motion, if any.
@@ -312,7 +313,7 @@ class ModalState:
                 self.motion = code
 
     def _end(self, block: Block) -> Point:
-        unit, (x, y) = self.unit_mm, self.track.at
+        unit, (x, y) = self.unit_mm * self.control.place_mm, self.track.at
         base = (0.0, 0.0) if self.absolute else (x, y)
         x = base[0] + block.of("X") * unit if "X" in block.words else x
         y = base[1] + block.of("Y") * unit if "Y" in block.words else y
@@ -334,7 +335,7 @@ class ModalState:
         return feed * self.share / 60
 
     def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:
-        ccw, at, unit = self.motion == 3.0, self.track.at, self.unit_mm
+        ccw, at, unit = self.motion == 3.0, self.track.at, self.unit_mm * self.control.place_mm
         given = [letter for letter in "IJ" if letter in block.words]
         if block.of("P", 1.0) != 1.0:
             raise block.refused("an arc of several turns is not supported here; write each turn out", block.words["P"])
@@ -343,10 +344,12 @@ class ModalState:
                 raise block.refused("an arc with both R and I or J; write one of the two", block.words["R"])
             if "X" not in block.words and "Y" not in block.words:
                 raise block.refused("an arc by R without its end; write X and Y", block.words["R"])
-            return arc_by_radius(at, end, block.of("R") * unit, ccw, block)
+            short_mm = SHORT_MM if self.control.place_mm == 1.0 else self.control.mismatch_mm
+            return arc_by_radius(at, end, block.of("R") * unit, ccw, block, short_mm)
         if not given:
             raise block.refused("an arc without I, J or R; write its centre as I and J")
         if self.centre_absolute and len(given) < 2:
             raise block.refused("an arc with an absolute centre (G90.1) needs both I and J; write both")
         base = (0.0, 0.0) if self.centre_absolute else at
-        return arc_by_centre(at, end, (base[0] + block.of("I") * unit, base[1] + block.of("J") * unit), ccw, block)
+        centre = base[0] + block.of("I") * unit, base[1] + block.of("J") * unit
+        return arc_by_centre(at, end, centre, ccw, block, self.control.mismatch_mm)

@@ -184,8 +184,9 @@ class Track:
     """Where the torch is and has been; `travel_mm_s` is the speed of rapids.
 
     A torch that goes off, moves on at a feed for no more than `tab_mm`, and is lit again at once, burns on: it has gone
-    over a tab, where the same torches are lit again. `torches` are the further ones that are selected. `_closed` is the
-    burn that may go on so, `_over` what it has gone since, unlit.
+    over a tab, where the same torches are lit again. `torches` are the further ones that are selected.
+    Of a wait before it is lit `preheat_s` belong to the burn. `_closed` is the burn that may go on so, `_over` what it
+    has gone since, unlit.
     """
 
     travel_mm_s: float
@@ -204,6 +205,7 @@ class Track:
     rapids: list[tuple[int, Point]] = field(default_factory=list)
     tab_mm: float = 0.0
     torches: tuple[int, ...] = ()
+    preheat_s: float = 0.0
     _closed: _Open | None = None
     _over: list[tuple[Segment, float]] = field(default_factory=list)
 
@@ -215,15 +217,17 @@ class Track:
         """A tool starts where the torch stands; the control holds it there for `held_s`."""
         if self._goes_on(tool):
             return
+        before_s = self.preheat_s if tool == 0 and self.wait_s >= self.preheat_s - 1e-6 else 0.0
         self.open = _Open(
             tool,
             line,
-            self.clock_s,
+            self.clock_s - before_s,
             [],
             self.comment,
             tuple(self.travels_mm),
-            self.wait_s,
+            max(self.wait_s - before_s, 0.0),
             held_s=held_s,
+            pierce_s=before_s,
             torches=self.torches,
         )
         self.clock_s += held_s
@@ -328,6 +332,8 @@ class LineEffect:
     """One line that holds words: how many burns are over after it, and what it does while nothing burns.
 
     `state` is what is in force after it: units, feed, material and so on.
+    `rapid` is its word of travel, `implied` the motion word in force that it moves by and does not say;
+    `moves` says that it says one.
     `travels` says that it moves with the torch off, `waits` that it stands so, `halts` that the program stops there.
     """
 
@@ -338,3 +344,5 @@ class LineEffect:
     halts: bool
     state: State
     rapid: str = ""
+    implied: str = ""
+    moves: bool = False

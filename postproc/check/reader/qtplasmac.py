@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from kerfwise.encoder.errors import InputError
 
-from .controls import COMMENT, Row
+from .controls import COMMENT, Row, without
 from .grammar import ModalState
 from .program import State, Track
 
@@ -166,11 +166,11 @@ class OldWords:
         if found := _SPEED.search(row.code):
             moves.share = self._share(float(found["share"]), row, found.start(), line)
             self.state["speed"] = (_spelt(found[0]),)
-            row = _without(row, found)
+            row = without(row, found)
         if found := _FEED.search(row.code):
             self.fed = line
             self.state["F"] = ("F#<_hal[plasmac.cut-feed-rate]>",)
-            row = _without(row, found, f"F{self._feed(row, found.start(), line, moves):.9f}")
+            row = without(row, found, f"F{self._feed(row, found.start(), line, moves):.9f}")
         alone = _NUMBER_WORD.sub("", row.code, count=1) if row.code.startswith("N") else row.code
         alone = alone.strip(COMMENT)
         for pattern, take in self._taken().items():
@@ -283,11 +283,3 @@ class OldWords:
 def _spelt(code: str) -> str:
     """Words of a row with a blank before each."""
     return re.sub(r"(?<=[0-9.])(?=[A-Z])", " ", code)
-
-
-def _without(row: Row, found: re.Match[str], instead: str = "") -> Row:
-    """The row with some of its characters replaced; all that takes their place stands in their first column."""
-    begin, end = found.span()
-    columns = (*row.columns[:begin], *[row.columns[begin]] * len(instead), *row.columns[end:])
-    code = row.code[:begin] + instead + row.code[end:]
-    return Row(code, columns, row.comments, row.comment_at)

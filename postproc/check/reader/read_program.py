@@ -13,9 +13,10 @@ from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
 from kerfwise.rules.profile.plant_sections import Origin
 from kerfwise.rules.profile.profile import Frame, Profile
 
-from .controls import CONTROLS, QTPLASMAC, Control, in_file
+from .controls import QTPLASMAC, Control, in_file
 from .essi import read_essi
 from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of
+from .own_words import control_for
 from .program import LineEffect, NcProgram, State
 from .qtplasmac import OldWords
 from .rs274 import Machine, blocks, expect_words_for, read_nc
@@ -89,8 +90,9 @@ def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
     """
     machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
     by_machine = pierce_dwell_of(profile, dialect) == "machine"
-    held_s = (machine.pierce_time_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
-    control = CONTROLS[dialect.control]
+    control = control_for(dialect, machine.dialect)
+    pierce_s = max(machine.pierce_time_s - control.stands_s, 0.0)
+    held_s = (pierce_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
     if not control.beam or material.power is None:
         return control, held_s
     cuts = material.power
@@ -200,6 +202,7 @@ def read_old(
     with in_file(file):
         for block in blocks(text, machine):
             idle_mm, at, waited_s = machine.track.idle_mm, machine.track.at, machine.track.wait_s
+            modal = machine.moves.motion
             machine.run(block)
             _note(block, further, control)
             if machine.track.at != at:
@@ -213,7 +216,9 @@ def read_old(
                     machine.track.wait_s > waited_s,
                     any(word.value in HALTS for word in block.m),
                     dict(further.state),
-                    next((word.text for word in block.g if word.value == 0.0), ""),
+                    _travel_word(block, machine) if travels else "",
+                    _implied(block, modal, control),
+                    block.has_g(*MOTION),
                 )
             )
         machine.expect_end()
@@ -225,6 +230,19 @@ def read_old(
         program = machine.done()
         _expect_cold_rapids(program, file)
     return OldProgram(program, tuple(traced), tuple(sorted(further.kerfs_mm)), tuple(further.used), text, home)
+
+
+def _travel_word(block: Block, machine: Machine) -> str:
+    """The word by which a block travels, said or in force; by an arc it does so no second time."""
+    said = next((word.text for word in block.g if word.value in (0.0, 1.0)), "")
+    return said or _implied(block, machine.moves.motion, machine.control)
+
+
+def _implied(block: Block, modal: float | None, control: Control) -> str:
+    """The motion word that a block moves by, where it leans on one in force."""
+    if control.bare or modal is None or block.has_g(*MOTION, DWELL, NO_MOTION):
+        return ""
+    return f"G{modal:g}" if any(letter in block.words for letter in "XYIJR") else ""
 
 
 def _names_place(block: Block, machine: Machine) -> bool:

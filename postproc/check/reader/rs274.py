@@ -7,12 +7,13 @@ with the place: what it does not understand, what it cannot check, and what diff
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 
-from .controls import QTPLASMAC, Control, Row, in_file, row_of, rows_of
+from .controls import QTPLASMAC, Control, Declared, Row, in_file, row_of, rows_of, without
 from .essi import read_essi
 from .grammar import ModalState, refuse_conflicts
 from .program import NcProgram, Track
@@ -84,7 +85,7 @@ class Machine:
     ) -> None:
         self.control = control
         self.further = further
-        self.track = Track(travel_mm_s, home, tab_mm=tab_mm)
+        self.track = Track(travel_mm_s, home, tab_mm=tab_mm, preheat_s=control.preheat_s)
         self.tools: ToolsOn = (
             Beam(self.track, control, held_s) if control.beam else Tools(self.track, control, held_s, count=torches)
         )
@@ -131,6 +132,40 @@ class Machine:
             return False
         return list(block.words) == [self.control.program]
 
+    def without_own(self, row: Row, line: int) -> Row:
+        """A row without words of the control's own: those that mean a known one are spelt so, others are left out.
+
+        Raises
+        ------
+        InputError
+            With line and column, for a word where it may not stand.
+        """
+        code, control = row.code, self.control
+        if control.decimal != "." and control.decimal in code:
+            row = row._replace(code=code.replace(control.decimal, "."))
+        if not (self.track.burns or self.track.open) and any(
+            name.fullmatch(row.code) for name in control.program_names
+        ):
+            return Row("", (), row.comments, row.comment_at)
+        for also in control.also:
+            for found in reversed(list(also.pattern.finditer(row.code))):
+                self._expect_there(also, row, found.start(), line)
+                row = without(row, found)
+        for own, known in control.means:
+            for found in reversed(list(own.finditer(row.code))):
+                row = without(row, found, known)
+        self.blocks += bool(code) and not row.code
+        return row
+
+    def _expect_there(self, also: Declared, row: Row, at: int, line: int) -> None:
+        """Refuse a word where it may not stand."""
+        lit = self.track.open is not None
+        begun = lit or bool(self.track.burns)
+        if (also.where, lit) in (("off", True), ("on", False)) or (also.where == "header" and begun):
+            where = {"header": "before the first cut", "off": "with the torch off", "on": "with the torch on"}
+            text = f"{also.words} stands here, and may only stand {where[also.where]}: not supported here"
+            raise InputError(text, line=line, column=row.columns[at])
+
     def expect_end(self) -> None:
         """Refuse a program that has come to no end."""
         if not self.tools.ended:
@@ -146,7 +181,7 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
     opened: bool | None = None
     control = machine.control
     for line, raw in rows_of(text, control.longest, control.obeyed):
-        row = row_of(raw, line)
+        row = comment_of_form(raw, control) or row_of(raw, line, control.opens)
         _expect_fit(row, line, control)
         if opened is None and raw.strip():
             opened = row.code == "%" and not row.comments
@@ -163,6 +198,8 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
                 column=row.columns[0],
             )
         elif row.code or row.comments:
+            if control.has_own_words:
+                row = machine.without_own(row, line)
             as_written = row
             if machine.further is not None:
                 row = machine.further.plain(row, line, machine.moves)
@@ -171,6 +208,20 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
                 machine.filter.pass_(raw, row, line, machine.moves.absolute)
             if not machine.tools.ended:
                 yield block
+
+
+def comment_of_form(raw: str, control: Control) -> Row | None:
+    """A row that is a comment as the control spells it; None for any other."""
+    if control.comment_form is None:
+        return None
+    (begins, ends), text = control.comment_form, _NUMBERED.sub("", raw.strip(), count=1)
+    if not text.upper().startswith(begins.upper()) or not text.endswith(ends):
+        return None
+    body = text[len(begins) : len(text) - len(ends)].strip()
+    return Row("", (), (body,), len(raw) - len(raw.lstrip()) + 1)
+
+
+_NUMBERED = re.compile(r"N[0-9]+\s*", re.IGNORECASE)
 
 
 def _expect_fit(row: Row, line: int, control: Control) -> None:

@@ -38,7 +38,8 @@ class ToolsOn(ABC):
     def halt(self, block: Block) -> None:
         """Do what comes after its motion: halts and the program's end."""
         for word in block.m:
-            if word.value in HALTS and self.on:
+            waits = self.control.halts_lit and self.track.open is not None and not self.track.open.rows
+            if word.value in HALTS and self.on and not waits:
                 self.track.fault(
                     block.line, "torch-off-travel", f"{word.text} halts the program while tool ${self.on[0]} is on"
                 )
@@ -222,6 +223,8 @@ class Tools(ToolsOn):
         if "E" not in block.words or "Q" not in block.words:
             raise block.refused(f"{word.text} without E and Q is not supported here: expected both", word)
         output, share = block.words["E"], block.words["Q"].value
+        if self.control.speed_output is None:
+            return  # an analogue output of the plant's own: a power, a gas
         if output.value != self.control.speed_output:
             raise block.refused(
                 f"{word.text} {output.text} is not supported here: only E{self.control.speed_output:g}, the speed, is "

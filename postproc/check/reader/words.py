@@ -11,7 +11,7 @@ from typing import NamedTuple
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point, Segment
 
-from .controls import COMMENT, Row
+from .controls import COMMENT, MISMATCH_MM, Row
 
 _WORD = re.compile(r"(?P<letter>[A-Z$])(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
 _LINE_NUMBER = re.compile(r"N[0-9]{1,9}(?:\.[0-9]{1,9})?(?![0-9.])")
@@ -147,10 +147,7 @@ def _cannot_read(code: str, at: int) -> str:
 
 # Arcs as a program spells them: end with centre, or end with radius.
 
-MISMATCH_MM = 0.005
-"""Radius at an arc's end against that at its start, at most: LinuxCNC takes 0.0283 mm, and 0.1 % of large radii; what
-lies between the two is the control's choice."""
-_SHORT_MM = 0.001
+SHORT_MM = 0.001
 """How far LinuxCNC (0.00127 mm) lets the ends of an arc by R be further apart than twice its radius, and less."""
 _ALL_OR_NOTHING_MM, _ALL_OR_NOTHING_RAD = 0.001, 1e-5
 """Nearer to no turn or a full one, the last digit of a number decides which of the two a control makes."""
@@ -201,7 +198,7 @@ def arc_by_centre(
 
 
 def arc_by_radius(
-    start: Point, end: Point, radius_mm: float, ccw: bool, block: Block, short_mm: float = _SHORT_MM
+    start: Point, end: Point, radius_mm: float, ccw: bool, block: Block, short_mm: float = SHORT_MM
 ) -> tuple[Segment, ...]:
     """An arc by its radius: the shorter way round, or the longer one when the radius is negative.
 

@@ -97,6 +97,31 @@ READ: dict[str, str] = {
     + "F2500\n"
     + "".join(f"M67 E3 Q60\n{circle(x + 20, 40, 8)}M67 E3 Q0\n{square(x, 20, 40, -1)}" for x in (20, 220, 120))
     + END,
+    "travel by lines": """\
+G21 G90 G17 G40 G91.1
+G64 P0.05
+F2000
+G1 X5 Y60
+M3 S1
+X10 Y60
+X10 Y110
+X110
+Y10
+X10
+Y60
+M5
+X60 Y60
+M3 S1
+X70
+G3 X70 Y60 I-10 J0
+M5
+G1 X0 Y0
+M2
+""",
+    "travel by lines at a feed of their own": HEAD
+    + "".join(f"G1 X{x} Y20 F9000\nM3 $0 S1\nX{x + 40} F2500\nY60\nG2 X{x} Y20 I-40\nM5 $0\n" for x in (200, 20, 110))
+    + "G1 X0 Y0 F9000\nM2\n",
+    "a way home that leans on a word": HEAD + "F2500\n" + line(*ROWS[1]) + line(*ROWS[0]) + "X0 Y0\nM2\n",
     "no way home": HEAD + "F2500\n" + line(*ROWS[1]) + line(*ROWS[0]) + "M2\n",
     "numbered": "\n".join(
         f"N{10 * k} {row}"

@@ -152,7 +152,6 @@ def test_each_control_has_its_own_words() -> None:
         "M5 $0": "1:4: $0: tools by number are not supported here",
         "M64 P1": "1:5: M64 of another output than P0",
         "M64": "1:1: M64 of another output than P0",
-        "M68 E3 Q0": "1:1: M68 is not understood",
         "M52 P0": "1:1: M52 is not understood",
     }.items():
         with pytest.raises(InputError) as error:

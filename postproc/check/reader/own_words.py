@@ -1,0 +1,152 @@
+"""What a dialect's file says that its control knows, besides what `controls` says of its family.
+
+Words of a plant's own are told apart from those that are checked before a row is taken to pieces: some stand for a
+word that is known (`means`), others touch neither the path nor the torch (`also`) and are left out. A word that a
+control is known to move or switch by cannot be declared to be harmless.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from string import Formatter
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.dialects import Dialect
+from kerfwise.postproc.dialects.blocks import Also
+from kerfwise.rules.options.yaml_positions import place_in, wrong_at
+from kerfwise.rules.profile.plant_sections import ENDINGS
+
+from .controls import CONTROLS, Control, Declared
+from .tools import ENDS, HALTS
+
+_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+_TOKEN = re.compile(r"(?P<letter>[A-Z$#@_=]+)(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)?)|(?P<rest>.)")
+_PLACES = frozenset("XYIJR")
+_ROUND = 1.5
+"""How many steps of its digits the radius of an arc may differ by between its ends."""
+
+
+def control_for(dialect: Dialect, file: str = "") -> Control:
+    """The control that a dialect is for: that of its family, with what the file says of words of its own.
+
+    Raises
+    ------
+    InputError
+        For words that cannot be harmless; with their place, where `file` is the dialect's.
+    """
+    control = CONTROLS[dialect.control]
+    changes: dict[str, object] = {}
+    if dialect.powers is not None and control.beam and dialect.powers.full != control.full_power:
+        full = float(dialect.powers.full)
+        changes |= {"full_power": full, "marks_up_to": control.marks_up_to / control.full_power * full}
+    if any(_is_halt(block) for block in dialect.torch_on):
+        changes["halts_lit"] = True
+    if not control.arcs:
+        changes["mismatch_mm"] = max(control.mismatch_mm, _ROUND * dialect.step_mm)
+        changes["program_names"] = (*control.program_names, *_program_names(dialect))
+    if dialect.decimal != ".":
+        changes["decimal"] = dialect.decimal
+    if (form := _comment_form(dialect)) is not None and not control.arcs:
+        changes |= {"comment_form": form, "comments": True, "opens": "".join(c for c in "(;" if c == form[0])}
+    changes["also"] = (*control.also, *(_pattern(one, control, file) for one in dialect.also))
+    if (reads := dialect.reads) is not None:
+        changes["means"] = tuple((_regex(own), _code(known)) for own, known in reads.means)
+        changes["title"] = reads.title or control.title
+        changes["fixed"] = control.fixed | {_code_number(word, file) for block in reads.fixed for word in block.split()}
+        if reads.dwell is not None:
+            changes |= {"dwell": reads.dwell.letter, "dwell_s": 0.001 if reads.dwell.unit == "ms" else 1.0}
+        if reads.step_mm is not None:
+            changes["place_mm"] = reads.step_mm
+        if reads.longest is not None:
+            changes["longest"] = reads.longest
+    made: Control = replace(control, **changes)  # type: ignore[arg-type]
+    waits = list(_own_waits(dialect, made))
+    if waits:
+        made = replace(made, stands_s=sum(s for s, _ in waits), preheat_s=sum(s for s, lit in waits if not lit))
+    return made
+
+
+def _own_waits(dialect: Dialect, control: Control) -> Iterator[tuple[float, bool]]:
+    """The waits, s, that stand in the blocks that start the torch, and whether it is on in them."""
+    lit = False
+    for block in dialect.torch_on if not control.arcs else ():
+        code = _code(block)
+        for own, known in control.means:
+            code = own.sub(known, code)
+        lit = lit or any(float(m[1]) in (*control.starts, 3.0, 4.0) for m in re.finditer(r"M0*([0-9]+)", code))
+        if re.match(r"G0*4(?![0-9.])", code) and (found := re.search(f"{control.dwell}({_NUMBER})", code)):
+            yield float(found[1]) * control.dwell_s, lit
+
+
+def _is_halt(block: str) -> bool:
+    found = re.fullmatch(r"M0*([0-9]+)", block.strip().upper())
+    return found is not None and float(found[1]) in HALTS
+
+
+def _program_names(dialect: Dialect) -> Iterator[re.Pattern[str]]:
+    """Rows by which a program is called on the control, as the header has them."""
+    for block in dialect.header:
+        if "{program}" in block:
+            before, after = (re.escape(_code(text)) for text in block.split("{program}"))
+            yield re.compile(f"{before}[0-9]+{after}")
+
+
+def _comment_form(dialect: Dialect) -> tuple[str, str] | None:
+    """What a comment begins and ends with, where that is not ( )."""
+    if dialect.comment is None:
+        return None
+    before, after = (text.strip() for text in dialect.comment.split("{text}"))
+    if before.startswith("(") or not re.match(r"[^A-Za-z0-9%+.-]|[A-Za-z]{2}", before):  # that would be a word
+        return None
+    return before, after
+
+
+def _code(text: str) -> str:
+    return text.replace(" ", "").upper()
+
+
+def _code_number(word: str, file: str) -> float:
+    found = re.fullmatch(r"G([0-9]+(?:\.[0-9])?)", word.upper())
+    if found is None:
+        raise _wrong(file, "reads", f"reads.fixed: expected G words such as G21, got {word!r}")
+    return float(found[1])
+
+
+def _regex(text: str) -> re.Pattern[str]:
+    """Words as a row's code has them: leading zeros do not count, and no digit goes on behind them."""
+    made = ""
+    for literal, name, _, _ in Formatter().parse(text):
+        made += re.sub(r"(?<![0-9.])0*([0-9]+)(?![0-9.])", r"0*\1(?:\\.0*)?", re.escape(_code(literal)))
+        made += _NUMBER if name is not None else ""
+    begins = r"(?<![A-Z])" if made[:1].isalpha() else ""
+    return re.compile(f"{begins}{made}" + ("(?![0-9.])" if made[-1:] not in "=)" else ""))
+
+
+def _pattern(also: Also, control: Control, file: str) -> Declared:
+    bare = _code(Formatter().vformat(also.words, (), _Ones()))
+    known = []
+    for found in _TOKEN.finditer(bare):
+        letter, value = found["letter"] or "", float(found["number"] or 0)
+        if letter in _PLACES and found["number"]:
+            raise _wrong(file, "also", f"also: {also.words!r} names a place ({found[0]}): such a word moves the torch")
+        is_known = (letter == "G" and value in control.known_g) or (letter == "M" and value in control.known_m)
+        known.append(is_known or letter == "F" or (letter == "S" and control.beam))
+    if known and all(known):
+        ends = "ends the program" if bare in {f"M{code:g}" for code in ENDS} else "has a meaning of its own"
+        text = (
+            f"also: {also.words!r} {ends} on {control.title}, and is checked: only words that it does not know may be"
+        )
+        raise _wrong(file, "also", f"{text} said to touch neither path nor torch")
+    return Declared(_regex(also.words), also.where, also.words)
+
+
+class _Ones(dict[str, object]):
+    def __missing__(self, key: str) -> str:
+        return "1"
+
+
+def _wrong(file: str, key: str, text: str) -> InputError:
+    place = place_in(file, (key,)) if file.endswith(ENDINGS) else None
+    return wrong_at(place, text) if place is not None else InputError(text, file=file or None)
