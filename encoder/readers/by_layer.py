@@ -125,7 +125,7 @@ def by_layer(pieces: Sequence[DrawnCurve], options: ReadOptions, asking: Asking)
     if not pieces:
         raise InputError("nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline")
     first = {look_of(p): p for p in reversed(pieces)}
-    uses = {look: _use(look, piece, options, asking) for look, piece in first.items()}
+    uses = {look: use_of(look, piece, options, asking) for look, piece in first.items()}
     uses |= _by_colour(pieces, uses, options.join_tolerance_mm, asking)
     uses |= _by_linetype(pieces, uses, asking)
     of: dict[Purpose | None, list[DrawnCurve]] = defaultdict(list)
@@ -144,7 +144,7 @@ def by_layer(pieces: Sequence[DrawnCurve], options: ReadOptions, asking: Asking)
     return ByLayer(tuple(of["cut"]), mark, sheet, scrap, bridge, tab, tuple(of["ignore"]), tuple(notes), uses)
 
 
-def _use(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) -> Use:
+def use_of(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) -> Use:
     """What the plant's patterns, an answer, the plant's colours and line types, or the names of a layer say."""
     purpose, own = options.layers.use(look.names)
     if own and purpose != "cut":

@@ -54,10 +54,38 @@ class DrawnCurve:
 
 
 @dataclass(frozen=True, eq=False)
+class DrawnText:
+    """Writing, or a point where `text` is "", on its layer: what it says, where, and how tall its capitals are, mm.
+
+    `strokes` engrave it; each is a curve of the layer. `trouble` says why it cannot be engraved, "" where it can.
+    `look` stands for it where its layer, its names, its colour or its place are asked for.
+    """
+
+    text: str
+    look: DrawnCurve
+    height_mm: float
+    strokes: tuple[DrawnCurve, ...] = ()
+    trouble: str = ""
+
+    @property
+    def place(self) -> str:
+        """What it is and where, for messages."""
+        short = " ".join(self.text.split())
+        short = short if len(short) <= LONGEST_SHOWN else f"{short[: LONGEST_SHOWN - 1]}…"
+        what = f"text '{short}'" if self.text else "point"
+        return f"{what} {self.look.place}"
+
+
+LONGEST_SHOWN = 24
+"""So many letters of a text are shown in a message."""
+
+
+@dataclass(frozen=True, eq=False)
 class Drawing:
     """The pieces of a drawing in mm, y up, with what its reader wants said.
 
-    `units` is what it was read in, `because` why; `page` the drawing area, for a format that has one.
+    `units` is what it was read in, `because` why; `page` the drawing area, for a format that has one; `texts` what it
+    writes, and its points.
     """
 
     pieces: tuple[DrawnCurve, ...]
@@ -65,6 +93,7 @@ class Drawing:
     notes: tuple[Note, ...] = ()
     page: Sheet | None = None
     because: str = ""
+    texts: tuple[DrawnText, ...] = ()
 
 
 # The error of lines that do not close, with the drawing, so that it can be shown.
@@ -221,6 +250,13 @@ def checked_curve(rows: Iterable[Sequence[float]] | Floats, closed: bool, scale:
     keep[-1] |= not closed or not keep.any()
     arc = bulge * chord / 2 > FLAT_MM
     return Curve(np.column_stack([points, np.where(arc, drawn[:, 2], 0.0)])[keep], closed)
+
+
+def checked_stroke(points: Floats, scale: float = 1.0) -> Curve | None:
+    """A stroke of a letter, closed where it ends where it begins; None for one without length."""
+    closed = len(points) > 3 and bool((points[0] == points[-1]).all())
+    curve = checked_curve(np.column_stack([points, np.zeros(len(points))]), closed, scale)
+    return curve if len(curve.vertices) > 1 else None
 
 
 def _drop_lost_bulges(drawn: Floats, scale: float) -> Floats:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from ezdxf import recover
 from ezdxf.document import Drawing as Document
 from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.insert import Insert
+from ezdxf.entities.point import Point
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
@@ -23,10 +25,21 @@ from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking
 
-from .drawing import FOREIGN_ERRORS, Drawing, DrawnCurve, check_copies
-from .dxf_entities import NO_LINES, Hidden, Looks, Unread, check_numbers, curve, entities, name_of
+from .drawing import FOREIGN_ERRORS, Drawing, DrawnCurve, DrawnText, check_copies, checked_curve, checked_stroke
+from .dxf_entities import (
+    NO_LINES,
+    Hidden,
+    Looks,
+    Placed,
+    Unread,
+    check_numbers,
+    curve,
+    entities,
+    layer_of,
+)
+from .dxf_text import cross, is_written, middle_of_point, name_of, written
 from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
-from .svg_visible import Clips, seen_through
+from .svg_visible import Clips, seen_through, texts_seen
 
 DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
 
@@ -62,38 +75,66 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
         amount(len(document.modelspace()), "entity", "entities")
         shown = list(entities(document.modelspace(), hidden, unread))
         guess = options.units or DXF_UNITS.get(_header(document, data)[0] or 0, "mm")
-        read = _pieces(shown, mm_of(guess) or 1.0, looks)
+        read = _pieces(shown, mm_of(guess) or 1.0, looks, options.spot_mm)
         units, because = _units(document, data, options, read, guess, asking)
         if units != guess:
-            read = _pieces(shown, mm_of(units) or 1.0, looks)
+            read = _pieces(shown, mm_of(units) or 1.0, looks, options.spot_mm)
     except DXF_ERRORS as error:
         raise InputError(f"an entity of this DXF file is damaged ({error}); save it again in CAD") from error
     for kind, layer in read.unknown:
         unread.types[kind, layer] += 1
     pieces, clip_notes = seen_through(read.pieces, asking)
-    notes = (*notes, *unread.notes(options.layers), *clip_notes, *_paper(document))
-    return Drawing(tuple(pieces), units, notes, None, because)
+    texts, hidden_notes = texts_seen(read.texts)
+    notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *_paper(document))
+    return Drawing(tuple(pieces), units, notes, None, because, texts)
 
 
 @dataclass(frozen=True, slots=True)
 class _Read:
-    """Pieces with what they are seen through, in mm, and types with layers of what is no curve."""
+    """Pieces and texts with what they are seen through, in mm, and types with layers of what is no curve."""
 
-    pieces: list[tuple[DrawnCurve, Clips]]
-    unknown: list[tuple[str, str]]
+    pieces: list[tuple[DrawnCurve, Clips]] = field(default_factory=list)
+    texts: list[tuple[DrawnText, Clips]] = field(default_factory=list)
+    unknown: list[tuple[str, str]] = field(default_factory=list)
 
 
-def _pieces(shown: Sequence[tuple[DXFGraphic, str, Clips]], scale: float, looks: Looks) -> _Read:
-    found, unknown = [], []
-    for order, (entity, layer, clips) in enumerate(shown):
-        drawn = _curve(entity, layer, scale)
-        if drawn is None:
-            unknown.append((entity.dxftype(), layer))
+def _pieces(shown: Sequence[Placed], scale: float, looks: Looks, spot_mm: float) -> _Read:
+    read = _Read()
+    for order, placed in enumerate(shown):
+        entity, layer = placed.entity, placed.layer
+        areas = tuple(shapely.transform(area, lambda points: points * scale) for area in placed.clips)
+        look = partial(_looking, entity=entity, layer=layer, order=order, looks=looks)
+        if is_written(entity) or isinstance(entity, Point):
+            if (text := _text(entity, scale, look, spot_mm)) is not None:
+                read.texts.append((text, areas))
+        elif (drawn := _curve(entity, layer, scale)) is None:
+            read.unknown.append((entity.dxftype(), layer))
         else:
-            areas = tuple(shapely.transform(area, lambda points: points * scale) for area in clips)
-            piece = DrawnCurve(drawn, layer, order, None, looks.colour(entity), looks.linetype(entity))
-            found.append((piece, areas))
-    return _Read(found, unknown)
+            read.pieces.append((look(drawn), areas))
+    return read
+
+
+def _looking(curve: Curve, entity: DXFGraphic, layer: str, order: int, looks: Looks) -> DrawnCurve:
+    return DrawnCurve(curve, layer, order, None, looks.colour(entity), looks.linetype(entity))
+
+
+def _text(entity: DXFGraphic, scale: float, look: Callable[[Curve], DrawnCurve], spot_mm: float) -> DrawnText | None:
+    """Writing or a point, in mm; None for writing that says nothing."""
+    try:
+        if isinstance(entity, Point):
+            x, y = middle_of_point(entity)
+            mark = look(checked_curve(cross(x * scale, y * scale, spot_mm), False))
+            return DrawnText("", mark, spot_mm, (mark,))
+        made = written(entity)
+        place = look(checked_curve([made.at, made.at], False, scale))
+        strokes = (checked_stroke(stroke, scale) for stroke in made.strokes)
+        drawn = tuple(look(stroke) for stroke in strokes if stroke is not None)
+    except InputError as error:
+        raise InputError(f"{error.message} ({_where(entity)})") from error.__cause__
+    except DXF_ERRORS as error:
+        raise InputError(f"{_where(entity)} is damaged ({error}); save the file again in CAD") from error
+    text = made.text.strip()
+    return DrawnText(text, place, made.height * scale, drawn, made.trouble) if text else None
 
 
 def _paper(document: Document) -> tuple[Note, ...]:
@@ -107,13 +148,17 @@ def _paper(document: Document) -> tuple[Note, ...]:
 
 def _curve(entity: DXFGraphic, layer: str, scale: float) -> Curve | None:
     """The entity as a curve; what is wrong with it is said with its type and layer."""
-    where = f"a {entity.dxftype()} on layer '{layer}'"
+    where = _where(entity, layer)
     try:
         return curve(entity, scale)
     except InputError as error:
         raise InputError(f"{error.message} ({where})") from error.__cause__
     except DXF_ERRORS as error:
         raise InputError(f"{where} is damaged ({error}); save the file again in CAD") from error
+
+
+def _where(entity: DXFGraphic, layer: str | None = None) -> str:
+    return f"a {entity.dxftype()} on layer '{layer_of(entity) if layer is None else layer}'"
 
 
 def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:

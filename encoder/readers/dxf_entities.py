@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 
@@ -16,6 +16,7 @@ import shapely
 from ezdxf.colors import aci2rgb
 from ezdxf.document import Drawing as Document
 from ezdxf.entities.arc import Arc
+from ezdxf.entities.attrib import AttDef
 from ezdxf.entities.circle import Circle
 from ezdxf.entities.dxfentity import DXFEntity, DXFTagStorage
 from ezdxf.entities.dxfgfx import DXFGraphic
@@ -23,11 +24,9 @@ from ezdxf.entities.ellipse import Ellipse
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.line import Line
 from ezdxf.entities.lwpolyline import LWPolyline
-from ezdxf.entities.mtext import MText
+from ezdxf.entities.point import Point
 from ezdxf.entities.polyline import Polyline
 from ezdxf.entities.spline import Spline
-from ezdxf.entities.text import Text
-from ezdxf.lldxf.encoding import decode_dxf_unicode, has_dxf_unicode
 from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
 from ezdxf.path import Path, make_path
 from ezdxf.xclip import XClip
@@ -37,8 +36,9 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 
 from .drawing import LIMIT_MM, checked_curve
+from .dxf_text import is_written, name_of
 from .fit_arcs import FLATTEN_MM, fit_curve
-from .layers import Layers, counted, writing_note
+from .layers import Layers, counted
 from .svg_visible import Clips
 
 # Only what can be cut is read. Whatever else is drawn is counted, so that its absence can be said aloud.
@@ -59,38 +59,64 @@ class Hidden:
     frozen: frozenset[str] = frozenset()
 
 
-NOTHING_CLIPPED: Clips = ()
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """An entity to read, its layer, the areas that it is seen through in units of the drawing, where blocks are
+    clipped, and the names of the blocks that it lies in, outermost first."""
+
+    entity: DXFGraphic
+    layer: str
+    clips: Clips = ()
+    blocks: tuple[str, ...] = ()
 
 
 def entities(
-    drawn: Iterable[DXFGraphic],
-    hidden: Hidden,
-    unread: Unread,
-    block_layer: str | None = None,
-    clips: Clips = NOTHING_CLIPPED,
-) -> Iterator[tuple[DXFGraphic, str, Clips]]:
-    """Every entity to read with its layer, blocks taken apart (scaled, mirrored and nested ones too).
+    drawn: Iterable[DXFGraphic], hidden: Hidden, unread: Unread, within: Placed | None = None
+) -> Iterator[Placed]:
+    """Every entity to read, writing and points too, blocks taken apart (scaled, mirrored and nested ones too).
 
-    An entity on layer 0 of a block lies on the layer of its insertion. Each comes with the areas that it is seen
-    through, in units of the drawing, where blocks are clipped. Blocks must not contain themselves (`check_copies`).
+    An entity on layer 0 of a block lies on the layer of its insertion, which `within` tells of. Blocks must not contain
+    themselves (`check_copies`).
     """
+    clips, blocks = ((), ()) if within is None else (within.clips, within.blocks)
     for entity in drawn:
         layer = layer_of(entity)
-        if block_layer is not None and layer == "0":
-            layer = block_layer
+        if within is not None and layer == "0":
+            layer = within.layer
         is_insert = isinstance(entity, Insert)
         if layer.lower() in hidden.frozen or (layer.lower() in hidden.off and not is_insert) or _invisible(entity):
             unread.hidden(entity, layer)
+        elif is_written(entity) or isinstance(entity, Point):
+            yield Placed(entity, layer, clips, blocks)
         elif entity.dxftype() in NO_LINES:
             unread.add(entity, layer)
         elif isinstance(entity, Insert):
-            inside = (*clips, *_clip(entity))
+            placed = Placed(entity, layer, (*clips, *_clip(entity)), (*blocks, name_of(str(entity.dxf.name))))
             for insert in _inserted(entity, layer, unread):
                 skip = partial(_skipped, unread=unread, layer=layer)
                 inner = insert.virtual_entities(skipped_entity_callback=skip)
-                yield from entities(inner, hidden, unread, layer, inside)
+                yield from entities(inner, hidden, unread, placed)
+                yield from _attributes(insert, entity, hidden, placed)
         else:
-            yield entity, layer, clips
+            yield Placed(entity, layer, clips, blocks)
+
+
+def _attributes(insert: Insert, first: Insert, hidden: Hidden, placed: Placed) -> Iterator[Placed]:
+    """The attributes that an insertion shows; of a row of them each copy has its own. Constant ones are its block's."""
+    for definition in insert.block() or ():
+        if isinstance(definition, AttDef) and is_written(definition):
+            layer = layer_of(definition)
+            shown = definition.copy()
+            shown.transform(insert.matrix44())
+            yield replace(placed, entity=shown, layer=placed.layer if layer == "0" else layer)
+    for attribute in insert.attribs:
+        layer = layer_of(attribute)
+        layer = placed.layer if layer == "0" else layer
+        if attribute.is_invisible or _invisible(attribute) or layer.lower() in hidden.off | hidden.frozen:
+            continue
+        if insert is not first and attribute.dxf.hasattr("align_point"):  # the library moves the other point only
+            attribute.dxf.align_point += insert.dxf.insert - first.dxf.insert
+        yield replace(placed, entity=attribute, layer=layer)
 
 
 def _clip(insert: Insert) -> Clips:
@@ -116,10 +142,6 @@ def _inserted(insert: Insert, layer: str, unread: Unread) -> Iterable[Insert]:
 
     Some CAD systems write a scale of 0 for the height of what is flat; the scale of a plane is not 0.
     """
-    for attribute in insert.attribs:
-        if not _invisible(attribute):
-            own_layer = layer_of(attribute)
-            unread.add(attribute, layer if own_layer == "0" else own_layer)
     block = insert.block()
     if block is None or block.block is None:
         unread.types["INSERT of a block that the file does not hold", layer] += insert.mcount
@@ -273,12 +295,12 @@ class Unclamped:
             yield from self._finer((t0 + t1) / 2, middle, t1, end, distance, depth - 1)
 
 
-# What a DXF file shows and kerfwise does not read: writing, dimensions, fillings, points, what nobody knows.
+# What a DXF file shows and kerfwise does not read: dimensions, fillings, what nobody knows.
 
-WRITING = frozenset(("TEXT", "MTEXT", "RTEXT", "ATTRIB", "ARCALIGNEDTEXT"))
-NO_LINES = WRITING | frozenset(
+NO_LINES = frozenset(
     (
-        *("ATTDEF", "SHAPE", "TOLERANCE", "ACAD_TABLE", "POINT", "RAY", "XLINE", "VIEWPORT"),
+        *("TEXT", "MTEXT", "RTEXT", "ATTRIB", "ARCALIGNEDTEXT", "ATTDEF", "SHAPE", "TOLERANCE", "ACAD_TABLE"),
+        *("POINT", "RAY", "XLINE", "VIEWPORT"),
         *("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MLEADER", "MULTILEADER"),
         *("HATCH", "MPOLYGON", "SOLID", "TRACE", "WIPEOUT", "IMAGE", "OLE2FRAME", "PDFUNDERLAY"),
     )
@@ -290,21 +312,17 @@ NO_LINES = WRITING | frozenset(
 class Unread:
     """What was passed over on the way.
 
-    `types` counts by entity type and layer, `hidden_layers` by layer; `writing` are the texts on each layer;
-    `flattened` counts blocks whose height was scaled by 0.
+    `types` counts by entity type and layer, `hidden_layers` by layer; `flattened` counts blocks whose height was scaled
+    by 0.
     """
 
     types: Counter[tuple[str, str]] = field(default_factory=Counter)
     hidden_layers: Counter[str] = field(default_factory=Counter)
-    writing: defaultdict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
     flattened: int = 0
 
     def add(self, entity: DXFEntity, layer: str) -> None:
         """Count an entity that is not read."""
-        if entity.dxftype() in WRITING:
-            self.writing[layer].append(_text(entity))
-        else:
-            self.types[entity.dxftype(), layer] += 1
+        self.types[entity.dxftype(), layer] += 1
 
     def hidden(self, entity: DXFEntity, layer: str) -> None:
         """Count an entity that is not shown, if it could have been cut."""
@@ -322,11 +340,6 @@ class Unread:
             listed = ", ".join(f"{n} {kind}" for kind, n in sorted(seen.items()))
             text = f"left out, as they are not lines one can cut: {listed}; explode them in CAD if they are to be cut"
             notes.append(Note("warning", text))
-        notes += [
-            writing_note(texts, layer, purpose)
-            for layer, texts in sorted(self.writing.items())
-            if (purpose := layers.use([layer]).purpose) != "ignore"
-        ]
         if self.flattened:
             blocks = f"{self.flattened} blocks are" if self.flattened > 1 else "1 block is"
             notes.append(Note("warning", f"{blocks} inserted with a height scale of 0: read as flat"))
@@ -341,12 +354,6 @@ def layer_of(entity: DXFEntity) -> str:
     if isinstance(entity, DXFTagStorage):
         return name_of(next((str(tag.value) for part in entity.xtags.subclasses for tag in part if tag.code == 8), "0"))
     return name_of(str(entity.dxf.get("layer", "0"))) if entity.dxf.is_supported("layer") else "0"
-
-
-def _text(entity: DXFEntity) -> str:
-    if isinstance(entity, MText | Text):
-        return str(entity.plain_text())
-    return ""
 
 
 # The text of a DXF file before its library reads it: numbers that are none, and names that were written otherwise.
@@ -402,26 +409,6 @@ def _meant(given: str) -> str:
     """The number as it should have been written, where that is plain."""
     tried = re.sub(r"[dD](?=[-+]?\d+$)", "E", given.replace(",", ".").replace("#", ""))
     return tried if _NUMBER.fullmatch(tried.encode("utf-8", "replace")) else "120.75"
-
-
-def name_of(name: str) -> str:
-    """A layer's name as its author wrote it: `\\U+XXXX` decoded, and UTF-8 that was read as another code page.
-
-    Examples
-    --------
-    >>> name_of("\\\\U+0433\\\\U+0440\\\\U+0430\\\\U+0432"), name_of("GravÃ­r"), name_of("Konturteil Ä")
-    ('грав', 'Gravír', 'Konturteil Ä')
-    """
-    decoded = decode_dxf_unicode(name) if has_dxf_unicode(name) else name
-    if decoded.isascii():
-        return decoded
-    for page in ("cp1252", "latin-1", "cp1250", "cp1251"):
-        try:
-            again = decoded.encode(page, "surrogateescape").decode("utf-8")
-        except UnicodeError:
-            continue
-        return again
-    return decoded.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
 
 
 # How an entity of a DXF file looks: its colour and its line type, its own or those of its layer.

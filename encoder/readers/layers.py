@@ -11,7 +11,6 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Note
 
 Purpose = Literal["ignore", "scrap", "bridge", "tab", "mark", "sheet", "cut"]
 PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "bridge", "tab", "mark", "sheet", "cut")
@@ -221,33 +220,3 @@ def counted(layers: Iterable[str], most: int = 8) -> str:
     count = Counter(layers)
     shown = [f"{count[name]} on '{name}'" for name in sorted(count)[:most]]
     return ", ".join([*shown, *([f"… and {len(count) - most} more layers"] if len(count) > most else [])])
-
-
-# Writing in a drawing is no line: it is neither cut nor marked, and that is said.
-
-FIRST = 3
-LONGEST = 24
-
-
-def writing_note(texts: Sequence[str], layer: str, purpose: Purpose | None) -> Note:
-    """How many texts are on a layer and what the first ones say.
-
-    Examples
-    --------
-    >>> writing_note(["A-101", "A-102"], "Gravur", "mark").text
-    "2 texts on layer 'Gravur' are not marked ('A-101', 'A-102'): turn writing into lines in CAD to have it marked"
-    """
-    what = "1 text" if len(texts) == 1 else f"{len(texts)} texts"
-    verb = "is" if len(texts) == 1 else "are"
-    shown = [_short(t) for t in texts if t.strip()][:FIRST]
-    quoted = f" ({', '.join(shown)}{', …' if len(texts) > len(shown) else ''})" if shown else ""
-    if purpose == "mark":
-        advice = "not marked", ": turn writing into lines in CAD to have it marked"
-    else:
-        advice = "left out", ""
-    return Note("warning", f"{what} on layer '{layer}' {verb} {advice[0]}{quoted}{advice[1]}")
-
-
-def _short(text: str) -> str:
-    line = " ".join(text.split())
-    return f"'{line}'" if len(line) <= LONGEST else f"'{line[: LONGEST - 1]}…'"

@@ -23,6 +23,7 @@ from kerfwise.encoder.validate import coincident
 from .by_layer import ByLayer, answered_as_cut, by_layer, nothing_to_cut, sheet_by_name
 from .drawing import Drawing, DrawnCurve, OpenLines
 from .duplicate_lines import drawn_once, thin_parts, thin_question
+from .engraving import engraved, with_marks
 from .join import Joined, join
 from .layers import counted, setting
 from .open_lines import REPAIR_FACTOR, decide_open_lines, ends, open_end_problems
@@ -58,14 +59,19 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
     open_lines = decide_open_lines(cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking)
     if not rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
-    parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *thin, *open_lines.marks])
+    texts = engraved(drawing.texts, told_apart, options, asking)
+    lines = [*marks.rings, *marks.chains, *thin, *open_lines.marks]
+    parts, mark_notes, writings = with_marks(parts, lines, texts.marked)
     scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
     parts = with_tabs(parts, told_apart.tab, options)
     bridges = bridges_of_drawing(told_apart.bridge, parts, options)
     sheet, sheet_because, choice_notes = choose_sheet(outline, rings, drawing.page, options, why_sheet)
     notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *doubled_notes, *frame_notes]
-    notes += [*open_lines.notes, *part_notes, *mark_notes, *scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
-    reading = reading_of((drawing.units, drawing.because), sheet, sheet_because, told_apart.taken(), notes, asking.used)
+    notes += [*open_lines.notes, *part_notes, *texts.notes, *mark_notes, *scrap_notes, *choice_notes]
+    notes += doubts(sheet, drawing.units)
+    taken = (*told_apart.taken(), *texts.taken)
+    because = (drawing.units, drawing.because)
+    reading = reading_of(because, sheet, sheet_because, taken, notes, asking.used, writings)
     return Nest(sheet, parts, notes=tuple(notes), scrap=scrap, bridges=bridges, reading=reading)
 
 
@@ -76,7 +82,11 @@ def taken_apart(drawing: Drawing, options: ReadOptions, asking: Asking) -> tuple
         "cut": told.cut, "mark": told.mark, "sheet": told.sheet, "scrap": told.scrap, "bridge": told.bridge,
         "tab": told.tab, "ignore": told.ignored,
     }  # fmt: skip
-    return tuple((purpose, piece) for purpose, pieces in groups.items() for piece in pieces)
+    rows = [(purpose, piece) for purpose, pieces in groups.items() for piece in pieces]
+    texts = engraved(drawing.texts, told, options, asking)
+    for purpose, those in (("mark", texts.marked), ("ignore", texts.left_out)):
+        rows += [(purpose, stroke) for text in those for stroke in text.strokes]
+    return tuple(rows)
 
 
 def _without_thin(
@@ -183,7 +193,7 @@ def assemble(rings: Sequence[DrawnCurve], marks: Sequence[DrawnCurve] = ()) -> t
         inner = tuple(Contour(names[kept[h]], part, "hole", rings[kept[h]].curve) for h in holes[n])
         parts.append(Part(part, Contour(names[kept[n]], part, "outer", rings[kept[n]].curve), inner))
     notes = [_repeat(rings[k], rings[first], names[first]) for k, first in sorted(repeats.items())]
-    marked, lost = with_marks(parts, marks)
+    marked, lost, _ = with_marks(parts, marks)
     return marked, notes + lost
 
 
@@ -193,27 +203,6 @@ def _repeat(again: DrawnCurve, first: DrawnCurve, name: str) -> Note:
     if bool(HOLES.search(again.layer)) == bool(HOLES.search(first.layer)):
         return Note("warning", text, (name,))
     return Note("warning", text, (f"the ring on layer '{again.layer}'", name), common=True)
-
-
-def with_marks(parts: Sequence[Part], marks: Sequence[DrawnCurve]) -> tuple[tuple[Part, ...], list[Note]]:
-    """The parts with these marks, and notes on marks that are on no part."""
-    if not marks:
-        return tuple(parts), []
-    metal = metal_of(parts)
-    lines = np.array([m.curve.line() for m in marks], dtype=object)
-    k, on = shapely.STRtree(metal).query(lines, predicate="intersects")
-    shared = shapely.length(shapely.intersection(lines[k], metal[on]))
-    most = np.lexsort((on, -shared, k))
-    owner = {int(mark): int(part) for mark, part in zip(k[most][::-1], on[most][::-1], strict=True)}
-    made: list[list[Contour]] = [[] for _ in parts]
-    for n, mark in enumerate(marks):
-        if n in owner:
-            part, own = parts[owner[n]].id, made[owner[n]]
-            own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve))
-    lost = [
-        Note("warning", f"the mark {m.place} is on no part: left out") for n, m in enumerate(marks) if n not in owner
-    ]
-    return tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True)), lost
 
 
 # Tabs of a drawing: short lines on the outer contour of a part, or across it.

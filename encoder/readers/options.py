@@ -56,6 +56,8 @@ class ReadOptions:
         What lines of a colour or of a line type are for, on layers that the plant's patterns do not give to others.
     kerf_mm
         Metal narrower than this is none: lines so near to each other are one line drawn twice.
+    spot_mm
+        How long the arms of the cross are, from end to end, that marks a point.
 
     Raises
     ------
@@ -82,6 +84,7 @@ class ReadOptions:
     colours: tuple[tuple[str, Purpose], ...] = ()
     linetypes: tuple[tuple[str, Purpose], ...] = ()
     kerf_mm: float = 0.0
+    spot_mm: float = 2.0
 
     def __post_init__(self) -> None:
         if self.units is not None and mm_of(self.units) is None:

@@ -44,7 +44,7 @@ class Said(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """Lines of one layer that look alike, what they are taken for, and why: `count` of them."""
+    """Lines of one layer that look alike, what they are taken for, and why: `count` of them; or its texts or points."""
 
     layer: str
     purpose: str
@@ -52,6 +52,7 @@ class Taken:
     count: int
     colour: str = ""
     linetype: str = ""
+    what: str = "line"
 
     def told(self) -> str:
         """The line of a reading.
@@ -62,8 +63,28 @@ class Taken:
         "layer 'GRAVUR', red: marked, by its name (2 lines)"
         """
         look = "".join(f", {word}" for word in (self.colour, self.linetype) if word)
-        lines = "1 line" if self.count == 1 else f"{self.count} lines"
+        lines = f"1 {self.what}" if self.count == 1 else f"{self.count} {self.what}s"
         return f"layer '{self.layer}'{look}: {DONE[self.purpose]}, {self.because} ({lines})"
+
+
+@dataclass(frozen=True, slots=True)
+class Writing:
+    """What is engraved as letters, or a point where `text` is "": where it was drawn and how tall its capitals are, mm.
+
+    `marks` are the contours of its strokes.
+    """
+
+    text: str
+    layer: str
+    at: tuple[float, float]
+    height_mm: float
+    marks: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as data."""
+        x, y = (round(c, 4) for c in self.at)
+        size = round(self.height_mm, 4)
+        return {"text": self.text, "layer": self.layer, "at": [x, y], "height": size, "marks": list(self.marks)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +93,7 @@ class Reading:
 
     `units_because` and `sheet_because` say why. `taken` has a row for each layer, and for colours and line types where
     those differ. `left_out` and `repaired` are sentences. `answers` are the questions that were answered, by whom.
+    `writings` are the texts and the points that are engraved.
     """
 
     units: str
@@ -83,6 +105,7 @@ class Reading:
     left_out: tuple[str, ...] = ()
     repaired: tuple[str, ...] = ()
     answers: Mapping[str, str] = field(default_factory=dict)
+    writings: tuple[Writing, ...] = ()
 
     def lines(self) -> list[str]:
         """The whole reading, a line for each thing."""
@@ -104,8 +127,9 @@ class Reading:
         """The same in one line, for the head of a program and the end of a command."""
         rows: dict[str, Counter[str]] = {}
         for row in self.taken:
-            rows.setdefault(row.purpose, Counter())[row.layer] += row.count
-        parts = [f"{DONE[purpose]}: {_layers(layers)}" for purpose, layers in rows.items()]
+            what = "" if row.what == "line" else f" {row.what}s"
+            rows.setdefault(f"{DONE[row.purpose]}{what}", Counter())[row.layer] += row.count
+        parts = [f"{done}: {_layers(layers)}" for done, layers in rows.items()]
         sheet = f"sheet {self.sheet}{' assumed' if self.assumed else ''}"
         return "; ".join([f"read in {self.units}", sheet, *parts])
 
@@ -116,12 +140,13 @@ class Reading:
             "sheet": {"size": self.sheet, "because": self.sheet_because, "assumed": self.assumed},
             "layers": [
                 {"layer": r.layer, "colour": r.colour, "linetype": r.linetype, "taken_for": r.purpose,
-                 "because": r.because, "lines": r.count}
+                 "because": r.because, f"{r.what}s": r.count}
                 for r in self.taken
             ],
             "left_out": list(self.left_out),
             "repaired": list(self.repaired),
             "answers": dict(self.answers),
+            "engraved": [writing.as_json() for writing in self.writings],
         }  # fmt: skip
 
 
@@ -150,6 +175,7 @@ def reading_of(
     taken: Iterable[Taken],
     notes: Iterable[Said],
     answers: Mapping[str, str],
+    writings: tuple[Writing, ...] = (),
 ) -> Reading:
     """The reading of a nest, from what its reader found; notes on lines that are left out or mended are its own."""
     noted = list(notes)
@@ -166,4 +192,5 @@ def reading_of(
         tuple(left),
         tuple(mended),
         dict(answers),
+        writings,
     )

@@ -22,23 +22,24 @@ from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
 
-from .drawing import FOREIGN_ERRORS, LIMIT_MM, Drawing, DrawnCurve, checked_curve
+from .drawing import FOREIGN_ERRORS, LIMIT_MM, Drawing, DrawnCurve, DrawnText, checked_curve
 from .fit_arcs import FLATTEN_MM, fit_arcs
-from .layers import Layers, Purpose, counted, writing_note
+from .layers import counted
 from .options import ReadOptions, mm_of, units_question
+from .svg_text import TEXT, TROUBLE
 from .svg_validate import validate_svg
-from .svg_visible import CLIP, MASK, SHAPE, Clips, Seen, hidden_told, seen_through
+from .svg_visible import CLIP, MASK, SHAPE, Clips, Seen, hidden_told, seen_through, texts_seen
 
 NUMBERED = re.compile(
     "(path|rect|circle|ellipse|line|polyline|polygon|g|group|use|text|tspan|image|layer|svg)[-_]?[0-9][-_0-9]*"
 )
 """Ids that a drawing program numbers on by itself: `text12` says nothing of what a shape is for."""
-DRAWN = (svgelements.Shape, svgelements.Text, svgelements.Image)
+DRAWN = (svgelements.Shape, svgelements.Image)
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) -> Drawing:
-    """Every shape that is shown, in mm with y up; writing and images are passed over, and that is said.
+    """Every shape that is shown, in mm with y up, and what is written; images are passed over, and that is said.
 
     Parameters
     ----------
@@ -60,9 +61,9 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
         shown = list(shown_elements(svg))
         amount(len(shown), "shape", "shapes")
         areas = _clip_areas(svg, page.to_mm)
-        drawn = [
-            (c, s) for s in shown if isinstance(s.element, svgelements.Shape) for c in curves(s.element, page.to_mm)
-        ]
+        shapes = [s for s in shown if isinstance(s.element, svgelements.Shape)]
+        texts = [_text(s, order, page.to_mm) for order, s in enumerate(shapes) if TEXT in s.element.values]
+        drawn = [(c, s) for s in shapes if TEXT not in s.element.values for c in curves(s.element, page.to_mm)]
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
     pieces = [
@@ -72,11 +73,27 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
     masked = {order for order, (_, s) in enumerate(drawn) if s.masked}
     pieces, mask_notes = _through_masks(pieces, masked, asking)
     kept, clip_notes = seen_through(pieces, asking)
-    notes = [*_unread(shown, options.layers), *(Note("warning", text) for text in hidden_told(seen))]
+    covers = [((EMPTY,) if s.masked else tuple(areas[clip] for clip in s.clips)) for _, s in texts]
+    seen_texts, text_notes = texts_seen([(text, over) for (text, _), over in zip(texts, covers, strict=True)])
+    notes = [*_unread(shown), *(Note("warning", text) for text in hidden_told(seen)), *text_notes]
     if not kept and seen.hidden:
         raise InputError(f"nothing to cut: {next(hidden_told(seen)).removeprefix('left out, as the ')}")
     notes += [*mask_notes, *clip_notes]
-    return Drawing(tuple(kept), page.units, tuple(notes), page.sheet, page.because)
+    return Drawing(tuple(kept), page.units, tuple(notes), page.sheet, page.because, seen_texts)
+
+
+EMPTY = shapely.Polygon()
+
+
+def _text(shown: Shown, order: int, to_mm: Any) -> tuple[DrawnText, Shown]:
+    """What a path of strokes writes; see `svg_text`."""
+    values = shown.element.values
+    layer = "" if NUMBERED.fullmatch(shown.layer) else shown.layer
+    stem, *strokes = (
+        DrawnCurve(curve, layer, order, shown.names, *_look(shown.element)) for curve in curves(shown.element, to_mm)
+    )
+    text = DrawnText(str(values[TEXT]), stem, stem.curve.length_mm, tuple(strokes), str(values.get(TROUBLE) or ""))
+    return text, shown
 
 
 def _look(element: Any) -> tuple[str, str, bool]:
@@ -175,7 +192,7 @@ def _parsed(plain: bytes) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A shape or a text with the layer it is said to be on, every name that says what it is for, what is over it."""
+    """A shape or an image with the layer it is said to be on, every name that says what it is for, what is over it."""
 
     element: Any
     layer: str
@@ -191,7 +208,7 @@ def shown_elements(
     clips: tuple[str, ...] = (),
     masked: bool = False,
 ) -> Iterator[Shown]:
-    """Each shown shape and text. Its names are the ids and labels of the groups around it, then its own."""
+    """Each shown shape and image. Its names are the ids and labels of the groups around it, then its own."""
     for element in group:
         name = str(element.id or "")
         if name.startswith(SHAPE):
@@ -211,16 +228,12 @@ def shown_elements(
             yield Shown(element, "/".join(layers or called), (*names, *own), clips, masked)
 
 
-def _unread(shown: Sequence[Shown], layers: Layers) -> list[Note]:
-    found: dict[tuple[str, Purpose | None], list[str]] = {}
-    for one in shown:
-        if isinstance(one.element, svgelements.Text) and (text := str(one.element.text or "").strip()):
-            found.setdefault((one.layer, layers.use(one.names).purpose), []).append(text)
-    notes = [writing_note(texts, layer, use) for (layer, use), texts in found.items() if use != "ignore"]
-    if images := sum(isinstance(one.element, svgelements.Image) for one in shown):
-        count = "1 image is" if images == 1 else f"{images} images are"
-        notes.append(Note("warning", f"{count} left out: trace to paths what is to be cut"))
-    return notes
+def _unread(shown: Sequence[Shown]) -> list[Note]:
+    images = sum(isinstance(one.element, svgelements.Image) for one in shown)
+    if not images:
+        return []
+    count = "1 image is" if images == 1 else f"{images} images are"
+    return [Note("warning", f"{count} left out: trace to paths what is to be cut")]
 
 
 # The page of an SVG file: what a user unit is in mm, and where the sheet's lower left corner would be.

@@ -18,10 +18,11 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.questions import Asking, Choice, Question
 
-from .drawing import DrawnCurve
+from .drawing import DrawnCurve, DrawnText
 from .fit_arcs import FLATTEN_MM, fit_curve
 from .layers import counted
 from .svg_css import declarations
+from .svg_text import write_out
 
 # What an SVG file shows: clones drawn, styles laid on, and what is hidden taken out, before any curve is made.
 
@@ -60,6 +61,7 @@ def laid_out(root: Element) -> Seen:
     box = _view_box(root)
     for element in list(root.iter()):
         _moved_origin(element, box)
+    write_out(root, box)
     _clipped(root, named, seen)
     _without_hidden(root, {}, 1.0, seen)
     return seen
@@ -340,6 +342,20 @@ def seen_through(pieces: Sequence[tuple[DrawnCurve, Clips]], asking: Asking) -> 
     for before, piece, area in reversed(partly):
         made[before:before] = [piece] if said == "whole" else _inside(piece, area)
     return made, notes
+
+
+def texts_seen(texts: Sequence[tuple[DrawnText, Clips]]) -> tuple[tuple[DrawnText, ...], list[Note]]:
+    """The texts and points that are seen whole, and a word on those that a clipping path hides, or hides in part."""
+    kept: list[DrawnText] = []
+    gone: list[DrawnText] = []
+    for text, clips in texts:
+        lines = [stroke.curve.line() for stroke in text.strokes] or [shapely.Point(text.look.curve.vertices[0, :2])]
+        area = shapely.buffer(shapely.intersection_all(clips), NEAR_MM) if clips else None
+        (kept if area is None or shapely.covers(area, lines).all() else gone).append(text)
+    if not gone:
+        return tuple(kept), []
+    named = f"left out, as a clipping path hides them, or some of them: {counted(t.look.layer for t in gone)}"
+    return tuple(kept), [Note("warning", f"{named}, the first the {gone[0].place}")]
 
 
 def _question(partly: Sequence[DrawnCurve]) -> Question:

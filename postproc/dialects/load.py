@@ -242,10 +242,13 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
     place = _said_at(profile, ("machine", "dialect"))
     if marks and not dialect.marks:
         shown = ", ".join(marks[:3]) + (", …" if len(marks) > 3 else "")
+        writings = () if nest.reading is None else nest.reading.writings
+        layers = sorted({f'"{"text" if one.text else "point"}:{one.layer}=ignore"' for one in writings})
+        without = f"; --answer {' --answer '.join(layers)} leaves out what is written" if layers else ""
         raise wrong_at(
             place,
             f"machine.dialect: '{dialect.name}' has no words for marking, and the nest has {len(marks)} ({shown}): "
-            "take another dialect, or a nest without them",
+            f"take another dialect, or a nest without them{without}",
         )
     powers = powers_of(dialect, profile)
     if (

@@ -225,10 +225,13 @@ def _pieces(entity: Any, document: Any, order: DrawnOrder, scale: float) -> Iter
     from kerfwise.encoder.readers.dxf import hidden_layers
     from kerfwise.encoder.readers.dxf_entities import Unread, curve, entities
 
-    for piece, layer, _ in entities([entity], hidden_layers(document), Unread()):
+    for placed in entities([entity], hidden_layers(document), Unread()):
+        piece = placed.entity
+        if piece.dxftype() == "ATTRIB":  # stands in no drawing without its block
+            continue
         drawn = curve(piece, scale)
         if piece is not entity:
-            piece.dxf.layer = layer
+            piece.dxf.layer = placed.layer
             if piece.dxf.get("color", _BY_LAYER) == _BY_BLOCK:
                 piece.dxf.color = entity.dxf.get("color", _BY_LAYER)
         yield piece, DrawnPlace(0) if drawn is None else order.place(drawn)

@@ -255,6 +255,7 @@ class Profile(ProfileSections):
             linetypes=drawing.layers.linetype,
             answers=drawing.answers,
             kerf_mm=self.material.kerf_mm,
+            spot_mm=self.small_holes.spot_size_mm,
             frame=drawing.frame,
             open_lines=drawing.open_lines,
             scrap_lines=drawing.scrap_lines,

@@ -133,3 +133,43 @@ def test_nest_lists_the_questions_of_all_parts(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / f"{name}.job.yaml").write_text("answers: {'layer:PLATE': cut}\n")
     assert kerfwise(*argv).code == 0
+
+
+def lettered(space: Any) -> None:
+    sheet(space)
+    lines(space, square(10, 10, 80))
+    space.add_text("A-1", dxfattribs={"layer": "Gravur", "insert": (20, 30), "height": 8, "rotation": 30})
+    space.add_point((60, 60), dxfattribs={"layer": "Gravur"})
+    space.add_text("1932", dxfattribs={"insert": (40, 70), "height": 5})
+
+
+def test_what_is_written_is_read_planned_checked_and_cut(tmp_path: Path) -> None:
+    nest, program, plan = save_dxf(tmp_path, lettered), tmp_path / "a.nc", tmp_path / "a.plan.json"
+    told = json.loads(kerfwise("read", nest, "--json").out)
+    assert [(row["text"], row["height"], len(row["marks"])) for row in told["reading"]["engraved"]] == [
+        ("A-1", 8.0, 5),
+        ("", 2.0, 1),
+    ]
+    asked = kerfwise("solve", nest, "-p", "laser-st10kp-2mm", "-o", program, "--plan", plan, "--answer", "text:0=mark")
+    assert asked.code == 0, asked.err
+    cuts = json.loads(plan.read_text())["cuts"]
+    marks = [cut["contour"] for cut in cuts if cut["kind"] == "mark"]
+    assert len(marks) == 5 + 1 + 5
+    assert (
+        "marked texts: '0' (1), 'Gravur' (1); marked points: 'Gravur' (1)"
+        in program.read_text().replace('"', "'") + asked.out
+    )
+    assert kerfwise("check", nest, program, "-p", "laser-st10kp-2mm").code == 0
+    without = kerfwise("solve", nest, "-p", "laser-st10kp-2mm", "--answer", "text:0=ignore")
+    assert without.code == 0, without.err
+
+
+def test_a_dialect_without_marks_names_what_leaves_writing_out(tmp_path: Path) -> None:
+    nest, profile = save_dxf(tmp_path, lettered), tmp_path / "b.yaml"
+    profile.write_text("machine: {dialect: burny}\n")
+    refused = kerfwise("solve", nest, "-p", profile)
+    assert refused.code == 2
+    advice = '--answer "point:Gravur=ignore" --answer "text:Gravur=ignore" leaves out what is written'
+    assert advice in refused.err
+    done = kerfwise("solve", nest, "-p", profile, "--answer", "point:Gravur=ignore", "--answer", "text:Gravur=ignore")
+    assert done.code == 0, done.err

@@ -247,9 +247,9 @@ def test_writing_dimensions_and_fillings_are_passed_over_and_said(tmp_path: Path
     nest = read_dxf(tmp_path, draw)
     assert areas(nest) == {"P1.outer": 2500}
     assert texts(nest.notes) == [
-        "left out, as they are not lines one can cut: 1 DIMENSION, 1 HATCH, 1 POINT; explode them in CAD if they are "
-        "to be cut",
-        "2 texts on layer '0' are left out ('P1', '20 mm')",
+        "left out, as they are not lines one can cut: 1 DIMENSION, 1 HATCH; explode them in CAD if they are to be cut",
+        "left out, as layer '0' is not for marks: 2 texts ('P1', '20 mm'); --answer text:0=mark engraves them",
+        "left out, as layer '0' is not for marks: 1 point; --answer point:0=mark marks it",
     ]
 
 

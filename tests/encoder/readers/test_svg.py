@@ -203,8 +203,9 @@ def test_writing_is_said(tmp_path: Path) -> None:
     <g inkscape:label="Gravur"><text x="5" y="5">A-101</text><text x="5" y="9"><tspan>A-102</tspan></text></g>
     <image href="photo.png" width="9" height="9"/><g inkscape:label="notes"><text>left out anyway</text></g>"""
     assert texts(read(tmp_path, body).notes) == [
-        "2 texts on layer 'Gravur' are not marked ('A-101', 'A-102'): turn writing into lines in CAD to have it marked",
         "1 image is left out: trace to paths what is to be cut",
+        "left out, as they are on no part: 2 texts on layer 'Gravur', the first the text 'A-101' at (2.500, 97.500) on "
+        "layer 'Gravur'",
     ]
 
 

@@ -23,9 +23,9 @@ def test_texts_are_counted_by_layer_with_the_first_of_them(tmp_path: Path) -> No
         space.add_text("not told twice", dxfattribs={"layer": "DIM"})
 
     assert texts(read_dxf(tmp_path, draw).notes) == [
-        "1 text on layer '0' is left out ('20 mm plate')",
-        "4 texts on layer 'Gravur' are not marked ('A-101', 'A-102', 'a line of writing that …', …): turn writing into "
-        "lines in CAD to have it marked",
+        "left out, as layer '0' is not for marks: 1 text ('20 mm plate'); --answer text:0=mark engraves it",
+        "left out, as they are on no part: 4 texts on layer 'Gravur', the first the text 'A-101' at (0.000, 0.000) on "
+        "layer 'Gravur'",
     ]
 
 
@@ -35,10 +35,11 @@ def test_the_writing_of_a_block_counts_too(tmp_path: Path) -> None:
         block = space.doc.blocks.new("tag")
         block.add_text("fixed", dxfattribs={"layer": "Mark"})
         insert = space.add_blockref("tag", (20, 20))
-        insert.add_attrib("NO", "4711", dxfattribs={"layer": "Mark"})
+        insert.add_attrib("NO", "4711", (20, 25), dxfattribs={"layer": "Mark"})
 
-    [said] = texts(read_dxf(tmp_path, draw).notes)
-    assert said.startswith("2 texts on layer 'Mark' are not marked ('4711', 'fixed'): ")
+    nest = read_dxf(tmp_path, draw)
+    assert nest.reading is not None
+    assert [(w.text, w.at) for w in nest.reading.writings] == [("fixed", (20.0, 20.0)), ("4711", (20.0, 25.0))]
 
 
 def disc(space: Any, **insert: Any) -> None:

@@ -1,0 +1,186 @@
+"""What a drawing writes, and its points: engraved on layers for marks, elsewhere left out and said."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.contour_checks import metal_of
+from kerfwise.encoder.nest import Contour, Note, Part
+from kerfwise.encoder.questions import Asking, Choice, Question
+
+from .by_layer import WORDS, ByLayer, Use, look_of, use_of
+from .drawing import DrawnCurve, DrawnText
+from .layers import Purpose
+from .options import ReadOptions
+from .reading import Taken, Writing
+
+FIRST = 3
+"""So many texts and places are shown in a message."""
+
+
+@dataclass(frozen=True, eq=False)
+class Engraved:
+    """The texts and points that are engraved, those that are not, and why; `notes` say so."""
+
+    marked: tuple[DrawnText, ...]
+    left_out: tuple[DrawnText, ...]
+    taken: tuple[Taken, ...]
+    notes: tuple[Note, ...]
+
+
+def engraved(texts: Sequence[DrawnText], told: ByLayer, options: ReadOptions, asking: Asking) -> Engraved:
+    """What becomes of texts and points, by the use of their layers; an answer for those of a layer goes before it.
+
+    Raises
+    ------
+    InputError
+        For an answer that is none of the choices.
+    """
+    marked: list[DrawnText] = []
+    left: dict[tuple[bool, str], list[DrawnText]] = defaultdict(list)
+    rows: dict[tuple[str, str, str], list[DrawnText]] = defaultdict(list)
+    silent: list[DrawnText] = []
+    for text in texts:
+        use = _use(text, told, options, asking)
+        rows[text.look.layer, str(use.purpose), use.because].append(text)
+        if use.purpose == "mark":
+            marked.append(text)
+        elif use.purpose == "ignore":
+            silent.append(text)
+        else:
+            left[not text.text, text.look.layer].append(text)
+    failed = [text for text in marked if text.trouble or not text.strokes]
+    notes = [_not_marked(those) for _, those in sorted(left.items())]
+    notes += [
+        Note(
+            "warning",
+            f"left out, as {text.trouble or 'it has no strokes'}: the {text.place}; turn it into lines in CAD",
+        )
+        for text in failed[:MOST_NOTES]
+    ]
+    if len(failed) > MOST_NOTES:
+        notes.append(Note("warning", f"… and {len(failed) - MOST_NOTES} more texts are left out"))
+    taken = [
+        Taken(layer, purpose, because, len(those), what=what)
+        for (layer, purpose, because), rest in sorted(rows.items())
+        for what, those in (("text", [t for t in rest if t.text]), ("point", [t for t in rest if not t.text]))
+        if those and purpose == "mark"
+    ]
+    sound = tuple(text for text in marked if text not in failed)
+    gone = (*failed, *silent, *(text for those in left.values() for text in those))
+    return Engraved(sound, gone, tuple(taken), tuple(notes))
+
+
+MOST_NOTES = 20
+
+
+def question_of(text: DrawnText) -> str:
+    """The id of the answer for the texts, or the points, of a layer: nobody is asked, for without one all is said."""
+    return f"{'text' if text.text else 'point'}:{text.look.layer}"
+
+
+def _use(text: DrawnText, told: ByLayer, options: ReadOptions, asking: Asking) -> Use:
+    name = question_of(text)
+    if asking.answered(name) is not None:
+        choices = tuple(Choice(purpose, WORDS[purpose]) for purpose in ("mark", "ignore"))
+        about = f"what are the {name.partition(':')[0]}s of layer '{text.look.layer}'"
+        said = asking.ask(Question(name, about, choices))
+        return Use(cast(Purpose, said), asking.because(name), True)
+    look = look_of(text.look)
+    return told.uses[look] if look in told.uses else use_of(look, text.look, options, asking)
+
+
+def _not_marked(texts: Sequence[DrawnText]) -> Note:
+    """How many texts or points of a layer are left out, what the first ones say, and what engraves them."""
+    what, layer, one = ("text" if texts[0].text else "point"), texts[0].look.layer, len(texts) == 1
+    shown = [_short(text.text) for text in texts if text.text][:FIRST]
+    quoted = f" ({', '.join(shown)}{', …' if len(texts) > len(shown) else ''})" if shown else ""
+    flag = Question(question_of(texts[0]), "", ()).flag(Choice("mark", ""))
+    which = f"1 {what}" if one else f"{len(texts)} {what}s"
+    done = "engraves" if what == "text" else "marks"
+    because = f"left out, as layer '{layer}' is not for marks"
+    return Note("warning", f"{because}: {which}{quoted}; {flag} {done} {'it' if one else 'them'}")
+
+
+def _short(text: str) -> str:
+    line = " ".join(text.split())
+    return f"'{line}'" if len(line) <= 24 else f"'{line[:23]}…'"
+
+
+# Which part a mark belongs to.
+
+
+def with_marks(
+    parts: Sequence[Part], marks: Sequence[DrawnCurve], texts: Sequence[DrawnText] = ()
+) -> tuple[tuple[Part, ...], list[Note], tuple[Writing, ...]]:
+    """The parts with these marks, those of writing last; notes on marks that are on no part, and what is written where.
+
+    A mark belongs to the part that has most of it. Of a text that lies on no part, or only partly on one, what is off
+    is left out.
+    """
+    strokes = [stroke for text in texts for stroke in text.strokes]
+    if not marks and not strokes:
+        return tuple(parts), [], ()
+    owner = _owners(parts, [*marks, *strokes])
+    made: list[list[Contour]] = [[] for _ in parts]
+
+    def add(n: int, mark: DrawnCurve) -> str:
+        part, own = parts[owner[n]].id, made[owner[n]]
+        own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve))
+        return own[-1].id
+
+    for n, mark in enumerate(marks):
+        if n in owner:
+            add(n, mark)
+    notes = [
+        Note("warning", f"the mark {m.place} is on no part: left out") for n, m in enumerate(marks) if n not in owner
+    ]
+    writings, off, partly = list[Writing](), list[DrawnText](), list[str]()
+    n = len(marks)
+    for text in texts:
+        names = [add(n + k, stroke) for k, stroke in enumerate(text.strokes) if n + k in owner]
+        n += len(text.strokes)
+        if not names:
+            off.append(text)
+            continue
+        if len(names) < len(text.strokes):
+            partly.append(f"the {text.place}: {len(text.strokes) - len(names)} of {len(text.strokes)} strokes")
+        x, y = text.look.curve.vertices[0, :2].tolist()
+        writings.append(Writing(text.text, text.look.layer, (x, y), text.height_mm, tuple(names)))
+    notes += _on_no_part(off)
+    if partly:
+        listed = "; ".join(partly[:FIRST]) + ("; …" if len(partly) > FIRST else "")
+        notes.append(Note("warning", f"left out, as it lies in waste: {listed}"))
+    found = tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True))
+    return found, notes, tuple(writings)
+
+
+def _owners(parts: Sequence[Part], marks: Sequence[DrawnCurve]) -> dict[int, int]:
+    """Mark → the part that has most of it; nothing for one that is on no part."""
+    metal = metal_of(parts)
+    lines = np.array([m.curve.line() for m in marks], dtype=object)
+    k, on = shapely.STRtree(metal).query(lines, predicate="intersects")
+    shared = shapely.length(shapely.intersection(lines[k], metal[on]))
+    most = np.lexsort((on, -shared, k))
+    return {int(mark): int(part) for mark, part in zip(k[most][::-1], on[most][::-1], strict=True)}
+
+
+def _on_no_part(texts: Iterable[DrawnText]) -> list[Note]:
+    """A note for each layer with texts or points on no part."""
+    by_layer: dict[str, list[DrawnText]] = defaultdict(list)
+    for text in texts:
+        by_layer[question_of(text)].append(text)
+    notes = []
+    for those in by_layer.values():
+        if len(those) == 1:
+            notes.append(Note("warning", f"left out, as it is on no part: the {those[0].place}"))
+        else:
+            what = f"{len(those)} {'texts' if those[0].text else 'points'} on layer '{those[0].look.layer}'"
+            notes.append(Note("warning", f"left out, as they are on no part: {what}, the first the {those[0].place}"))
+    return notes
