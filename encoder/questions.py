@@ -142,12 +142,14 @@ def _questions(questions: tuple[Question, ...], file: str | Path | None) -> Ques
 class Asking:
     """Takes questions, and answers those that were answered: `given` by question id.
 
-    `raised` are those without an answer, by their ids; `used` are the answers that a question was met by.
+    `raised` are those without an answer, by their ids; `used` are the answers that a question was met by. `mends` says
+    that the likeliest choices may mend what is drawn wrongly; else all that is wrong is told.
     """
 
     given: Mapping[str, str] = field(default_factory=dict)
     raised: dict[str, Question] = field(default_factory=dict)
     used: dict[str, str] = field(default_factory=dict)
+    mends: bool = True
 
     def ask(self, question: Question) -> str:
         """The value that was answered, or that of the likeliest choice, with the question put down as raised.
@@ -168,6 +170,10 @@ class Asking:
             )
         self.used[question.id] = said
         return said
+
+    def may_mend(self, question_id: str) -> bool:
+        """Whether a question about a repair may be put: somebody has answered it, or its likeliest choice may mend."""
+        return self.mends or question_id in self.given
 
     def because(self, question_id: str) -> str:
         """Why something is taken for what it is: it was answered, or it is the likeliest choice so far."""

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions as OfDrawing
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.compare import Side, SideAsked, compare, side_of
@@ -253,6 +254,8 @@ def remaining_problems(repaired: Callable[[], object]) -> tuple[str, ...]:
     """What is still wrong once a drawing is repaired: what reading it so is refused for."""
     try:
         repaired()
+    except OfDrawing as asked:
+        return tuple(f"({x}, {y})" for question in asked.questions for x, y in _points(question.text))
     except InputError as error:
         return (error.message, *error.details)
     return ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
 
@@ -205,7 +205,13 @@ def check_copies(whole: K, made_of: MadeOf[K], word: str) -> None:
 # Coordinates that cannot be of a sheet are refused before any geometry is done with them.
 
 LIMIT_MM = 1e6
-"""No coordinate and no arc reaches further than a kilometre from the origin."""
+"""No drawing, and no arc, is larger than a kilometre."""
+
+FAREST_MM = 1e10
+"""A drawing may lie so far from the origin, as surveyors' coordinates do: it is moved near it."""
+
+FAR_MM = 50_000.0
+"""No machine is so large: a drawing that begins further from the origin is moved to it."""
 
 SNAP_MM = 1e-3
 """Points this close are one: CAD rounds. Wider gaps are closed pair by pair, so that short chords never melt."""
@@ -214,13 +220,55 @@ FLAT_MM = 1e-4
 """An arc that leaves its chord by less is a line: its centre would lie further off than numbers reach."""
 
 
+WRONG_UNITS = "if the units are wrong, pass --units (in Python: units=)"
+
+
+def brought_near(
+    pieces: Sequence[DrawnCurve], texts: Sequence[DrawnText] = ()
+) -> tuple[tuple[DrawnCurve, ...], tuple[DrawnText, ...], list[Note]]:
+    """The pieces and texts, moved to the origin where the pieces begin further from it than any machine reaches.
+
+    Raises
+    ------
+    InputError
+        If they reach further than a kilometre, with the piece that lies farthest from the others.
+
+    Examples
+    --------
+    >>> square = Curve.of([(5e6, 3e6), (5e6 + 9, 3e6), (5e6 + 9, 3e6 + 9)])
+    >>> [moved], _, [note] = brought_near([DrawnCurve(square, "0", 0)])
+    >>> moved.curve.as_rows(), note.text
+    ([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]], 'the drawing begins at (5e+06, 3e+06) mm: moved to (0, 0)')
+    """
+    if not pieces:
+        return (), tuple(texts), []
+    boxes = shapely.bounds(np.array([piece.curve.line(1.0) for piece in pieces], dtype=object))
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    if (high - low).max() > LIMIT_MM:
+        middles = (boxes[:, :2] + boxes[:, 2:]) / 2
+        farthest = pieces[int(np.abs(middles - np.median(middles, axis=0)).max(axis=1).argmax())]
+        raise InputError(
+            f"the drawing reaches over more than a kilometre; the line farthest from the others lies {farthest.place}: "
+            f"take it out if it is a stray one; {WRONG_UNITS}"
+        )
+    if max(*low, *-high) <= FAR_MM:
+        return tuple(pieces), tuple(texts), []
+
+    def moved(piece: DrawnCurve) -> DrawnCurve:
+        return replace(piece, curve=piece.curve.moved(float(-low[0]), float(-low[1])))
+
+    written = tuple(replace(t, look=moved(t.look), strokes=tuple(map(moved, t.strokes))) for t in texts)
+    text = f"the drawing begins at ({low[0]:g}, {low[1]:g}) mm: moved to (0, 0)"
+    return tuple(map(moved, pieces)), written, [Note("repaired", text)]
+
+
 def checked_curve(rows: Iterable[Sequence[float]] | Floats, closed: bool, scale: float = 1.0) -> Curve:
     """A curve of x, y (times `scale`) and bulge, without repeated vertices and arcs as flat as a line.
 
     Raises
     ------
     InputError
-        When a number is not finite or lies beyond `LIMIT_MM`.
+        When a number is not finite or lies beyond `FAREST_MM`, or the curve is larger than `LIMIT_MM`.
 
     Examples
     --------
@@ -234,16 +282,13 @@ def checked_curve(rows: Iterable[Sequence[float]] | Floats, closed: bool, scale:
         raise InputError("a coordinate is not a finite number")
     with np.errstate(over="ignore", invalid="ignore"):
         points, bulge = np.round(drawn[:, :2] * scale, 9) + 0.0, np.abs(drawn[:, 2])
-        far = np.abs(points).max(axis=1, initial=0.0)
+        far = np.abs(points - np.clip(points[:1], -FAREST_MM, FAREST_MM)).max(axis=1, initial=0.0)
         steps = np.diff(points, axis=0, append=points[:1])
         chord = np.hypot(steps[:, 0], steps[:, 1])
         wide = (bulge > 1) & (chord * (1 + bulge * bulge) > 4 * bulge * LIMIT_MM)
     if (far > LIMIT_MM).any():
         x, y = points[far.argmax()].tolist()
-        raise InputError(
-            f"({x:g}, {y:g}) mm lies more than a kilometre from the origin: if the units are wrong, "
-            "pass --units (in Python: units=)"
-        )
+        raise InputError(f"({x:g}, {y:g}) mm lies more than a kilometre from where its line begins: {WRONG_UNITS}")
     if wide.any():
         raise InputError(f"an arc of bulge {drawn[wide.argmax(), 2]:g} is wider than a kilometre")
     keep = chord > 1e-9

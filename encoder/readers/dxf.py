@@ -25,7 +25,16 @@ from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking
 
-from .drawing import FOREIGN_ERRORS, Drawing, DrawnCurve, DrawnText, check_copies, checked_curve, checked_stroke
+from .drawing import (
+    FOREIGN_ERRORS,
+    Drawing,
+    DrawnCurve,
+    DrawnText,
+    brought_near,
+    check_copies,
+    checked_curve,
+    checked_stroke,
+)
 from .dxf_entities import (
     NO_LINES,
     Hidden,
@@ -85,8 +94,9 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
         unread.types[kind, layer] += 1
     pieces, clip_notes = seen_through(read.pieces, asking)
     texts, hidden_notes = texts_seen(read.texts)
-    notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *_paper(document))
-    return Drawing(tuple(pieces), units, notes, None, because, texts)
+    near, texts, far_notes = brought_near(pieces, texts)
+    notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes, *_paper(document))
+    return Drawing(near, units, notes, None, because, texts)
 
 
 @dataclass(frozen=True, slots=True)

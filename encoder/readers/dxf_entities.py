@@ -35,7 +35,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 
-from .drawing import LIMIT_MM, checked_curve
+from .drawing import FAREST_MM, WRONG_UNITS, checked_curve
 from .dxf_text import is_written, name_of
 from .fit_arcs import FLATTEN_MM, fit_curve
 from .layers import Layers, counted
@@ -253,11 +253,8 @@ def _flattened(
 ) -> Curve | None:
     """Fitted arcs through a curve that DXF draws and no machine can; `control` points bound its extent."""
     for p in control:  # flattening a curve of astronomic size would never end
-        if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= LIMIT_MM:
-            raise InputError(
-                f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin: if the units are wrong, "
-                "pass --units (in Python: units=)"
-            )
+        if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= FAREST_MM:
+            raise InputError(f"({p.x:g}, {p.y:g}) lies more than 10,000 kilometres from the origin: {WRONG_UNITS}")
     return fit_curve(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)
 
 

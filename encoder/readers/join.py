@@ -17,7 +17,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.graphs import weak_components
 
 from .drawing import SNAP_MM, DrawnCurve
-from .duplicate_lines import trim_overlaps
+from .trim import Overrun, trim_on_rings, trim_overlaps, trim_overruns
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,8 @@ class Gap:
 class Joined:
     """Rings and open chains, each in the order of the file.
 
-    `repeats` are lines drawn over others, `specks` pieces of no length, `gaps` the distances closed.
+    `repeats` are lines drawn over others, `specks` pieces of no length, `gaps` the distances closed, `overruns` the
+    corners past which lines ran.
     """
 
     rings: tuple[DrawnCurve, ...]
@@ -40,6 +41,7 @@ class Joined:
     repeats: tuple[DrawnCurve, ...] = ()
     specks: tuple[DrawnCurve, ...] = ()
     gaps: tuple[Gap, ...] = ()
+    overruns: tuple[Overrun, ...] = ()
 
 
 def join(pieces: Sequence[DrawnCurve], tolerance_mm: float, bridge_mm: float = 0.0) -> Joined:
@@ -55,12 +57,12 @@ def join(pieces: Sequence[DrawnCurve], tolerance_mm: float, bridge_mm: float = 0
     tolerance_mm
         Ends up to this far apart meet in their middle.
     bridge_mm
-        Wider gaps, up to this, are closed by a straight line.
+        Wider gaps, up to this, are closed by a straight line, and longer ends past corners are cut off.
     """
     specks = tuple(p for p in pieces if p.curve.length_mm <= SNAP_MM)
     sound = [p for p in pieces if p.curve.length_mm > SNAP_MM]
     rings = [p for p in sound if p.curve.closed]
-    loose = [p for p in sound if not p.curve.closed]
+    loose, overruns = trim_overruns([p for p in sound if not p.curve.closed], max(tolerance_mm, bridge_mm))
     chains: list[DrawnCurve] = []
     gaps: list[Gap] = []
     if loose:
@@ -77,12 +79,15 @@ def join(pieces: Sequence[DrawnCurve], tolerance_mm: float, bridge_mm: float = 0
     covered = _drawn_over(chains, rings, tolerance_mm)
     repeats = [c for c, over in zip(chains, covered, strict=True) if over]
     bare = [c for c, over in zip(chains, covered, strict=True) if not over]
+    bare, on_rings = trim_on_rings(bare, rings, tolerance_mm)
+    repeats += on_rings
     open_chains, shared = trim_overlaps(bare, tolerance_mm)
     if shared and _length(open_chains) < _length(bare) - SNAP_MM:
         again = join(open_chains, tolerance_mm, bridge_mm)
         rings, open_chains = [*rings, *again.rings], list(again.chains)
         repeats, gaps = [*repeats, *again.repeats], [*gaps, *again.gaps]
-    return Joined(_in_order(rings), _in_order(open_chains), _in_order([*repeats, *shared]), specks, tuple(gaps))
+    repeats = [*repeats, *shared]
+    return Joined(_in_order(rings), _in_order(open_chains), _in_order(repeats), specks, tuple(gaps), tuple(overruns))
 
 
 def _length(pieces: Iterable[DrawnCurve]) -> float:
@@ -296,6 +301,26 @@ def _walk(
         forward = int(nodes[chosen][0]) == there
         steps.append((chosen, forward))
         there = int(nodes[chosen][1 if forward else 0])
+
+
+def face_rings(pieces: Sequence[DrawnCurve], tolerance_mm: float) -> list[tuple[DrawnCurve, tuple[DrawnCurve, ...]]]:
+    """The faces between open pieces that meet at their ends, each with the pieces round it.
+
+    Examples
+    --------
+    >>> rows = [(0, 0), (9, 0), (9, 9)], [(9, 9), (0, 9), (0, 0)], [(0, 0), (9, 9)]
+    >>> pieces = [DrawnCurve(Curve.of(row, closed=False), "0", k) for k, row in enumerate(rows)]
+    >>> [abs(ring.curve.signed_area_mm2) for ring, _ in face_rings(pieces, 0.1)]
+    [40.5, 40.5]
+    """
+    if not pieces:
+        return []
+    ends = np.concatenate([p.curve.vertices[[0, -1], :2] for p in pieces])
+    nodes = _clusters(ends, tolerance_mm).astype(np.int64).reshape(-1, 2)
+    curves, every = [p.curve for p in pieces], list(range(len(pieces)))
+    single = sorted(set(twins(every, curves, nodes, tolerance_mm).values()))
+    trails = [trail for trail in faces(single, curves, nodes) if trail.closed]
+    return [(_linked(t, pieces, tolerance_mm)[0], tuple(pieces[k] for k, _ in t.steps)) for t in trails]
 
 
 # Places where more than two lines meet: lines drawn twice, and parts that share a line.

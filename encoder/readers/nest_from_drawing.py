@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -21,13 +21,14 @@ from kerfwise.encoder.questions import Asking
 from kerfwise.encoder.validate import coincident
 
 from .by_layer import ByLayer, answered_as_cut, by_layer, nothing_to_cut, sheet_by_name
+from .closing import gap_notes, overrun_notes
 from .drawing import Drawing, DrawnCurve, OpenLines
 from .duplicate_lines import drawn_once, thin_parts, thin_question
 from .engraving import engraved, with_marks
 from .join import Joined, join
 from .layers import counted, setting
-from .open_lines import REPAIR_FACTOR, decide_open_lines, ends, open_end_problems
-from .options import ReadOptions, doubts
+from .open_lines import OpenLineDecision, decide_open_lines, ends, open_end_problems
+from .options import REPAIR_FACTOR, ReadOptions, doubts
 from .reading import reading_of
 from .sheet import choose_sheet, frame_note, frame_of_drawing, surrounding, use_of_frame
 
@@ -53,26 +54,65 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
     joined_notes = [note for joined in (stock, cut) for note in _join_notes(joined, "cut", options)]
     joined_notes += _join_notes(marks, "marked", options)
     sheet_notes = _open_on_the_sheet(stock, options)
-    single, doubled_notes = drawn_once(cut.rings, options, asking)
-    rings, outline, why_sheet, frame_notes = _frame(single, stock.rings, drawing, told_apart, options, asking)
-    rings, parts, thin, part_notes = _without_thin(rings, options, asking)
-    open_lines = decide_open_lines(cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking)
-    if not rings:
+    made = _assembled(cut, stock, bridge_mm, drawing, told_apart, options, asking)
+    if not made.rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     texts = engraved(drawing.texts, told_apart, options, asking)
-    lines = [*marks.rings, *marks.chains, *thin, *open_lines.marks]
-    parts, mark_notes, writings = with_marks(parts, lines, texts.marked)
+    lines = [*marks.rings, *marks.chains, *made.thin, *made.open_lines.marks]
+    parts, mark_notes, writings = with_marks(made.parts, lines, texts.marked)
     scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
     parts = with_tabs(parts, told_apart.tab, options)
     bridges = bridges_of_drawing(told_apart.bridge, parts, options)
-    sheet, sheet_because, choice_notes = choose_sheet(outline, rings, drawing.page, options, why_sheet)
-    notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *doubled_notes, *frame_notes]
-    notes += [*open_lines.notes, *part_notes, *texts.notes, *mark_notes, *scrap_notes, *choice_notes]
-    notes += doubts(sheet, drawing.units)
+    sheet, sheet_because, choice_notes = choose_sheet(made.outline, made.rings, drawing.page, options, made.why_sheet)
+    notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *made.notes, *texts.notes, *mark_notes]
+    notes += [*scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
     taken = (*told_apart.taken(), *texts.taken)
     because = (drawing.units, drawing.because)
     reading = reading_of(because, sheet, sheet_because, taken, notes, asking.used, writings)
     return Nest(sheet, parts, notes=tuple(notes), scrap=scrap, bridges=bridges, reading=reading)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Assembled:
+    """The closed lines and the parts that they make, thin ones that are marked, the sheet's lines and why."""
+
+    rings: tuple[DrawnCurve, ...]
+    parts: tuple[Part, ...]
+    thin: list[DrawnCurve]
+    outline: tuple[DrawnCurve, ...]
+    why_sheet: str
+    open_lines: OpenLineDecision
+    notes: list[Note]
+
+
+def _assembled(
+    cut: Joined,
+    stock: Joined,
+    bridge_mm: float,
+    drawing: Drawing,
+    told_apart: ByLayer,
+    options: ReadOptions,
+    asking: Asking,
+) -> _Assembled:
+    """The parts of closed lines, once more where open ones are closed as somebody has answered."""
+    closed_layers: frozenset[str] = frozenset()
+    closed_notes: list[Note] = []
+    while True:
+        single, doubled_notes = drawn_once(cut.rings, options, asking)
+        rings, outline, why_sheet, frame_notes = _frame(single, stock.rings, drawing, told_apart, options, asking)
+        rings, parts, thin, part_notes = _without_thin(rings, options, asking)
+        open_lines = decide_open_lines(
+            cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking, closed_layers
+        )
+        if not open_lines.closing:
+            notes = [*doubled_notes, *frame_notes, *closed_notes, *open_lines.notes, *part_notes]
+            return _Assembled(rings, parts, thin, outline, why_sheet, open_lines, notes)
+        for way in open_lines.closing:
+            closed_layers |= {chain.layer for chain in way.chains}
+            closed_notes += way.notes
+            left = tuple(c for c in cut.chains if c not in way.chains)
+            kept = [r for r in cut.rings if r not in way.replaced]
+            cut = replace(cut, rings=tuple(sorted((*kept, *way.rings), key=lambda r: r.order)), chains=left)
 
 
 def taken_apart(drawing: Drawing, options: ReadOptions, asking: Asking) -> tuple[tuple[str, DrawnCurve], ...]:
@@ -146,11 +186,8 @@ def _open_on_the_sheet(stock: Joined, options: ReadOptions) -> list[Note]:
 def _join_notes(joined: Joined, done: str, options: ReadOptions) -> list[Note]:
     """What was closed or passed over; gaps within the tolerance are what it is there for, and need no word."""
     severity: Severity = "repaired" if options.repair else "warning"
-    notes = [
-        Note("repaired", f"a gap of {g.width_mm:.3f} mm at ({g.at[0]:.3f}, {g.at[1]:.3f}) is closed")
-        for g in joined.gaps
-        if g.width_mm > options.join_tolerance_mm
-    ]
+    notes = gap_notes(joined, options.join_tolerance_mm)
+    notes += overrun_notes(joined, options.join_tolerance_mm)
     notes += [Note(severity, f"the line {ends(p)} is drawn twice; it is {done} once") for p in joined.repeats]
     notes += [Note(severity, f"the line {p.place} has no length: left out") for p in joined.specks]
     if len(notes) > MOST_NOTES:

@@ -17,9 +17,10 @@ from kerfwise.encoder.nest import Note, Part
 from kerfwise.encoder.questions import LAYER, Asking, Choice, Question
 
 from .by_layer import ByLayer
+from .closing import SHARED, Closing, closings
 from .drawing import SNAP_MM, DrawnCurve, OpenLines
 from .layers import setting
-from .options import ReadOptions
+from .options import REPAIR_FACTOR, ReadOptions
 
 BROKEN = 0.5
 """A line whose ends lie nearer to each other than this share of its length may be a contour that does not close."""
@@ -27,10 +28,11 @@ BROKEN = 0.5
 
 @dataclass(frozen=True, eq=False)
 class OpenLineDecision:
-    """What becomes of open lines: those that are marked, and a word on each."""
+    """What becomes of open lines: those that are marked, a word on each; or how some close, and nothing else yet."""
 
     marks: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
+    closing: tuple[Closing, ...] = ()
 
 
 def decide_open_lines(
@@ -42,6 +44,7 @@ def decide_open_lines(
     options: ReadOptions,
     told_apart: ByLayer,
     asking: Asking,
+    closed_layers: frozenset[str] = frozenset(),
 ) -> OpenLineDecision:
     """What is done with open lines on layers that are cut.
 
@@ -65,24 +68,30 @@ def decide_open_lines(
     stated = [told_apart.stated(c) for c in chains]
     whole = [not broken for broken in _maybe_broken(chains, options)]
     metal_mm = _in_metal(chains, parts)
-    asked = _asked(chains, stated, whole, metal_mm, rings, options, asking)
     slack_mm = options.join_tolerance_mm
     closed = Counter(r.layer for r in rings)
     outlines = shapely.STRtree([r.curve.line() for r in rings])
+    repaired = [
+        options.repair and (_is_stray(c, own, is_whole, closed) or _is_stub(c, outlines, bridge_mm, options))
+        for c, own, is_whole in zip(chains, stated, whole, strict=True)
+    ]
+    rows = [k for k, gone in enumerate(repaired) if not gone and chains[k].layer not in closed_layers]
+    lines = _Lines(
+        [chains[k] for k in rows], [stated[k] for k in rows], [whole[k] for k in rows], [metal_mm[k] for k in rows]
+    )
+    asked, closing = _asked(lines, rings, parts, options, asking)
+    if closing:
+        return OpenLineDecision((), (), tuple(closing))
+    asked |= dict.fromkeys(closed_layers, "open")
     dropped: list[DrawnCurve] = []
     marked: list[DrawnCurve] = []
     in_waste: list[DrawnCurve] = []
     ignored: list[DrawnCurve] = []
     answered: list[DrawnCurve] = []
     left: list[DrawnCurve] = []
-    for chain, is_stated, is_whole, inside_mm in zip(chains, stated, whole, metal_mm, strict=True):
-        is_stray = is_whole and not is_stated and not closed[chain.layer]
-        said = "" if is_stated else asked.get(chain.layer, "")
-        if (
-            options.repair
-            and not said
-            and (is_stray or (chain.curve.length_mm <= bridge_mm and _is_stub(chain, outlines, options)))
-        ):
+    for chain, is_stated, is_whole, inside_mm, gone in zip(chains, stated, whole, metal_mm, repaired, strict=True):
+        said = asked.get(chain.layer, "")
+        if gone and said in ("", "open"):
             dropped.append(chain)
         elif said in ("open:ignore", "ignore"):
             answered.append(chain)
@@ -110,50 +119,88 @@ def decide_open_lines(
     return OpenLineDecision(tuple(marked), (*crumb_notes, *notes))
 
 
-def _asked(
-    chains: Sequence[DrawnCurve],
-    stated: Sequence[bool],
-    whole: Sequence[bool],
-    metal_mm: Sequence[float],
-    rings: Sequence[DrawnCurve],
-    options: ReadOptions,
-    asking: Asking,
-) -> dict[str, str]:
-    """What is answered of open lines, by layer; nothing of a layer that holds an outline with a gap.
+@dataclass(frozen=True, slots=True)
+class _Lines:
+    """Open lines by column: whether a plant says that they are cut, whether they can be no contour, mm in metal."""
 
-    What lies in the metal of a part may be engraved, whether it nearly closes or not.
+    chains: list[DrawnCurve]
+    stated: list[bool]
+    whole: list[bool]
+    metal_mm: list[float]
+
+
+def _asked(
+    lines: _Lines, rings: Sequence[DrawnCurve], parts: Sequence[Part], options: ReadOptions, asking: Asking
+) -> tuple[dict[str, str], list[Closing]]:
+    """What is answered of open lines, by layer, and how some are closed.
+
+    Nothing is asked of a layer that holds an outline with a gap that nobody would close, and of one that a plant says
+    is cut only where something on it may be closed. What lies in the metal of a part may be engraved, whether it nearly
+    closes or not; lines that cross contours of other layers are notes.
     """
-    if options.repair or options.open_lines == "refuse":
-        repaired = {layer for layer in {c.layer for c in chains} if asking.answered(f"{LAYER}{layer}") is None}
-    else:
-        repaired = set()
     answers: dict[str, str] = {}
+    closed_by: list[Closing] = []
     slack_mm = options.join_tolerance_mm
-    for layer in sorted({c.layer for c, own in zip(chains, stated, strict=True) if not own} - repaired):
-        rows = [k for k, c in enumerate(chains) if c.layer == layer]
-        inside = [k for k in rows if metal_mm[k] >= chains[k].curve.length_mm - slack_mm]
-        if any(not whole[k] and k not in inside for k in rows) and asking.answered(f"{LAYER}{layer}") is None:
+    outer = {id(part.outer.curve) for part in parts}
+    outers = [r for r in rings if id(r.curve) in outer]
+    for layer in sorted({c.layer for c in lines.chains}):
+        rows = [k for k, c in enumerate(lines.chains) if c.layer == layer]
+        chains = [lines.chains[k] for k in rows]
+        inside = [k for k in rows if lines.metal_mm[k] >= lines.chains[k].curve.length_mm - slack_mm]
+        broken = [lines.chains[k] for k in rows if not lines.whole[k] and k not in inside]
+        ways = closings(chains, broken, outers, slack_mm)
+        likely = bool(ways) and ways[0].likely and bool(broken) and asking.may_mend(f"{LAYER}{layer}")
+        answered = asking.answered(f"{LAYER}{layer}")
+        stated = all(lines.stated[k] for k in rows)
+        if answered is None and (options.open_lines == "refuse" or (stated and not likely)):
             continue
-        closed = [r for r in rings if r.layer == layer]
-        answers[layer] = asking.ask(_question(layer, [chains[k] for k in rows], len(inside), closed, rings))
-    return answers
+        noted = _are_notes(broken, layer, rings)
+        if not stated and broken and not likely and answered is None and not noted:
+            continue
+        said = asking.ask(_question(layer, chains, len(inside), rings, ways, likely, noted))
+        closed_by += [way for way in ways if way.choice.value == said]
+        answers[layer] = said
+    return answers, closed_by
+
+
+def _are_notes(broken: Sequence[DrawnCurve], layer: str, rings: Sequence[DrawnCurve]) -> bool:
+    """Whether lines on a layer that holds nothing closed are leaders and the like: most cross what others show."""
+    if not broken or any(ring.layer == layer for ring in rings):
+        return False
+    tree = shapely.STRtree([ring.curve.line() for ring in rings])
+    crossing = np.unique(tree.query([c.curve.line() for c in broken], predicate="intersects")[0])
+    return 2 * len(crossing) > len(broken)
+
+
+_T_JUNCTION = "; their ends lie on edges of parts (T-junctions), as where two parts share an edge"
 
 
 def _question(
-    layer: str, chains: Sequence[DrawnCurve], inside: int, closed: Sequence[DrawnCurve], rings: Sequence[DrawnCurve]
+    layer: str,
+    chains: Sequence[DrawnCurve],
+    inside: int,
+    rings: Sequence[DrawnCurve],
+    ways: Sequence[Closing],
+    likely: bool,
+    noted: bool,
 ) -> Question:
-    """What open lines of a layer are for; where it holds closed ones, what those are for, too."""
+    """What open lines of a layer are for; where it holds closed ones, what those are for, too.
+
+    `likely` says that `ways` to close them come first, `noted` that they may be leaders and the like.
+    """
+    closed = [r for r in rings if r.layer == layer]
     count = len(chains)
     held = f"layer '{layer}' holds {count} open line{'s' if count != 1 else ''}"
     where = f", {inside} of them in the metal of parts" if inside else ", none of them in the metal of a part"
-    first = f", the first {ends(chains[0])}"
+    first = f", the first {ends(chains[0])}{_T_JUNCTION if any(way.choice.value == SHARED for way in ways) else ''}"
+    closing = tuple(way.choice for way in ways)
     mark, ignore = Choice("mark", "marked, not cut through"), Choice("ignore", "left out")
     if not closed:
-        order = (mark, ignore) if inside else (ignore, mark)
+        first_mark = inside == count or (inside > 0 and not noted)
         scrap = Choice("scrap", "lines that cut up scrap")
-        return Question(
-            f"{LAYER}{layer}", f"{held} and nothing closed{where}{first}: what are they for?", (*order, scrap)
-        )
+        alone = (mark, ignore, scrap) if first_mark else (ignore, mark, scrap)
+        choices = (*closing, *alone) if likely else (*alone, *closing)
+        return Question(f"{LAYER}{layer}", f"{held} and nothing closed{where}{first}: what are they for?", choices)
     beside = f"{len(closed)} closed one{'s' if len(closed) != 1 else ''}"
     some = (
         Choice("open:mark", "the open ones are marked, the closed ones cut"),
@@ -163,13 +210,20 @@ def _question(
     order = some if inside else some[::-1]
     outer = max(rings, key=lambda ring: abs(ring.curve.signed_area_mm2))
     choices = (*order, *whole) if outer in closed else (whole[0], *order, whole[1])
+    choices = (*closing, *choices) if likely else (*choices, *closing)
     return Question(f"{LAYER}{layer}", f"{held} beside {beside}{where}{first}: what are they for?", choices)
 
 
-def _is_stub(chain: DrawnCurve, outlines: shapely.STRtree, options: ReadOptions) -> bool:
-    """Whether a line begins or ends on a closed one: a corner that was drawn a little too far."""
+def _is_stray(chain: DrawnCurve, stated: bool, whole: bool, closed: Counter[str]) -> bool:
+    """Whether a line can be no contour, on a layer that holds nothing closed and that no plant says is cut."""
+    return whole and not stated and not closed[chain.layer]
+
+
+def _is_stub(chain: DrawnCurve, outlines: shapely.STRtree, longest_mm: float, options: ReadOptions) -> bool:
+    """Whether a short line begins or ends on a closed one: a corner that was drawn a little too far."""
     ends_at = shapely.points(chain.curve.vertices[[0, -1], :2])
-    return len(outlines.query(ends_at, predicate="dwithin", distance=options.join_tolerance_mm)[0]) > 0
+    on = outlines.query(ends_at, predicate="dwithin", distance=options.join_tolerance_mm)[0]
+    return chain.curve.length_mm <= longest_mm and len(on) > 0
 
 
 def _maybe_broken(chains: Sequence[DrawnCurve], options: ReadOptions) -> list[bool]:
@@ -236,9 +290,6 @@ def _told(chains: Sequence[DrawnCurve], how: str) -> list[Note]:
 
 # Lines that do not close, told so that a person finds them in the drawing.
 
-REPAIR_FACTOR = 10
-"""With `repair`, gaps up to this many times the join tolerance are closed."""
-
 
 def ends(chain: DrawnCurve) -> str:
     """How long a line is, where it starts and ends, and its layer."""
@@ -261,8 +312,11 @@ def open_end_problems(chains: Sequence[DrawnCurve], options: ReadOptions) -> lis
     for chain, gaps in zip(chains, nearest_ends(chains).tolist(), strict=True):
         gap, (x, y) = min(zip(gaps, chain.curve.vertices[[0, -1], :2].tolist(), strict=True))
         advice = "close the line in CAD"
-        if gap <= REPAIR_FACTOR * options.join_tolerance_mm:
-            advice = f"{advice}, raise drawing.join_tolerance over {gap:.3f} mm, or try {REPAIR}"
+        if gap <= SNAP_MM:
+            advice = "it meets other lines there, as where two parts share an edge: draw each part by a closed line"
+        elif gap <= REPAIR_FACTOR * options.join_tolerance_mm:
+            or_repair = "" if options.repair else f", or try {REPAIR}"
+            advice = f"{advice}, raise drawing.join_tolerance over {gap:.3f} mm{or_repair}"
         problems.append(
             f"the line {ends(chain)} is open: the end at ({x:.3f}, {y:.3f}) is {gap:.3f} mm from any other: {advice}"
         )

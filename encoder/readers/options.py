@@ -22,6 +22,10 @@ OpenLines = Literal["mark", "ignore", "refuse"]
 ScrapLines = Literal["ignore", "cut"]
 
 
+REPAIR_FACTOR = 10
+"""With `repair`, gaps up to this many times the join tolerance are closed."""
+
+
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
     """How to read a nest file; the defaults suit a drawing that says what it is.

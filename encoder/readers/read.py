@@ -15,20 +15,20 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.bridges import with_bridges
-from kerfwise.encoder.contour_checks import flat, place, speck
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Note, Part
+from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import notice_if_long
 from kerfwise.encoder.questions import LAYER, Asking, Question, Questions, first_choices, with_gives
 from kerfwise.encoder.text import escape_text
 from kerfwise.encoder.validate import validated
 
 from .drawing import OpenLines
-from .fit_arcs import FLATTEN_MM, fit_curve, with_arcs
+from .fit_arcs import with_arcs
 from .options import ReadOptions
 from .reading import Reading
+from .repairs import repaired
 
 if TYPE_CHECKING:
     from .drawing import Drawing, DrawnCurve
@@ -108,6 +108,10 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
         questions, viable = _with_gives(door, options, asking)
         if viable or failed is None:
             raise Questions(questions, file=file, reading=None if checked is None else checked.reading)
+        try:  # nothing that could be answered helps: what a choice would mend is wrong, too
+            door.nest(options, Asking(dict(options.answers), mends=False))
+        except InputError as error:
+            failed = error
     if failed is not None:
         raise failed
     assert checked is not None
@@ -171,6 +175,8 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
     tree = shapely.STRtree([curve.line() for _, curve in made])
     found: list[tuple[str, Curve]] = []
     for purpose, piece in rows:
+        if not piece.curve.segments:
+            continue
         middle = shapely.Point(piece.curve.point_at(piece.curve.length_mm / 2))
         if purpose in ("cut", "mark") and not len(tree.query(middle, predicate="dwithin", distance=_OFF_MM)):
             on_sheet = purpose == "cut" and nest.sheet.outline.line().distance(middle) <= _OFF_MM
@@ -213,7 +219,7 @@ class _Door:
         file = self.file
         try:
             nest = self._nest(options, asking)
-            drawn = repair_contours(nest) if options.repair else nest
+            drawn = repaired(nest, options, asking)
             drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
         except OpenLines as error:
             raise BrokenNest(replace(error.nest(), file=escape_text(file.name)), error, file) from error.__cause__
@@ -317,50 +323,3 @@ def file_bytes(file: Path) -> bytes:
     if not data.strip():
         raise InputError("the file is empty", file=file)
     return data
-
-
-# What `repair` can mend in contours, each mend with its note.
-
-DOMINANT = 0.95
-"""A ring that crosses itself is mended if one of the rings it falls into has this share of the whole area."""
-
-
-def repair_contours(nest: Nest) -> Nest:
-    """The nest without holes, marks and parts that enclose nothing, and with rings that cross no line of their own.
-
-    A ring without one dominant loop stays as it is, for the checks to report. Contours keep their ids.
-    """
-    notes: list[Note] = []
-    parts = [p for p in (_mended_part(part, notes) for part in nest.parts) if p is not None]
-    return replace(nest, parts=tuple(parts), notes=(*nest.notes, *notes))
-
-
-def _mended_part(part: Part, notes: list[Note]) -> Part | None:
-    gone = [c for c in part if (speck if c.kind == "mark" else flat)(c.curve)]
-    if part.outer in gone and len(part.holes) + len(part.marks) > len(gone) - 1:
-        gone.remove(part.outer)  # a part that still holds something is no speck: let the checks report it
-    notes += [Note("repaired", f"{c.id} encloses nothing, {place(c.curve)}: left out", (c.id,)) for c in gone]
-    if part.outer in gone:
-        return None
-    holes = tuple(_mended_ring(h, notes) for h in part.holes if h not in gone)
-    marks = tuple(m for m in part.marks if m not in gone)
-    return replace(part, outer=_mended_ring(part.outer, notes), holes=holes, marks=marks)
-
-
-def _mended_ring(contour: Contour, notes: list[Note]) -> Contour:
-    if flat(contour.curve) or contour.polygon.is_valid:
-        return contour
-    polygon = contour.curve.polygon(FLATTEN_MM)
-    pieces = [g for g in shapely.get_parts(shapely.make_valid(polygon)) if g.geom_type == "Polygon"]
-    whole = sum(g.area for g in pieces)
-    largest = max(pieces, key=lambda g: g.area, default=shapely.Polygon())
-    ring = shapely.Polygon(largest.exterior)
-    if not whole or largest.area < DOMINANT * whole or ring.area - largest.area > (1 - DOMINANT) * whole:
-        return contour
-    curve = fit_curve(np.array(ring.exterior.coords))
-    if curve is None or not curve.polygon().is_valid:
-        curve = Curve.of(ring.exterior.coords[:-1])
-    reason = shapely.is_valid_reason(polygon)
-    lost = f"{len(pieces) - 1} loops of {whole - largest.area:.3f} mm² in all are cut off"
-    notes.append(Note("repaired", f"{contour.id} crossed itself ({reason}): {lost}", (contour.id,)))
-    return replace(contour, curve=curve)

@@ -22,7 +22,17 @@ from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
 
-from .drawing import FOREIGN_ERRORS, LIMIT_MM, Drawing, DrawnCurve, DrawnText, checked_curve
+from .drawing import (
+    FAREST_MM,
+    FOREIGN_ERRORS,
+    WRONG_UNITS,
+    Drawing,
+    DrawnCurve,
+    DrawnText,
+    brought_near,
+    checked_curve,
+)
+from .fill_rule import filled_outlines
 from .fit_arcs import FLATTEN_MM, fit_arcs
 from .layers import counted
 from .options import ReadOptions, mm_of, units_question
@@ -63,7 +73,9 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
         areas = _clip_areas(svg, page.to_mm)
         shapes = [s for s in shown if isinstance(s.element, svgelements.Shape)]
         texts = [_text(s, order, page.to_mm) for order, s in enumerate(shapes) if TEXT in s.element.values]
-        drawn = [(c, s) for s in shapes if TEXT not in s.element.values for c in curves(s.element, page.to_mm)]
+        paths = [(s, curves(s.element, page.to_mm)) for s in shapes if TEXT not in s.element.values]
+        outlines, fill_notes = _as_filled(paths)
+        drawn = [(c, s) for s, of in outlines for c in of]
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
     pieces = [
@@ -78,8 +90,10 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
     notes = [*_unread(shown), *(Note("warning", text) for text in hidden_told(seen)), *text_notes]
     if not kept and seen.hidden:
         raise InputError(f"nothing to cut: {next(hidden_told(seen)).removeprefix('left out, as the ')}")
-    notes += [*mask_notes, *clip_notes]
-    return Drawing(tuple(kept), page.units, tuple(notes), page.sheet, page.because, seen_texts)
+    near, near_texts, far_notes = brought_near(kept, seen_texts)
+    notes += [*fill_notes, *mask_notes, *clip_notes, *far_notes]
+    sheet = None if far_notes else page.sheet
+    return Drawing(near, page.units, tuple(notes), sheet, page.because, near_texts)
 
 
 EMPTY = shapely.Polygon()
@@ -102,6 +116,22 @@ def _look(element: Any) -> tuple[str, str, bool]:
     dashes = str(element.values.get("stroke-dasharray") or "none").strip()
     dashed = stroke and dashes not in ("none", "0") and any(sign in "123456789" for sign in dashes)
     return stroke or fill, "dashed" if dashed else "", not stroke and bool(fill)
+
+
+def _as_filled(shapes: list[tuple[Shown, list[Curve]]]) -> tuple[list[tuple[Shown, list[Curve]]], list[Note]]:
+    """The shapes with the outlines of what they fill, where they have no line and their subpaths cross."""
+    made: list[tuple[Shown, list[Curve]]] = []
+    notes = []
+    for shape, own in shapes:
+        even_odd = str(shape.element.values.get("fill-rule") or "").strip() == "evenodd"
+        filled = filled_outlines(own, even_odd) if _look(shape.element)[2] else None
+        made.append((shape, own if filled is None else filled))
+        if filled is not None:
+            rule = "evenodd" if even_odd else "nonzero"
+            which = f"a filled shape on layer '{shape.layer}' crosses itself"
+            became = f"its {len(own)} lines became {len(filled)} round what its fill rule, {rule}, fills"
+            notes.append(Note("repaired", f"{which}: {became}"))
+    return made, notes
 
 
 _NAMES = {
@@ -425,8 +455,5 @@ def _bulge(start: Point, middle: Point, end: Point) -> float:
 
 def _refuse_far(numbers: list[float]) -> None:
     """Flattening a curve of astronomic size would never end."""
-    if not all(abs(x) <= LIMIT_MM for x in numbers):
-        raise InputError(
-            "a curve reaches more than a kilometre from the origin: if the units are wrong, "
-            "pass --units (in Python: units=)"
-        )
+    if not all(abs(x) <= FAREST_MM for x in numbers):
+        raise InputError(f"a curve reaches more than 10,000 kilometres from the origin: {WRONG_UNITS}")

@@ -64,6 +64,6 @@ def test_open_lines_beside_closed_ones_are_no_part_of_a_program(tmp_path: Path) 
     assert (ended.code, ended.out) == (3, "")
     assert "--answer layer:G2=mark" in ended.err
     repaired = kerfwise("solve", nest, "-o", out, "--repair")
-    assert (repaired.code, repaired.out) == (2, "")
-    assert "drawing: {layers: {mark: '^G2$'}}" in repaired.err
+    assert (repaired.code, repaired.out) == (3, "")
+    assert "--answer layer:G2=mark" in repaired.err
     assert not out.exists()

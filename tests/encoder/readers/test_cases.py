@@ -39,7 +39,12 @@ def sizes(nest: Nest) -> dict[str, tuple[float, float]]:
         ("01-svg-clippath.svg", {"clip": ["clipped", "whole", "ignore"]}),
         ("05-svg-illustrator-points.svg", {"frame": ["part", "sheet"]}),
         ("20-dxf-inch-measurement0.dxf", {"units": ["in", "mm"], "frame": ["part", "sheet"]}),
+        (
+            "27-dxf-overlapping-collinear.dxf",
+            {"frame": ["part", "sheet"], "layer:0": ["open:ignore", "open:mark", "mark", "ignore"]},
+        ),
         ("28-dxf-doubled-nearly.dxf", {"frame": ["part", "sheet"]}),
+        ("31-dxf-corners-overrun.dxf", {"layer:0": ["open:close", "ignore", "mark", "scrap"]}),
         ("50-dxf-freecad-sketch-layer.dxf", {"frame": ["part", "sheet"]}),
         ("51-dxf-plate-and-holes-layers.dxf", {"layer:PLATE": ["cut", "sheet", "ignore"]}),
         ("54-dxf-escaped-layer-names.dxf", {"frame": ["part", "sheet"]}),
@@ -69,6 +74,12 @@ def test_what_nobody_can_tell_is_asked(name: str, questions: dict[str, list[str]
             PART | {"units": "in"},
             {"P1.hole1": (203.2, 203.2), "P1.hole2": (203.2, 203.2), "P1.outer": (1219.2, 609.6)},
         ),
+        (
+            "27-dxf-overlapping-collinear.dxf",
+            PART | {"layer:0": "open:ignore"},
+            {"P1.hole1": (20, 20), "P1.outer": (100, 60)},
+        ),
+        ("31-dxf-corners-overrun.dxf", {"layer:0": "open:close"}, {"P1.outer": (100, 60)}),
         ("28-dxf-doubled-nearly.dxf", PART, {"P1.hole1": (20, 20), "P1.outer": (100, 60)}),
         (
             "50-dxf-freecad-sketch-layer.dxf",

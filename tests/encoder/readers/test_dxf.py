@@ -167,10 +167,11 @@ def test_open_lines_are_listed_in_one_error(tmp_path: Path) -> None:
         lines(space, [(100, 100), (150, 100), (150, 150), (100, 100.4)], closed=False)
         lines(space, [(300, 100), (350, 100)], closed=False, layer="CUT")
 
-    with pytest.raises(InputError, match="1 line does not close to contours") as error:
-        read_dxf(tmp_path, draw)
-    of_layer_0, first = error.value.details
+    with pytest.raises(InputError, match="2 lines do not close to contours") as error:
+        read_dxf(tmp_path, draw, open_lines="refuse")
+    of_layer_0, of_layer_cut, first, _ = error.value.details
     assert of_layer_0.startswith("layer '0' holds 1 open line beside 1 closed one, which would be cut through. Say in ")
+    assert of_layer_cut.startswith("layer 'CUT' holds 1 open line and nothing closed.")
     assert "raise drawing.join_tolerance over 0.400 mm" in first
 
 

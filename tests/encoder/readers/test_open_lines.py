@@ -50,9 +50,12 @@ def test_each_answer_does_what_it_says(tmp_path: Path, answer: str, contours: li
     assert [c.id for c in nest.contours] == contours
 
 
-def test_with_repair_a_circle_beside_an_open_line_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="1 line does not close to contours") as error:
+def test_with_repair_a_circle_beside_an_open_line_is_asked_about(tmp_path: Path) -> None:
+    with pytest.raises(Questions) as asked:
         read_dxf(tmp_path, engraved, repair=True)
+    assert [question.id for question in asked.value.questions] == ["layer:G2"]
+    with pytest.raises(InputError, match="1 line does not close to contours") as error:
+        read_dxf(tmp_path, engraved, repair=True, open_lines="refuse")
     assert error.value.details[0] == (
         "layer 'G2' holds 1 open line beside 1 closed one, which would be cut through. Say in the profile what it is: "
         "drawing: {layers: {mark: '^G2$'}} marks all of it; with ignore in place of mark it is left out; "
@@ -139,7 +142,7 @@ def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) 
         open_line(space, (20, 20), (20.5, 20.5))
         space.add_circle((30, 20), 3)
 
-    with pytest.raises(InputError, match="1 line does not close"):
+    with pytest.raises(Questions, match="layer '0' holds 1 open line beside 2 closed ones"):
         read_dxf(tmp_path, tick, repair=True)
 
     def alone(space: Any) -> None:
@@ -156,7 +159,7 @@ def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) 
         lines(space, [(10, 10), (60, 10), (60, 60), (10, 60), (10, 15)], "OUTER", closed=False)
         space.add_circle((35, 35), 5, dxfattribs={"layer": "HOLES"})
 
-    with pytest.raises(InputError, match="1 line does not close"):
+    with pytest.raises(Questions, match=r"OUTER=open:close +repaired: 1 gap of up to 5\.000 mm closed: 1 part, 1 hole"):
         read_dxf(tmp_path, broken, repair=True)
 
 

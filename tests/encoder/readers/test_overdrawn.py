@@ -1,4 +1,4 @@
-from kerfwise.encoder.readers.duplicate_lines import trim_overlaps
+from kerfwise.encoder.readers.trim import trim_overlaps
 from kerfwise.tests.encoder.readers.drawings import pieces
 
 

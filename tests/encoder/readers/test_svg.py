@@ -5,6 +5,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.tests.encoder.readers.drawings import areas, texts
@@ -212,7 +213,9 @@ def test_writing_is_said(tmp_path: Path) -> None:
 def test_open_lines_beside_closed_ones_name_their_group(tmp_path: Path) -> None:
     body = f"""{SHEET}<g inkscape:label="Ebene"><rect x="20" y="20" width="100" height="80"/>
     <line id="slot" x1="40" y1="40" x2="60" y2="40"/></g>"""
-    with pytest.raises(InputError) as error:
-        read(tmp_path, body, repair=True)
-    assert error.value.details[0].startswith("layer 'Ebene' holds 1 open line beside 1 closed one")
-    assert "drawing: {layers: {mark: '^Ebene$'}}" in error.value.details[0]
+    for repair in (False, True):
+        with pytest.raises(Questions) as error:
+            read(tmp_path, body, repair=repair)
+        [question] = error.value.questions
+        assert question.id == "layer:Ebene"
+        assert question.text.startswith("layer 'Ebene' holds 1 open line beside 1 closed one")

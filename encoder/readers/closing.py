@@ -1,0 +1,191 @@
+"""Open lines that a person would close: with gaps, past their corners, or along the edge of a part beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Note
+from kerfwise.encoder.questions import Choice
+
+from .drawing import SNAP_MM, DrawnCurve
+from .join import Joined, face_rings, join
+from .options import REPAIR_FACTOR
+
+WIDE_SHARE, WIDE_MM = 0.1, 10.0
+"""A line may be closed by a straight one that is no longer than this share of it, and than this."""
+
+
+CLOSE, SHARED = "open:close", "open:shared"
+"""The answers that have lines closed: over gaps and at corners, or along edges of parts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Closing:
+    """Closed lines that open ones can become: `rings` of `chains`, and `replaced` rings that they divide.
+
+    `choice` is the answer that has it done; `likely` that nothing else is likelier. `notes` say what was done.
+    """
+
+    choice: Choice
+    rings: tuple[DrawnCurve, ...]
+    chains: tuple[DrawnCurve, ...]
+    replaced: tuple[DrawnCurve, ...]
+    likely: bool
+    notes: tuple[Note, ...]
+
+
+def closings(
+    chains: Sequence[DrawnCurve], broken: Sequence[DrawnCurve], outers: Sequence[DrawnCurve], tolerance_mm: float
+) -> list[Closing]:
+    """The ways to close open lines of one layer, the likeliest first.
+
+    Parameters
+    ----------
+    chains
+        The open lines of the layer.
+    broken
+        Those of them that may be contours which were meant to close.
+    outers
+        The outer contours of parts.
+    tolerance_mm
+        The join tolerance.
+    """
+    found = [_along_parts(chains, broken, outers, tolerance_mm), _over_gaps(chains, broken, tolerance_mm)]
+    return sorted((one for one in found if one is not None), key=lambda one: not one.likely)
+
+
+# Over gaps and past corners.
+
+
+def _over_gaps(chains: Sequence[DrawnCurve], broken: Sequence[DrawnCurve], tolerance_mm: float) -> Closing | None:
+    across = [(float(np.hypot(*(c.curve.vertices[-1, :2] - c.curve.vertices[0, :2]))), c) for c in chains]
+    wide = [gap for gap, c in across if gap <= min(WIDE_SHARE * c.curve.length_mm, WIDE_MM)]
+    for reach_mm in (REPAIR_FACTOR * tolerance_mm, max(wide, default=0.0) + SNAP_MM):
+        joined = join(chains, tolerance_mm, reach_mm)
+        if joined.rings and (len(joined.chains) < len(broken) or not joined.chains):
+            return _closed_over(chains, joined)
+    return None
+
+
+def _closed_over(chains: Sequence[DrawnCurve], joined: Joined) -> Closing:
+    gaps, corners = [g.width_mm for g in joined.gaps], [o.width_mm for o in joined.overruns]
+    words = [
+        f"{len(widths)} {what if len(widths) == 1 else f'{what}s'} of up to {max(widths):.3f} mm {done}"
+        for widths, what, done in ((gaps, "gap", "closed"), (corners, "overrun", "cut off"))
+        if widths
+    ]
+    choice = Choice(CLOSE, f"repaired: {' and '.join(words) or 'closed'}")
+    left = {id(chain.curve) for chain in joined.chains}
+    notes = [
+        Note("repaired", f"a gap of {g.width_mm:.3f} mm at ({g.at[0]:.3f}, {g.at[1]:.3f}) is closed")
+        for g in joined.gaps
+    ]
+    notes += overrun_notes(joined)
+    used = tuple(c for c in chains if id(c.curve) not in left)
+    return Closing(choice, joined.rings, used, (), not joined.chains, tuple(notes))
+
+
+def gap_notes(joined: Joined, over_mm: float = 0.0) -> list[Note]:
+    """A word on each gap wider than so much that was closed."""
+    return [
+        Note("repaired", f"a gap of {g.width_mm:.3f} mm at ({g.at[0]:.3f}, {g.at[1]:.3f}) is closed")
+        for g in joined.gaps
+        if g.width_mm > over_mm
+    ]
+
+
+def overrun_notes(joined: Joined, over_mm: float = 0.0) -> list[Note]:
+    """A word on each corner that lines ran past by more than so much, and were cut back to."""
+    return [
+        Note(
+            "repaired",
+            f"lines that ran {o.width_mm:.3f} mm past their corner at ({o.at[0]:.3f}, {o.at[1]:.3f}) are cut back",
+        )
+        for o in joined.overruns
+        if o.width_mm > over_mm
+    ]
+
+
+# Along edges of parts: a line that begins and ends on the outlines of others makes a part with them.
+
+
+def _along_parts(
+    chains: Sequence[DrawnCurve], broken: Sequence[DrawnCurve], outers: Sequence[DrawnCurve], tolerance_mm: float
+) -> Closing | None:
+    """Parts that share an edge with others, of lines whose ends lie on other lines."""
+    lines = [*outers, *chains]
+    tree = shapely.STRtree([line.curve.line() for line in lines])
+    hanging = [c for c in chains if all(_held(c, end, lines, tree, tolerance_mm) for end in (0, -1))]
+    if not hanging:
+        return None
+    reach = shapely.union_all([c.curve.line() for c in hanging])
+    near = [o for o in outers if shapely.dwithin(o.curve.line(), reach, tolerance_mm)]
+    if not near:
+        return None
+    edges = [piece for line in near for piece in _split(line, (*near, *hanging), tolerance_mm)]
+    new = [piece for line in hanging for piece in _split(line, (*near, *hanging), tolerance_mm)]
+    of_chains = {id(piece) for piece in new}
+    rings: list[DrawnCurve] = []
+    divided: list[DrawnCurve] = []
+    for ring, of in face_rings([*edges, *new], tolerance_mm):
+        middle = shapely.point_on_surface(ring.area)
+        if not of_chains & {id(piece) for piece in of}:
+            continue
+        own = [o for o in near if o.area.contains(middle)]
+        divided += [o for o in own if o not in divided]
+        rings.append(ring)
+    if not rings:
+        return None
+    first = hanging[0].curve.vertices[[0, -1], :2].tolist()
+    count = len(rings)
+    words = f"cut: {count} part{'s' if count != 1 else ''} that share{'s' if count == 1 else ''} an edge with others"
+    place = " to ".join(f"({x:.3f}, {y:.3f})" for x, y in first)
+    note = Note(
+        "repaired", f"{count} part{'s' if count != 1 else ''} closed along the edges of others, the first from {place}"
+    )
+    in_waste = not any(shapely.buffer(o.area, -tolerance_mm).intersects(reach) for o in near)
+    likely = in_waste and all(c in hanging for c in broken)
+    return Closing(Choice(SHARED, words), tuple(rings), tuple(hanging), tuple(divided), likely, (note,))
+
+
+def _held(chain: DrawnCurve, end: int, lines: Sequence[DrawnCurve], tree: shapely.STRtree, tolerance_mm: float) -> bool:
+    """Whether an end lies on another line."""
+    at = shapely.Point(chain.curve.vertices[end, :2])
+    return any(lines[k] is not chain for k in tree.query(at, predicate="dwithin", distance=tolerance_mm).tolist())
+
+
+def _split(line: DrawnCurve, lines: Sequence[DrawnCurve], tolerance_mm: float) -> list[DrawnCurve]:
+    """A line, open where vertices of others lie on it, piece by piece; the pieces end on those."""
+    shape, curve = line.curve.line(), line.curve
+    others = np.concatenate([o.curve.vertices[:, :2] for o in lines if o is not line])
+    on = others[shapely.dwithin(shapely.points(others), shape, tolerance_mm)]
+    length_mm = curve.length_mm
+    cuts: list[tuple[float, tuple[float, float]]] = [] if curve.closed else [
+        (0.0, _xy(curve.vertices[0])), (length_mm, _xy(curve.vertices[-1]))
+    ]  # fmt: skip
+    for x, y in on.tolist():
+        at_mm, _ = curve.project((x, y))
+        apart = [min(abs(at_mm - s), length_mm - abs(at_mm - s) if curve.closed else np.inf) for s, _ in cuts]
+        if min(apart, default=np.inf) > tolerance_mm:
+            cuts.append((at_mm, (x, y)))
+    cuts.sort()
+    if curve.closed:
+        if not cuts:
+            return []
+        cuts.append((cuts[0][0] + length_mm, cuts[0][1]))
+    pieces = []
+    for (start, a), (end, b) in pairwise(cuts):
+        rows = curve.between(start, end - start).vertices.copy()
+        rows[0, :2], rows[-1, :2] = a, b
+        pieces.append(replace(line, curve=Curve(rows, closed=False)))
+    return pieces
+
+
+def _xy(vertex: Sequence[float]) -> tuple[float, float]:
+    return float(vertex[0]), float(vertex[1])
