@@ -17,6 +17,7 @@ VERBS = {
     "explain": "Say why a contour is cut where it is, then, and so.",
     "time": "Say how long a plan or a program takes, and what it costs.",
     "heat": "Simulate how hot a plan or a program makes the sheet.",
+    "distort": "Predict how far each part will be off, in mm.",
     "pareto": "Trade idle travel against overheats: a front of plans.",
     "compare": "Put two plans, programs, profiles or sets of rules side by side.",
     "nest": "Lay parts with quantities on sheets and remnants.",

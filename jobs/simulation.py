@@ -162,7 +162,7 @@ def simulate_made(
     """
     _expect_model(model)
     expect_one_torch(given.profile, "the simulation of heat", made if isinstance(made, Plan) else None)
-    path = _path(made, given, tell, trusted)
+    path = path_of_made(made, given, tell, trusted)
     return _simulated(given, path, model, tell, frames)
 
 
@@ -201,7 +201,7 @@ def _simulated(given: Inputs, path: TimedPath, model: HeatModel | None, tell: Te
     return Simulation(nest, heat, simulate(nest, path, heat, thickness_mm, (path.end_s / frames, look)), shown)
 
 
-def _path(made: Plan | str | Path, given: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
+def path_of_made(made: Plan | str | Path, given: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
     if not isinstance(made, Plan) and not is_plan_file(made):
         return path_of_program(read_program_of(made, given, tell, trusted), made)
     plan = made if isinstance(made, Plan) else read_plan(made)

@@ -11,7 +11,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#{1,6} +(.+?) *#*$", re.MULTILINE)
 FENCE = re.compile(r"^(```|~~~).*?^\1", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`\n]*`")
-FOLDERS = "benchmarks|commands|docs|encoder|examples|jobs|models|postproc|rules|tests"
+FOLDERS = "benchmarks|commands|distortion|docs|encoder|examples|jobs|models|postproc|rules|tests"
 NAMED = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w./-]*\w(?![\w<*{{…-])")
 """A path of the repository, in running text or in a command."""
 

@@ -60,14 +60,16 @@ class SheetSimulation:
         Material, power, losses and the limit.
     thickness_mm
         Of the sheet.
+    longest_step_s
+        The longest step in time; shorter ones where the grid asks for it.
     """
 
-    def __init__(self, grid: Grid, heat: Heat, thickness_mm: float) -> None:
+    def __init__(self, grid: Grid, heat: Heat, thickness_mm: float, longest_step_s: float = LONGEST_STEP_S) -> None:
         data = MATERIALS[heat.material]
         point_mm2 = heat.grid_mm**2
         point_j_k = data.capacity_j_mm3 * thickness_mm * point_mm2
         cooling_1_s = 2 * heat.loss_w_m2k * 1e-6 * point_mm2 / point_j_k
-        step_s = time_step_s(heat)
+        step_s = min(longest_step_s, time_step_s(heat))
         self.now_s = 0.0
         self._ambient = np.float32(heat.ambient_c)
         self._plate = new_plate(grid.metal)

@@ -1,0 +1,260 @@
+"""A sheet that is cut: how far the metal under the torch has moved from where it lies when cold, all along a program.
+
+Step by step the heat of the torch warms the pieces of the mesh, the kerf opens behind it, and the sheet takes the
+shape in which all forces balance; inertia has no say. A batch is a stretch of the program, mostly a contour or two:
+its sheet is factorised once, as it hangs together at the batch's end, and every state in the batch is found from that
+factor with the ties that still hold then. What is cut free is not followed any further.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.physics.heat import TimedPath
+from kerfwise.rules.profile.plant_sections import Heat
+
+from .elasticity import Elasticity, bodies, shape_weights
+from .mesh import Mesh, Samples, make_mesh, sample_path
+from .warmth import Warmth, points_of
+from .yielding import Band, metal_of, yielded
+
+MOST_TIES = 60
+"""A batch is divided where more ties open in it: each takes two right-hand sides, a factor as much as some fifty."""
+FEW_TIES = 30
+"""A batch goes on with the next burn until so many have opened."""
+SPACING_MM = 80.0
+"""Between points of a contour where it is asked how far the metal has moved, unless the contour is short."""
+LEAST_POINTS = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Cutting:
+    """How a sheet is simulated: width of a cell, mm, width of the kerf, mm, thickness, mm; whether metal yields."""
+
+    grid_mm: float
+    kerf_mm: float
+    thickness_mm: float
+    yields: bool = True
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Moved:
+    """Points of contours and how far each is off, cut as the metal lay then: (k, …), in order of time.
+
+    `contour` is the number of the contour, `xy` the point of it, mm, `off` (k, 2) where that edge of the cold part lies
+    less where the drawing has it, mm, before any fit; `at_s` when it was cut, `length_mm` the length it stands for.
+    """
+
+    contour: Ints
+    xy: Floats
+    off: Floats
+    at_s: Floats
+    length_mm: Floats
+
+
+def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting) -> Moved:
+    """Simulate a whole program.
+
+    Raises
+    ------
+    InputError
+        If nothing is known of the metal's strength.
+    """
+    metal = metal_of(heat.material)
+    mesh = make_mesh(nest, path, how.grid_mm, how.kerf_mm)
+    made = Elasticity(mesh, metal.elastic(how.thickness_mm))
+    asked = _asked(nest, path, how)
+    piece = _pieces(nest, mesh, asked)
+    there = piece >= 0
+    asked, piece = asked.at(there), piece[there]
+    weights = shape_weights(mesh.local(piece, asked.xy))
+    bands = _Bands(mesh, made, path, heat, how)
+    hot = np.zeros((len(piece), 2))
+    warmth = Warmth(nest, path, heat, how.thickness_mm, mesh)
+    lies = np.zeros((mesh.nodes, 2))
+    for batch in _batches(mesh, path):
+        which = np.flatnonzero((asked.at_s > batch.begin_s) & (asked.at_s <= batch.end_s))
+        which = which[np.argsort(asked.at_s[which], kind="stable")]
+        keep = _still_cut(mesh, batch.begin_s)
+        if not keep.any():
+            continue
+        state = made.state(mesh.joined(batch.end_s), keep)
+        ties = mesh.ties[batch.first : batch.last]
+        times = [*asked.at_s[which].tolist(), batch.end_s]
+        loads, open_ = [], []
+        for when_s in times:
+            excess, slope = warmth.at(when_s)
+            loads.append(state.load(made.thermal(excess, slope) + bands.forces(when_s), lies))
+            open_.append(int(np.searchsorted(mesh.opens_s[batch.first : batch.last], when_s, side="right")))
+        found = state.solve(loads, ties, open_)
+        for k, number in enumerate(which):
+            one = piece[number : number + 1]
+            hot[number] = at_points(state.spread(found[k], lies), mesh.node[one], weights[number : number + 1])[0]
+        lies = state.spread(found[-1], lies)
+    cold = _cold(mesh, made, bands, piece, weights) if how.yields else np.zeros_like(hot)
+    return Moved(asked.contour, asked.xy, cold - hot, asked.at_s, asked.length_mm)
+
+
+# Where it is asked how far the metal has moved: along the contours, as the torch passes.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Asked:
+    contour: Ints
+    xy: Floats
+    at_s: Floats
+    length_mm: Floats
+
+    def at(self, which: Bools) -> _Asked:
+        return _Asked(self.contour[which], self.xy[which], self.at_s[which], self.length_mm[which])
+
+
+def _asked(nest: Nest, path: TimedPath, how: Cutting) -> _Asked:
+    """Points of contours at the time the torch first passes them, evenly along each."""
+    shaping = [k for k, contour in enumerate(nest.contours) if contour.shapes_part]
+    lines = [nest.contours[k].line for k in shaping]
+    fine = sample_path(path, min(SPACING_MM / 8, how.grid_mm / 3))
+    sample, line = points_of(lines, fine.xy, 0.75 * how.kerf_mm + 0.1)
+    along = shapely.line_locate_point(np.array(lines, dtype=object)[line], shapely.points(fine.xy[sample]))
+    rows: list[tuple[int, float, float, float]] = []
+    for number in range(len(lines)):
+        mine = np.flatnonzero(line == number)
+        mine = mine[np.argsort(fine.at_s[sample[mine]], kind="stable")]
+        run = np.cumsum(fine.length_mm[sample[mine]])
+        for k, length_mm in _evenly(run, lines[number].length, lines[number].is_closed):
+            rows.append((number, float(along[mine[k]]), float(fine.at_s[sample[mine[k]]]), length_mm))
+    rows.sort(key=lambda row: row[2])
+    numbers = np.array([row[0] for row in rows], dtype=np.int64)
+    at = shapely.line_interpolate_point(np.array(lines, dtype=object)[numbers], [row[1] for row in rows])
+    return _Asked(
+        np.array(shaping, dtype=np.int64)[numbers], shapely.get_coordinates(at).reshape(-1, 2),
+        np.array([row[2] for row in rows]), np.array([row[3] for row in rows]),
+    )  # fmt: skip
+
+
+def _evenly(run_mm: Floats, length_mm: float, closed: bool) -> Iterator[tuple[int, float]]:
+    """The samples (k,) in the middle of equal stretches of the way along a contour, and how long the stretches are.
+
+    `run_mm` is the way at each. From where the torch came on: how far it is from coming round decides how the metal
+    moves. Where it overruns its start nothing is cut any more.
+    """
+    count = max(LEAST_POINTS, int(np.ceil(length_mm / SPACING_MM))) if closed else max(2, int(length_mm / SPACING_MM))
+    middles = (np.arange(count) + 0.5) * length_mm / count
+    at = np.searchsorted(run_mm, middles)
+    for k in np.unique(at[at < len(run_mm)]):
+        yield int(k), length_mm / count
+
+
+def _pieces(nest: Nest, mesh: Mesh, asked: _Asked) -> Ints:
+    """The piece of its own part at each of these points; -1 where there is none."""
+    number = {part.id: k for k, part in enumerate(nest.parts)}
+    own = np.array([number[contour.part] if contour.part else -1 for contour in nest.contours], dtype=np.int64)
+    return mesh.find(asked.xy, own[asked.contour])
+
+
+# The program in batches, and what of the sheet each has to do with.
+
+
+@dataclass(frozen=True, slots=True)
+class _Batch:
+    """A stretch of time, and which ties open in it, by number."""
+
+    begin_s: float
+    end_s: float
+    first: int
+    last: int
+
+
+def _batches(mesh: Mesh, path: TimedPath) -> Iterator[_Batch]:
+    begin_s, first = -1.0, 0
+    ends = [float(burn.at_s[-1]) for burn in path.burns]
+    for k, end_s in enumerate(ends):
+        last = int(np.searchsorted(mesh.opens_s, end_s, side="right"))
+        if last - first < FEW_TIES and k < len(ends) - 1:
+            continue
+        parts = max(1, -(-(last - first) // MOST_TIES))
+        for part in range(1, parts):
+            middle = first + (last - first) // (parts - part + 1)
+            at_s = float(mesh.opens_s[middle - 1])
+            middle = int(np.searchsorted(mesh.opens_s, at_s, side="right"))
+            yield _Batch(begin_s, at_s, first, middle)
+            begin_s, first = at_s, middle
+        yield _Batch(begin_s, end_s, first, last)
+        begin_s, first = end_s, last
+
+
+def _still_cut(mesh: Mesh, after_s: float) -> Bools:
+    """The pieces of bodies that are cut after a time."""
+    joined = mesh.joined(after_s)
+    body = bodies(mesh, joined)
+    of_node = np.empty(mesh.nodes, dtype=np.int64)
+    of_node[mesh.node] = body[:, None]
+    later = mesh.ties[mesh.opens_s > after_s]
+    return np.isin(body, of_node[later.ravel()])
+
+
+# The bands beside the cut, which yield.
+
+
+class _Bands:
+    """What the metal beside the cut pulls with, on both sides, from the passing of the torch on."""
+
+    def __init__(self, mesh: Mesh, made: Elasticity, path: TimedPath, heat: Heat, how: Cutting) -> None:
+        self._zero = np.zeros((mesh.nodes, 2))
+        self._rows: list[tuple[Band, Floats, Floats, object]] = []
+        if not how.yields or heat.absorbed_power_w <= 0:
+            return
+        fine = sample_path(path, how.grid_mm / 3)
+        feeds = np.array([_feed(burn.xy, burn.at_s) for burn in path.burns])
+        rounded = np.round(feeds, 1)
+        for feed in np.unique(rounded[fine.burn]):
+            band = yielded(heat.material, how.thickness_mm, heat.absorbed_power_w, float(max(feed, 0.1)))
+            some = fine.at(rounded[fine.burn] == feed)
+            for side in (1.0, -1.0):
+                self._add(mesh, made, band, some, side * (how.kerf_mm / 2 + max(band.depth_mm, 0.1)))
+
+    def _add(self, mesh: Mesh, made: Elasticity, band: Band, some: Samples, aside_mm: float) -> None:
+        beside = some.xy + aside_mm * np.column_stack([-some.ahead[:, 1], some.ahead[:, 0]])
+        piece = mesh.find(beside)
+        found = piece >= 0
+        found[found] = shapely.distance(mesh.polygon[piece[found]], shapely.points(beside[found])) < abs(aside_mm) / 2
+        some, piece, beside = some.at(found), piece[found], beside[found]
+        self._rows.append((band, some.at_s, some.length_mm, made.line_loads(piece, beside, some.ahead)))
+
+    def forces(self, when_s: float) -> Floats:
+        """Nodal forces (n, 2), N, at a time; `inf` for the cold sheet."""
+        total = self._zero.copy()
+        for band, at_s, length_mm, loads in self._rows:
+            pull = np.full(len(at_s), band.at_last_n) if np.isinf(when_s) else band.pull(when_s - at_s)
+            total += (loads @ (pull * length_mm)).reshape(-1, 2)  # type: ignore[operator]
+        return total
+
+
+def _feed(xy: Floats, at_s: Floats) -> float:
+    """How fast a burn moves, mm/s; where it stands does not count."""
+    steps, took = np.hypot(*np.diff(xy, axis=0).T), np.diff(at_s)
+    moves = steps > 1e-9
+    return float(steps[moves].sum() / max(took[moves].sum(), 1e-9)) if moves.any() else 0.0
+
+
+def _cold(mesh: Mesh, made: Elasticity, bands: _Bands, piece: Ints, weights: Floats) -> Floats:
+    """How the bands have bent the parts when all is cold and cut: displacements (k, 2) of points of pieces, mm."""
+    joined = mesh.joined(np.inf)
+    body = bodies(mesh, joined)
+    state = made.state(joined, np.isin(body, body[piece]))
+    rest = np.zeros((mesh.nodes, 2))
+    found = state.solve([state.load(bands.forces(np.inf), rest)], mesh.ties[:0], [0])[0]
+    every = state.spread(found, rest)
+    return at_points(every, mesh.node[piece], weights)
+
+
+def at_points(every: Floats, node: Ints, weights: Floats) -> Floats:
+    """Displacements (k, 2) of points, of those of all nodes (n, 2), the corners (k, 4) and their weights (k, 4)."""
+    found: Floats = np.einsum("kc,kcx->kx", weights, every[node])
+    return found

@@ -1,0 +1,168 @@
+"""How far each part of a plan or a program will be off: from its file to a table, JSON and a picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.display import Picture
+from kerfwise.jobs.inputs import Inputs, Tell, expect_one_torch, silent
+from kerfwise.jobs.programs import OldJob
+from kerfwise.jobs.simulation import path_of_made, path_of_program
+from kerfwise.models.physics.heat import TimedPath
+from kerfwise.models.physics.heat.simulate import expect_short
+from kerfwise.models.plan.plan import Plan
+
+from .cutting import Cutting, cut_sheet
+from .part_errors import PartError, errors_of
+from .picture import draw_parts
+from .yielding import metal_of
+
+if TYPE_CHECKING:
+    from kerfwise.postproc.check.reader.read_program import Trusted
+
+CELLS = 7200
+"""Cells of a sheet where nobody says how wide they are: 25 mm on 3000 x 1500."""
+MOST_CELLS = 60_000
+FINEST_MM = 1.0
+_SHOWN = 15
+"""Parts that the table lists."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
+class Distortion:
+    """Errors of the parts of a plan or a program, in the nest's order; `how` it was simulated."""
+
+    nest: Nest
+    how: Cutting
+    parts: tuple[PartError, ...]
+
+    @property
+    def max_mm(self) -> float:
+        """The worst error of any part, mm."""
+        return max((p.max_mm for p in self.parts if p.max_mm is not None), default=0.0)
+
+    @property
+    def mean_mm(self) -> float:
+        """The mean over the parts of what each is off at its worst place, mm."""
+        known = [p.max_mm for p in self.parts if p.max_mm is not None]
+        return sum(known) / len(known) if known else 0.0
+
+    def as_json(self) -> dict[str, Any]:
+        """What `kerfwise distort --json` prints."""
+        return {
+            "grid_mm": round(self.how.grid_mm, 4),
+            "parts": [
+                {
+                    "part": p.part,
+                    "max_mm": None if p.max_mm is None else round(p.max_mm, 4),
+                    "rms_mm": None if p.rms_mm is None else round(p.rms_mm, 4),
+                    "at": None if p.at is None else [round(c, 2) for c in p.at],
+                }
+                for p in self.parts
+            ],
+        }
+
+    def picture(self) -> Picture:
+        """An SVG of the sheet with the shapes of its parts drawn exaggerated."""
+        name = f"{Path(self.nest.file).name}: " if self.nest.file else ""
+        title = f"{name}parts up to {self.max_mm:.2f} mm off when cold, {self.mean_mm:.2f} mm on average"
+        return Picture(draw_parts(self.nest, self.parts, title), "svg")
+
+    def __repr__(self) -> str:
+        return f"<Distortion: worst {self.max_mm:.2f} mm, mean of parts {self.mean_mm:.2f} mm>"
+
+    def __str__(self) -> str:
+        metal = "metal yields beside the cut" if self.how.yields else "elastic"
+        lines = [
+            f"{'model':10} plane stress, {metal}, grid {self.how.grid_mm:.3g} mm",
+            f"{'worst':10} {self.max_mm:.2f} mm",
+            f"{'mean':10} {self.mean_mm:.2f} mm, of the worst place of each part",
+        ]
+        known = sorted((p for p in self.parts if p.max_mm is not None), key=lambda p: (-(p.max_mm or 0.0), p.part))
+        width = max([4, *(len(p.part) for p in known[:_SHOWN])])
+        lines += ["", f"{'part':{width}} {'worst, mm':>10} {'mean, mm':>9}   where"]
+        for p in known[:_SHOWN]:
+            x, y = p.at or (0.0, 0.0)
+            lines.append(f"{p.part:{width}} {p.max_mm:10.2f} {p.rms_mm:9.2f}   ({x:.0f}, {y:.0f})")
+        if len(known) > _SHOWN:
+            lines.append(f"… and {len(known) - _SHOWN} straighter parts")
+        if uncut := [p.part for p in self.parts if p.max_mm is None]:
+            lines.append(f"not cut, and so not known: {', '.join(uncut[:_SHOWN])}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return self.picture().html()
+
+
+def distort_made(
+    given: Inputs,
+    made: Plan | str | Path,
+    tell: Tell = silent,
+    grid_mm: float | None = None,
+    yields: bool = True,
+    trusted: Trusted | None = None,
+) -> Distortion:
+    """How far the parts of a plan, or of the plan or NC program in a file, will be off.
+
+    Parameters
+    ----------
+    given
+        Nest and profile; heat, material, thickness and kerf are the profile's.
+    made
+        A plan, or the path of a plan or a program.
+    tell
+        Told what the user should know.
+    grid_mm
+        Width of the mesh's cells; of None as many as make `CELLS` of the sheet.
+    yields
+        Whether the metal beside the cut yields; else all is elastic.
+    trusted
+        What a program leaves to the machine's material.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is one of another nest, the plan states no times, the grid does not fit the sheet,
+        or nothing is known of the material's strength.
+    """
+    metal_of(given.profile.heat.material)
+    expect_one_torch(given.profile, "the simulation of distortion", made if isinstance(made, Plan) else None)
+    return distort_path(given, path_of_made(made, given, tell, trusted), grid_mm, yields)
+
+
+def distort_old(job: OldJob, grid_mm: float | None = None, yields: bool = True) -> Distortion:
+    """How far the parts of an old program will be off, on the nest that is told from its burns."""
+    return distort_path(job.given, path_of_program(job.program, job.name), grid_mm, yields)
+
+
+def distort_path(given: Inputs, path: TimedPath, grid_mm: float | None = None, yields: bool = True) -> Distortion:
+    """The same of a timed path."""
+    expect_short(path)
+    nest, profile = given.nest, given.profile
+    kerf_mm = max(profile.material.kerf_mm, 0.1)
+    how = Cutting(_grid(nest, grid_mm), kerf_mm, profile.material.thickness_mm, yields)
+    return Distortion(nest, how, errors_of(nest, cut_sheet(nest, path, profile.heat, how)))
+
+
+def _grid(nest: Nest, grid_mm: float | None) -> float:
+    """The width of a cell, mm, within bounds."""
+    x0, y0, x1, y1 = nest.sheet.bounds
+    area = (x1 - x0) * (y1 - y0)
+    if grid_mm is None:
+        return max(FINEST_MM, math.sqrt(area / CELLS))
+    if area / grid_mm**2 > MOST_CELLS:
+        raise InputError(
+            f"--grid: {grid_mm:g} mm makes {area / grid_mm**2:.0f} cells of this sheet, and {MOST_CELLS} is the most: "
+            f"give {1.01 * math.sqrt(area / MOST_CELLS):.2g} mm or more"
+        )
+    if grid_mm > min(x1 - x0, y1 - y0) / 4:
+        raise InputError(
+            f"--grid: cells of {grid_mm:g} mm are too wide for a sheet of {x1 - x0:g} x {y1 - y0:g} mm: give "
+            f"{min(x1 - x0, y1 - y0) / 4:.3g} mm or less"
+        )
+    return grid_mm
