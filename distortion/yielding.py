@@ -105,7 +105,7 @@ def yielded(material: str, thickness_mm: float, absorbed_w: float, feed_mm_s: fl
     --------
     >>> band = yielded("carbon-steel", 20.0, 3300.0, 355 / 60)
     >>> round(band.at_last_n / 1000), round(band.width_mm)
-    (-53, 17)
+    (-59, 19)
     """
     metal, data = metal_of(material), MATERIALS[material]
     energy = absorbed_w / feed_mm_s / thickness_mm  # J/mm², half of it on each side
