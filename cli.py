@@ -22,6 +22,7 @@ VERBS = {
     "compare": "Put two plans, programs, profiles or sets of rules side by side.",
     "nest": "Lay parts with quantities on sheets and remnants.",
     "make": "Turn a list of parts into checked programs: nest, plan, check.",
+    "edit": "Change a nest: drop, move, turn, add parts, another sheet.",
     "batch": "Plan folders of nests on every machine, and say which is cheaper.",
     "resequence": "Put old programs into a better order, or plan them afresh.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",

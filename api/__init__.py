@@ -21,6 +21,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
 from kerfwise.jobs.compare import Comparison
 from kerfwise.jobs.display import Picture
+from kerfwise.jobs.edit.edited_nest import EditedNest
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nesting.result import Nests
 from kerfwise.jobs.pareto import Offer
@@ -38,7 +39,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
 from .judging import check, compare, draw, explain, simulate, times
-from .nesting import make, nest
+from .nesting import edit, make, nest
 from .planning import conflict, facts, resequence, solve, trade_off
 from .reading import load_profile, read_job, read_nest, read_plan
 
@@ -46,6 +47,7 @@ __all__ = [
     "CheckResult",
     "Comparison",
     "Conflict",
+    "EditedNest",
     "Explanation",
     "InputError",
     "Job",
@@ -69,6 +71,7 @@ __all__ = [
     "compare",
     "conflict",
     "draw",
+    "edit",
     "explain",
     "facts",
     "load_profile",

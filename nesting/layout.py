@@ -17,7 +17,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.text import dxf_in_mm
 
-from .demand import Demand, Spacing, Stock
+from .demand import QUARTERS, Demand, Spacing, Stock
 from .fill import Going, Room, Taste, fill, largest_first, largest_rectangle, usable
 from .nofit import Placed
 from .shapes import Shapes
@@ -220,6 +220,8 @@ def _all_in(room: Room, last: Sheetful, chance: random.Random, number: int, goin
 
 OF = "of"
 """The key of a part in a nest that names the part type."""
+TURNS = "turns"
+"""The key of a part in a nest that says how it may lie, degrees, where it may not lie in all quarters."""
 
 
 def nests_of(layout: Layout) -> list[Nest]:
@@ -235,6 +237,8 @@ def nests_of(layout: Layout) -> list[Nest]:
             told: dict[str, object] = {OF: kind.name, "priority": kind.priority}
             more = {"order": kind.order, "due": kind.due, "material": kind.material, "thickness": kind.thickness_mm}
             made.attributes.update(told | {key: value for key, value in more.items() if value})
+            if not kind.free and kind.turns_deg != QUARTERS:
+                made.attributes[TURNS] = list(kind.turns_deg)
             parts.append(made)
         nests.append(Nest(sheet.stock.sheet, tuple(parts)))
     return nests

@@ -16,6 +16,7 @@ from kerfwise.encoder.questions import Questions as OfDrawing
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.compare import Side, SideAsked, compare, side_of
+from kerfwise.jobs.edit.edited_nest import editing
 from kerfwise.jobs.explainer import Explainer, MovePreview, Mover
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.page import compared_data, page_data
@@ -71,6 +72,18 @@ class Desk:
             "settings": dict(settings_of(text.job())),
             "rules": [_rule(read.given, name) for name in {**profile.rules, **profile.settings()}],
         }
+
+    def changed(self, wanted: PlanRequest, changes: Sequence[str]) -> dict[str, Any]:
+        """The nest with parts dropped, moved, added and so on: its text, its parts, and those off another sheet.
+
+        What the wanted plan has cut already stays. Files of parts are those of the nest's folder.
+        """
+        if outside := next((one for one in changes if one.startswith("add ") and re.search(r"[/\\\\]", one)), None):
+            raise InputError(f"{outside!r}: parts are added from files in the folder of the nest")
+        given = self._read(wanted).given
+        cut = already_of(wanted, given).contours
+        made = editing(given.nest, given.profile, cut=cut).do(*changes)
+        return {"text": made.text(), "parts": [part.id for part in made.nest.parts], "off": list(made.off)}
 
     def edited(self, wanted: PlanRequest, changes: Sequence[dict[str, Any]]) -> dict[str, Any]:
         """The job file with changes made in it, and what gave way; refused whole where one of them cannot be."""
@@ -204,7 +217,7 @@ def _rule(given: Inputs, name: str) -> dict[str, Any]:
 def desk(asking: Questions) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    names = ("ready", "prepared", "opened", "edited", "page", "compared", "heat", "why", "move")
+    names = ("ready", "prepared", "opened", "edited", "changed", "page", "compared", "heat", "why", "move")
     return {**{name: getattr(made, name) for name in names}, **profile_answers()}
 
 

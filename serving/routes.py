@@ -164,6 +164,7 @@ class Writing:
             "/api/open": self.open,
             "/api/drop": self.drop,
             "/api/{id}/edit": self.edit,
+            "/api/{id}/nest": self.change_nest,
             "/api/{id}/cut": self.cut,
             "/api/{id}/back": self.back,
             "/api/{id}/solve": self.solve,
@@ -191,6 +192,20 @@ class Writing:
         session, said = await self._writing(request, "changes")
         undone = await self._server.edit(session, changes_in(said.get("changes")))
         return JSONResponse({**session.as_json(), "undone": undone})
+
+    async def change_nest(self, request: Request) -> Response:
+        """`{"version": 3, "changes": ["drop P1", "move P2 10 0"], "as": "plate2.json"}`: the new nest is opened.
+
+        Without a name nothing is written: its parts are told, or what would collide.
+        """
+        session, said = await self._writing(request, "changes", "as")
+        changes, name = said.get("changes"), said.get("as")
+        if not isinstance(changes, list) or not changes or not all(isinstance(one, str) for one in changes):
+            raise InputError(f"changes: expected lines such as 'drop P1', got {changes!r}")
+        if name is not None and not isinstance(name, str):
+            raise InputError(f"as: expected the name of a nest, got {name!r}")
+        told = await self._server.change_nest(session, changes, name)
+        return JSONResponse(told, HTTPStatus.OK if name is None else HTTPStatus.CREATED)
 
     async def cut(self, request: Request) -> Response:
         """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""

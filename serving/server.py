@@ -115,6 +115,17 @@ class Server:
         undone: list[str] = told["undone"]
         return undone
 
+    async def change_nest(self, session: Session, changes: list[str], name: str | None) -> dict[str, Any]:
+        """Change the nest itself: under a name, a new nest in the folder that is opened; else what it would be."""
+        told: dict[str, Any] = await self.asked("changed", wanted=session.wanted, changes=changes)
+        text = told.pop("text")
+        if name is None:
+            return told
+        if not name.lower().endswith(".json"):
+            raise InputError(f"{escape_text(name)!r}: an edited nest is JSON: give a name ending in .json")
+        opened = await self.open_nest(self.folder.keep(name, text.encode(), Path(session.wanted.nest)))
+        return {**opened.as_json(), **told}
+
     async def want(self, session: Session, wanted: PlanRequest, **also: Any) -> None:
         """Want something else from now on."""
         version = session.version
@@ -228,22 +239,24 @@ class Folder:
             raise InputError(f"no nest of this folder has the name {escape_text(name)!r}")
         return path
 
-    def keep(self, name: str, drawing: bytes) -> Path:
-        """Write a drawing that was dropped on the page, unless it is there already; its path.
+    def keep(self, name: str, drawing: bytes, beside: Path | None = None) -> Path:
+        """Write a drawing that was dropped on the page, or a nest beside another, unless it is there already; its path.
 
         Raises
         ------
         InputError
             As `expect_free` does.
         """
-        self.expect_free(name, drawing)
-        path = self.path / name
+        folder = self.path if beside is None else beside.parent
+        self.expect_free(name, drawing, folder)
+        self.expect_inside([folder])
+        path = folder / name
         if not path.exists():
             write_files({path: drawing})
         return path
 
-    def expect_free(self, name: str, drawing: bytes) -> None:
-        """Make sure that a drawing can be written under a name.
+    def expect_free(self, name: str, drawing: bytes, folder: Path | None = None) -> None:
+        """Make sure that a drawing can be written under a name, in this folder or one in it.
 
         Raises
         ------
@@ -254,7 +267,7 @@ class Folder:
             raise InputError(f"{escape_text(name)!r}: expected the name of a drawing, ending in {', '.join(SUFFIXES)}")
         if name.lower().endswith(_NOT_NESTS):
             raise InputError(f"{escape_text(name)!r} is the name of a plan, or of settings, not of a drawing")
-        path = self.path / name
+        path = (folder or self.path) / name
         if path.is_symlink() or path.exists():
             if path.is_file() and not path.is_symlink() and path.read_bytes() == drawing:
                 return

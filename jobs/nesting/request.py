@@ -99,6 +99,12 @@ def order_of(
     return Order(Demand(types, tuple(_stock(row, folder, reading) for row, folder in stock)), tuple(bad))
 
 
+def part_types(parts: Sequence[str], reading: ReadOptions, tell: Tell = silent) -> tuple[PartType, ...]:
+    """The parts that words name, as on the command line, without anything to lay them on."""
+    rows = [(row, folder) for text in parts for listed, folder in _lists(text, None, False, []) for row in listed.parts]
+    return _named(_types_of(rows, reading, tell, False, []))
+
+
 def _types_of(
     rows: Sequence[tuple[PartRow, Path]], reading: ReadOptions, tell: Tell, skip_bad: bool, bad: list[BadRow]
 ) -> list[PartType]:

@@ -21,13 +21,13 @@ and what cooler orders cost.
 """
 FUNCTIONS = (
     "read_nest", "load_profile", "solve", "check", "explain", "conflict", "times", "simulate", "trade_off", "draw",
-    "compare", "resequence", "nest", "make", "facts", "read_plan", "read_job",
+    "compare", "resequence", "nest", "make", "edit", "facts", "read_plan", "read_job",
 )  # fmt: skip
 CLASSES = (
     "Result", "Reached", "NoPlan", "InputError", "Questions", "RulesConflict", "KerfwiseError", "Conflict",
     "CheckResult",
-    "Explanation", "Times", "Simulation", "Offer", "Comparison", "Resequenced", "Nests", "Picture", "Lock", "Job",
-    "Plan", "Nest", "Profile",
+    "Explanation", "Times", "Simulation", "Offer", "Comparison", "Resequenced", "Nests", "EditedNest", "Picture",
+    "Lock", "Job", "Plan", "Nest", "Profile",
 )  # fmt: skip
 
 

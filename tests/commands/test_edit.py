@@ -1,0 +1,86 @@
+"""kerfwise edit: the nest as a file, its job file with it, collisions named, and what is cut stays."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.nest_file import nest_file
+
+
+@pytest.fixture
+def plate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A nest of three squares with a job file, in the folder that is worked in."""
+    monkeypatch.chdir(tmp_path)
+    squares = [
+        {"id": f"P{k}", "outer": [[x, 20], [x + 60, 20], [x + 60, 80], [x, 80]]}
+        for k, x in ((1, 20), (2, 120), (3, 220))
+    ]
+    Path("plate.job.yaml").write_text("order: '4711'\nlocks: [P3 first]\n")
+    return nest_file(tmp_path / "plate.json", squares, (320, 140))
+
+
+def edit(*words: object) -> tuple[int, str, str]:
+    """How `kerfwise edit plate.json WORDS -o new.json` ends."""
+    ended = kerfwise("edit", "plate.json", *words, "-o", "new.json")
+    return ended.code, ended.out, ended.err
+
+
+def parts() -> dict[str, list[list[float]]]:
+    """The outlines of the new nest."""
+    return {one["id"]: one["outer"] for one in json.loads(Path("new.json").read_text())["parts"]}
+
+
+def test_changes_of_all_kinds(plate: Path) -> None:
+    code, out, err = edit("--drop", "P1", "--move", "P2", "-50", "10", "--turn", "P3", "90", "--add", "plate.json")
+    assert code == 2, out  # three more squares do not fit
+    assert "no room" in err
+    code, out, err = edit("--drop", "P1", "--move", "P2", "-50", "10", "--turn", "P3", "90")
+    assert code == 0, err
+    assert "2 parts of 3 before, on a sheet of 320 × 140 mm" in out
+    assert parts()["P2"][0] == [70, 30]
+    assert Path("new.job.yaml").read_bytes() == Path("plate.job.yaml").read_bytes()
+    assert kerfwise("solve", "new.json", "--work", 0.2).code == 0
+
+
+def test_a_collision_is_named_and_nothing_is_written(plate: Path) -> None:
+    code, _, err = edit("--move", "P1", "37", "0")
+    assert code == 2
+    assert "P1 lies 3.0 mm from P2: 7.5 mm are kept" in err
+    assert not Path("new.json").exists()
+    assert edit("--move", "P1", "37", "0", "--gap", "3")[0] == 0
+    assert edit("--move", "P1", "-15", "0")[0] == 2
+    assert edit("--drop", "P9")[0] == 2
+    assert edit()[0] == 2
+    assert edit("--fix", "P1", "--drop", "P2")[0] == 2
+
+
+def test_a_job_file_whose_lock_is_lost_is_not_copied(plate: Path) -> None:
+    code, _, err = edit("--drop", "P3")
+    assert code == 0, err
+    assert "the job file plate.job.yaml is not copied" in err
+    assert not Path("new.job.yaml").exists()
+
+
+def test_another_sheet_leaves_out_what_is_off(plate: Path) -> None:
+    code, out, _ = edit("--sheet", "250x140", "--no-job")
+    assert (code, "off the sheet, left out: P3" in out) == (1, True)
+    assert json.loads(Path("new.json").read_text())["sheet"] == {"width": 250, "height": 140}
+
+
+def test_one_part_is_cut_again_where_it_lay(plate: Path) -> None:
+    assert kerfwise("solve", "plate.json", "--work", 0.2, "--plan", "plate.plan.json").code == 0
+    assert "P3 is cut already" in edit("--move", "P3", "1", "0", "--lock-from", "plate.plan.json", "--upto", 1)[2]
+    assert edit("--move", "P1", "1", "0", "--lock-from", "plate.plan.json", "--upto", 1)[0] == 0
+    assert edit("--upto", 1, "--drop", "P1")[0] == 2
+    assert "has 3 cuts only" in edit("--keep", "P1", "--lock-from", "plate.plan.json", "--upto", 9)[2]
+    code, _, err = edit("--keep", "P2", "--lock-from", "plate.plan.json", "--no-job")
+    assert code == 0, err
+    assert len(json.loads(Path("new.json").read_text())["sheet"]["holes"]) == 2
+    again = kerfwise("solve", "new.json", "--no-job", "--work", 0.2, "--plan", "new.plan.json")
+    assert again.code == 0, again.err
+    cut = json.loads(Path("new.plan.json").read_text())["cuts"]
+    assert [one["contour"] for one in cut] == ["P2.outer"]
