@@ -33,18 +33,20 @@ def command() -> None:
 @click.argument("profile", metavar="PROFILE")
 @TRUST
 def check(profile: str, trust: bool) -> None:
-    """Validate PROFILE; report every error with its place."""
-    from kerfwise.jobs.nest_job.request import locks_told
-    from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
+    """Validate PROFILE; report every error with its place, and options that have no effect.
 
-    loaded = load_profile(profile, trust=trust)
-    trusted_dialect(loaded)
+    What solve would refuse of a profile, whatever the nest, is refused here, too; model files are compiled.
+    """
+    from kerfwise.jobs.nest_job.request import locks_told
+    from kerfwise.jobs.profile_check import checked, notes
+
+    loaded = checked(profile, trust)
     strengths = [setting.strength for setting in loaded.settings().values()]
     hard, soft = strengths.count("hard"), strengths.count("soft")
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
     for text in Provenance(loaded).charted():
         click.echo(f"  {text}")
-    for text in (*loaded.chart_notes(), *loaded.time_and_price_notes(), locks_told(loaded)):
+    for text in (*loaded.chart_notes(), *loaded.time_and_price_notes(), *notes(loaded), locks_told(loaded)):
         if text:
             print_note(text)
 

@@ -26,6 +26,8 @@ from .nest import Nest, as_scrap, cached_with_nest
 
 _TRIED = 20
 """Places that are tried in each width of the grid."""
+MOST_PIECES = 2000
+"""Pieces of a sheet that a grid may ask for: each line is a contour of its own."""
 _PIERCE_MM = 30.0
 """What a line more costs, in mm of lines."""
 
@@ -319,10 +321,22 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
         half = kerf_mm / 2
         metal = metal.difference(shapely.box(x0 - half, y0 - half, x1 + half, y1 + half))
     if grid_mm is not None:
+        _expect_few_pieces(nest, grid_mm)
         rows += grid_lines(metal, grid_mm)
         rows = split_severed(rows, wide, kerf_mm)
     lines = as_scrap(Curve.of(row, closed=False) for row in rows)
     return replace(nest, scrap=lines, drawn=nest.drawn or nest) if lines else nest
+
+
+def _expect_few_pieces(nest: Nest, grid_mm: float) -> None:
+    x0, y0, x1, y1 = nest.sheet.bounds
+    pieces = np.ceil((x1 - x0) / grid_mm) * np.ceil((y1 - y0) / grid_mm)
+    if pieces > MOST_PIECES:
+        raise InputError(
+            f"cuts.scrap.grid: {grid_mm:g} mm cuts a sheet of {x1 - x0:.6g} x {y1 - y0:.6g} mm into {pieces:,.0f} "
+            f"pieces, expected {MOST_PIECES:,} at the most: give a larger grid",
+            file=nest.file or None,
+        )
 
 
 @cached_with_nest(most=8)

@@ -261,7 +261,7 @@ def refit_as_made(given_mm: float | None, made: Plan | str | Path | None, profil
     return said_mm
 
 
-def expect_torches(profile: Profile, nest: Nest, resumes: bool) -> None:
+def expect_torches(profile: Profile, resumes: bool) -> None:
     """Refuse what does not go together with several torches; `resumes` says that some of the nest is cut already.
 
     Raises
@@ -269,16 +269,31 @@ def expect_torches(profile: Profile, nest: Nest, resumes: bool) -> None:
     InputError
         With what to change.
     """
-    if profile.machine.torches.several and (why := next(_why_not(profile, nest, resumes), None)):
-        raise InputError(
-            f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}", file=profile.file or None
+    if resumes and profile.machine.torches.several:
+        raise _no_torches(
+            profile, "a program that goes on after a stop is planned for one torch: cut the rest with one"
         )
+    expect_torches_fit(profile)
 
 
-def _why_not(profile: Profile, nest: Nest, resumes: bool) -> Iterator[str]:
+def expect_torches_fit(profile: Profile) -> None:
+    """Refuse what a profile has beside several torches and does not go together with them, whatever the nest.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    if profile.machine.torches.several and (why := next(_why_not(profile), None)):
+        raise _no_torches(profile, why)
+
+
+def _no_torches(profile: Profile, why: str) -> InputError:
+    return InputError(f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}", file=profile.file or None)
+
+
+def _why_not(profile: Profile) -> Iterator[str]:
     cuts, limit = profile.cuts, profile.temperature_limit()
-    if resumes:
-        yield "a program that goes on after a stop is planned for one torch: cut the rest with one"
     if profile.link_options() is not None:
         yield "links are not planned together with several torches: say cuts.links.longest: 0 mm"
     if profile.common_options() is not None:

@@ -37,7 +37,7 @@ from .adaptive_zones import FEW, SHARE, better_zones, is_look_worthwhile, zoned_
 from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
 from .progress import Listener
-from .request import NoPlan, Request, facts_of, make_request
+from .request import NoPlan, Request, common_cut_advice, facts_of, make_request
 from .resume import lock_broken_cut_first
 from .time_limits import CommandLimit, JobLimit, PlanningLimit, Took, WholeLimit
 
@@ -138,6 +138,8 @@ def plan_nest(
             conflict = None if listener.interrupted else find_conflict(facts, profile, Budget.of(limit.without_plan()))
         except NotAnswered:
             raise NoPlan(error, facts, profile, within_limit=False) from error
+        if conflict is not None and conflict.alone:
+            conflict = replace(conflict, notes=(*conflict.notes, *common_cut_advice(facts.nest, profile)))
         raise NoPlan(error, facts, profile, conflict) from error
     limit.ended(made.judging_s)
     return FinishedPlan(Inputs(nest, profile), made.facts, made)

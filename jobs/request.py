@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.candidates import build_with_older_kerfs
 from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
@@ -17,6 +19,7 @@ from kerfwise.encoder.facts.compute import loose_in, remaining_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.identical_parts import Group, align_copies, entries_of_copies, shared_candidates
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import amount, long_job
@@ -26,8 +29,10 @@ from kerfwise.models.engines.solution import MEMORY_GB, SolveOptions
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
+from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.profile import Profile, expect_common_cuts
+from kerfwise.rules.profile.profile_sections import common_cut_problems
 from kerfwise.rules.stating.state_rules import (
     HOPELESS,
     DroppedStatement,
@@ -89,7 +94,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, to
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
     expect_common_cuts(profile)
-    expect_torches(profile, nest, bool(already))
+    expect_torches(profile, bool(already))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
         raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
@@ -111,7 +116,15 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, to
                 f"besides, {error.message}, and --relax (in Python: relax=True) does not help there:",
                 *error.details[:MOST_DETAILS],
             )
-            raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
+            told = (
+                *(f"{about.rule}: {about.sentence}" for about in alone),
+                *besides,
+                *common_cut_advice(nest, profile, already),
+            )
+            raise RulesConflict(HOPELESS, told) from None
+        if advice := tuple(common_cut_advice(nest, profile, already)):
+            told = (*error.details[:MOST_DETAILS], *advice, *error.details[MOST_DETAILS:])
+            raise InputError(error.message, file=error.file, details=told) from None
         raise
     if groups:
         candidates, met, groups = _cut_alike(candidates, met, groups, step)
@@ -121,6 +134,54 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, to
         return facts_of_torches(facts, groups, profile)
     links = None if profile.no_links(nest) else profile.link_options()
     return _left(with_links(facts, links, _burnt(already)), already)
+
+
+def common_cut_advice(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Iterator[str]:
+    """The sentence that common cuts would do, where parts are a kerf apart or touch, and they would."""
+    if already or profile.common_options() is not None or profile.machine.torches.several:
+        return
+    outers = [(k, c) for k, c in enumerate(nest.contours) if c.kind == "outer"]
+    kerf_mm = profile.material.kerf_mm
+    for gap_mm, apart in ((kerf_mm, "one kerf apart"), (0.0, "touching")):
+        facing = max(facing_edges(outers, gap_mm, tolerance_mm(kerf_mm)), key=lambda f: f.length_mm, default=None)
+        if facing is None or facing.length_mm < _LEAST_COMMON_MM:
+            continue
+        wanted, keys = _with_common_cuts(profile, math.floor(min(facing.length_mm, 20.0)), accept_loss=gap_mm == 0)
+        try:
+            make_request(facts_of(nest, wanted), wanted)
+        except (InputError, RulesConflict):
+            continue
+        pair = f"{nest.contours[facing.contour].id} and {nest.contours[facing.other].id}"
+        yield f"{pair} have edges {apart}: common cuts, which cut such edges once, would do: {keys}"
+        return
+
+
+def _dialect_fits(profile: Profile) -> bool:
+    try:
+        fitting_dialect(profile)
+    except InputError:
+        return False
+    return True
+
+
+_LEAST_COMMON_MM = 1.0
+"""No shorter edges are advised to be cut once."""
+
+
+def _with_common_cuts(profile: Profile, shortest_mm: float, accept_loss: bool) -> tuple[Profile, str]:
+    """The profile with common cuts, and all that it then has to say, as YAML."""
+    machine, said = profile.machine, [f"shortest: {shortest_mm:g} mm"]
+    if profile.rules_of_direction("outer"):
+        said.append("good_side: any")
+    if accept_loss:
+        said.append("accept_loss: true")
+    common = replace(profile.cuts.common, shortest_mm=shortest_mm, accept_loss=accept_loss, good_side="any")
+    wanted = replace(profile, cuts=replace(profile.cuts, common=common))
+    keys = f"cuts: {{common: {{{', '.join(said)}}}}}"
+    if any(common_cut_problems(common, machine, profile.material)) or not _dialect_fits(wanted):
+        wanted = replace(wanted, machine=replace(machine, kerf_start=False))
+        keys = f"{keys}, with machine: {{kerf_start: false}}"
+    return wanted, keys
 
 
 def _cut_alike(

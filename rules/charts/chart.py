@@ -14,14 +14,16 @@ from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Number, OptionKind, Text, Unfit, scalar_text
 from kerfwise.rules.options.quantities import (
     AMPS,
-    DURATION,
+    CUT_FEED,
     FLOW,
-    LENGTH,
+    KERF,
+    MARK_FEED,
+    PIERCE_TIME,
     SHARE_OF_POWER,
-    SPEED,
+    THICKNESS,
+    TORCH_HEIGHT,
     VOLTS,
     Quantity,
-    positive,
 )
 from kerfwise.rules.options.yaml_positions import is_empty
 
@@ -108,8 +110,6 @@ class Column:
     help: str
     section: str = ""
     option: str = ""
-    least: float | None = None
-    most: float | None = None
 
     @property
     def key(self) -> tuple[str, str]:
@@ -130,13 +130,13 @@ class Column:
 COLUMNS: Mapping[str, Column] = {
     "name": Column(Text(), "what the row is called"),
     "material": Column(Text(), "grade of the sheet", "material", "name"),
-    "thickness": Column(positive(LENGTH), "thickness of the sheet", "material", "thickness", 0.05, 500.0),
-    "kerf": Column(LENGTH, "width that the cut burns away", "material", "kerf", 0.01, 20.0),
-    "feed": Column(SPEED, "speed while cutting", "machine", "cut_feed", 0.05, 2000.0),
-    "mark_feed": Column(SPEED, "speed while marking", "machine", "mark_feed", 0.05, 5000.0),
-    "pierce_delay": Column(DURATION, "time to pierce", "machine", "pierce_time", 0.0, 120.0),
-    "pierce_height": Column(LENGTH, "height of the torch while it pierces", "material", "pierce_height", 0.0, 100.0),
-    "cut_height": Column(LENGTH, "height of the torch while it cuts", "material", "cut_height", 0.0, 100.0),
+    "thickness": Column(THICKNESS, "thickness of the sheet", "material", "thickness"),
+    "kerf": Column(KERF, "width that the cut burns away", "material", "kerf"),
+    "feed": Column(CUT_FEED, "speed while cutting", "machine", "cut_feed"),
+    "mark_feed": Column(MARK_FEED, "speed while marking", "machine", "mark_feed"),
+    "pierce_delay": Column(PIERCE_TIME, "time to pierce", "machine", "pierce_time"),
+    "pierce_height": Column(TORCH_HEIGHT, "height of the torch while it pierces", "material", "pierce_height"),
+    "cut_height": Column(TORCH_HEIGHT, "height of the torch while it cuts", "material", "cut_height"),
     "amps": Column(AMPS, "current of the arc", "material", "amps"),
     "volts": Column(VOLTS, "voltage of the arc", "material", "volts"),
     "power": Column(SHARE_OF_POWER, "power while cutting", "material", "power"),

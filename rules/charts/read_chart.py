@@ -17,7 +17,7 @@ from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Number, Text, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
 
-from .chart import COLUMNS, Chart, ChartRow, Value, value_text
+from .chart import COLUMNS, Chart, ChartRow, Value
 
 ChartUnits = Literal["mm", "inch"]
 
@@ -311,18 +311,7 @@ def cell(column: str, node: yaml.Node) -> Value:
     if isinstance(value, str):
         return value.strip()
     assert isinstance(value, float | int)
-    _expect_likely(column, float(value), node)
     return float(value)
-
-
-def _expect_likely(column: str, value: float, node: yaml.Node) -> None:
-    """Refuse a value that is so small or great that another unit must be meant."""
-    least, most = COLUMNS[column].least, COLUMNS[column].most
-    if (least is not None and value < least) or (most is not None and value > most):
-        low, high = (value_text(column, bound) for bound in (least or 0.0, most or value))
-        raise Unfit(
-            f"{value_text(column, value)} is not likely, expected {low} to {high}: is it in another unit?", node
-        )
 
 
 def text_with_unit(column: str, text: str, unit: str | None) -> str:

@@ -52,14 +52,47 @@ class OptionKind(ABC):
 
     def refuse(self, node: yaml.Node) -> Unfit:
         """The error for a node this kind does not accept."""
-        return Unfit(f"expected {self.expected()}, got {shape(node)}{_decimal_comma(node)}", node)
+        return Unfit(f"expected {self.expected()}, got {shape(node)}{_other_spelling(node)}", node)
 
 
-def _decimal_comma(node: yaml.Node) -> str:
-    """A hint where a number was written as in German or Russian."""
+_MARKS = r"'’_\s"
+"""What thousands are divided by, beside commas and points."""
+_DIVIDED = re.compile(rf"\s*([+-]?\d[\d.,{_MARKS}]*)((?:[A-Za-z/%°][A-Za-z0-9/%]*)?)\s*")
+
+
+def _other_spelling(node: yaml.Node) -> str:
+    """A hint where a number has a comma, or thousands that something divides: what it may mean."""
     text = str(node.value) if isinstance(node, yaml.ScalarNode) else ""
-    comma = re.fullmatch(r"\s*[+-]?\d+,\d+\s*[a-z/0-9]*\s*", text)
-    return f": write decimals with a point, {text.replace(',', '.').strip()}" if comma else ""
+    meant = plain_numbers(text)
+    if len(meant) == 2:
+        return f": is it {meant[0]} or {meant[1]}? Write it without a comma"
+    if not meant:
+        return ""
+    return f": write decimals with a point, {meant[0]}" if "," in text else f": write {meant[0]}"
+
+
+def plain_numbers(text: str) -> tuple[str, ...]:
+    """What a number that is written with commas, or with divided thousands, may mean; with its unit.
+
+    Examples
+    --------
+    >>> plain_numbers("3,200 mm/min"), plain_numbers("1,5 mm"), plain_numbers("1.234,5"), plain_numbers("12 000")
+    (('3200 mm/min', '3.2 mm/min'), ('1.5 mm',), ('1234.5',), ('12000',))
+    >>> plain_numbers("3200 mm/min"), plain_numbers("1,2,3")
+    ((), ())
+    """
+    found = _DIVIDED.fullmatch(text) if len(text) <= LONGEST else None
+    if found is None:
+        return ()
+    number, unit = found[1].strip(), found[2].strip()
+    readings = []
+    for marks, point in ((",", "."), (".", ","), (_MARKS, "."), (_MARKS, ",")):
+        whole, _, rest = number.partition(point)
+        if re.fullmatch(rf"[+-]?[1-9]\d{{0,2}}(?:[{marks}]\d{{3}})+", whole) and re.fullmatch(r"\d*", rest):
+            readings.append(re.sub(rf"[{marks}]", "", whole) + (f".{rest}" if rest else ""))
+    if re.fullmatch(r"[+-]?\d+,\d+", number):
+        readings.append(number.replace(",", ".").rstrip("0").rstrip("."))
+    return tuple(f"{one} {unit}".strip() for one in dict.fromkeys(readings))
 
 
 def scalar_text(node: yaml.Node, kind: OptionKind) -> str:

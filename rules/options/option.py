@@ -19,13 +19,18 @@ from .quantities import Quantity
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """One option as declared: field name, YAML key, kind, help, and the default of its class."""
+    """One option as declared: field name, YAML key, kind, help, and the default of its class.
+
+    `named` has the value that a switch of its group is given where a profile has the group and says none of its
+    switches: with `cuts: {links: {}}` there are links as long as is usual. It is empty for options that are no switch.
+    """
 
     name: str
     key: str
     kind: OptionKind
     help: str
     default: Any
+    named: tuple[Any, ...] = ()
 
     @property
     def unit(self) -> str:
@@ -33,9 +38,9 @@ class Option:
         return self.kind.bare if isinstance(self.kind, Quantity) else ""
 
 
-def option(kind: OptionKind, help: str) -> dict[str, Any]:
+def option(kind: OptionKind, help: str, named: tuple[Any, ...] = ()) -> dict[str, Any]:
     """Metadata of a dataclass field that a profile can set: `field(default=…, metadata=option(LENGTH, "…"))`."""
-    return {"kind": kind, "help": help}
+    return {"kind": kind, "help": help, "named": named}
 
 
 def options_of(owner: Any) -> tuple[Option, ...]:
@@ -51,7 +56,14 @@ def options_of(owner: Any) -> tuple[Option, ...]:
     [('reach_mm', 'reach', 'mm', 25.0)]
     """
     return tuple(
-        Option(f.name, _key(f.name, f.metadata["kind"]), f.metadata["kind"], f.metadata["help"], f.default)
+        Option(
+            f.name,
+            _key(f.name, f.metadata["kind"]),
+            f.metadata["kind"],
+            f.metadata["help"],
+            f.default,
+            f.metadata.get("named", ()),
+        )
         for f in dataclasses.fields(owner)
         if "kind" in f.metadata
     )

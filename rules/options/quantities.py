@@ -22,6 +22,7 @@ class Quantity(OptionKind):
     """A number with a unit: `units` are their sizes in the program's own, `bare` is that of a bare number.
 
     Every quantity has an end, `at_most`, far beyond what any plant has: sums of costs then fit the engines' integers.
+    `likely` are the least and the most that plants have, where that is known: beyond it another unit must be meant.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Quantity(OptionKind):
     at_least: float | None = 0.0
     above: float | None = None
     example: str = "1.5"
+    likely: tuple[float, float] | None = None
 
     def read(self, node: yaml.Node) -> float:
         found = re.fullmatch(rf"\s*({NUMBER})\s*((?:[A-Za-z/%°][A-Za-z0-9/%]*)?)\s*", digits(node, self))
@@ -42,10 +44,28 @@ class Quantity(OptionKind):
         value = float(Fraction(number) * self.units[unit])
         if (self.at_least is not None and value < self.at_least) or (self.above is not None and value <= self.above):
             raise self.refuse(node)
+        if self.likely is not None and not self.likely[0] <= value <= self.likely[1]:
+            raise Unfit(self._unlikely(value, number, unit), node)
         if abs(value) > self.at_most:
             most = f"{self._most():g} {self.bare}"
             raise Unfit(f"expected {self.expected()}, and no more than {most}, got {found[0].strip()!r}", node)
         return value
+
+    def _unlikely(self, value: float, number: str, unit: str) -> str:
+        """That a value is too small or too large for any plant, with the units in which its number is not."""
+        assert self.likely is not None
+        low, high = self.likely
+        fits = [u for u, size in self.units.items() if low <= float(Fraction(number) * size) <= high]
+        meant = [f"{number} {', '.join(fits[:-1])}{' or ' if fits[1:] else ''}{fits[-1]}"] if fits else []
+        thousand = float(Fraction(number) * 1000 * self.units[unit])
+        if re.fullmatch(r"\d{1,3}\.\d{3}", number) and low <= thousand <= high:
+            meant.insert(0, f"{number.replace('.', '')} {unit}")
+        hint = f": did you mean {', or '.join(meant)}?" if meant else ""
+        return f"{self._short(value)} is not likely, expected {self._short(low)} to {self._short(high)}{hint}"
+
+    def _short(self, value: float) -> str:
+        number, _, unit = self.write(value).partition(" ")
+        return f"{float(number):.6g} {unit}"
 
     def _most(self) -> float:
         return float(Fraction(self.at_most) / self.units[self.bare])
@@ -62,6 +82,9 @@ class Quantity(OptionKind):
             number["minimum"] = self.at_least
         if self.above is not None:
             number["exclusiveMinimum"] = self.above
+        if self.likely is not None:
+            low, high = (float(f"{float(Fraction(end) / self.units[self.bare]):.12g}") for end in self.likely)
+            number = {"type": "number", "minimum": low, "maximum": high}
         pattern = rf"^\s*{NUMBER}\s*({'|'.join(self.units)})?\s*$"
         return {"anyOf": [number, {"type": "string", "pattern": pattern}]}
 
@@ -124,6 +147,22 @@ ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", at_most=1e9, example="
 def positive(quantity: Quantity) -> Quantity:
     """The same quantity, but zero is refused."""
     return dataclasses.replace(quantity, at_least=None, above=0.0)
+
+
+def likely(quantity: Quantity, least: float, most: float) -> Quantity:
+    """The same quantity, between the least and the most that plants have, in the program's own unit."""
+    return dataclasses.replace(quantity, likely=(least, most))
+
+
+# What the settings of plants are like, in profiles and charts alike. Beyond it a number is in another unit.
+
+LEAD = likely(LENGTH, 0.0, 500.0)
+THICKNESS = likely(positive(LENGTH), 0.05, 500.0)
+KERF = likely(LENGTH, 0.01, 20.0)
+CUT_FEED = likely(SPEED, 0.05, 2000.0)
+MARK_FEED = likely(SPEED, 0.05, 5000.0)
+PIERCE_TIME = likely(DURATION, 0.0, 120.0)
+TORCH_HEIGHT = likely(LENGTH, 0.0, 100.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -29,10 +30,10 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 
 from .linked_files import with_chart, with_dialect_beside, with_model_files, with_python_files
-from .plant_sections import is_own_dialect
+from .plant_sections import is_own_dialect, kept_of_thickness
 from .profile import Profile
 from .profile_sections import check_together, own_model_rule
-from .sections import SECTIONS, RuleSetting, default_settings
+from .sections import SECTIONS, RuleSetting, default_settings, named_in_group, where_it_belongs
 from .time_section import LawLeft, Time
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
 
 DEFAULT = "plasma-carbon-steel"
 """The shipped profile that is used where none is named."""
+SHIPPED = "kerfwise/rules/profile/shipped/"
+"""What the names of shipped profiles' files begin with in messages."""
 LONGEST_CHAIN = 20
 
 
@@ -135,7 +138,7 @@ def content_of(name: str, folder: Path) -> tuple[str, str, bytes]:
     """File name, place and bytes of a profile given by shipped name or path."""
     shipped = shipped_profiles()
     if name in shipped:
-        return f"kerfwise/rules/profile/shipped/{name}.yaml", str(shipped[name]), shipped[name].read_bytes()
+        return f"{SHIPPED}{name}.yaml", str(shipped[name]), shipped[name].read_bytes()
     path = folder / name
     try:
         return str(path), str(path), read_limited(path, MOST_BYTES_OF_YAML)
@@ -224,17 +227,20 @@ def profile_values(
     trust: bool = False,
 ) -> ProfileValues:
     """The same of YAML that is read already."""
-    found = _top_level(root, problems)
+    known = RULES | start["further_rules"]
+    found = _top_level(root, problems, known)
     given = dict(start)
     if "based_on" in found:
         given |= _base(found["based_on"], problems, load_base) | {"name": start["name"]}
-    measured_mm_s = given["machine"].cut_feed_mm_s
+    measured_mm_s, start_mm = given["machine"].cut_feed_mm_s, given["material"].thickness_mm
     if "name" in found:
         given["name"] = escape_text(_read(found["name"], Text(), problems, "name") or "")
     for section in SECTIONS:
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
-            given[section] = read_fields(members, given[section], problems, section)
+            given[section] = read_fields(
+                members, given[section], problems, section, elsewhere=partial(where_it_belongs, rules=known)
+            )
     given = with_dialect_beside(found.get("machine"), given, problems)
     if not problems.found:
         given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
@@ -251,6 +257,7 @@ def profile_values(
     places = _places(found, problems.file)
     given["said_at"] = {**given["said_at"], **places}
     given |= _timed_at(measured_mm_s, given, places)
+    given["kept"] = kept_of_thickness(start_mm, given, places)
     if root is not None:
         check_together(given, root, problems)
     problems.raise_any()
@@ -277,13 +284,13 @@ def _timed_at(measured_mm_s: float, given: Mapping[str, Any], places: Mapping[st
     return {"time": timed, "law_left": left, "said_at": said_at}
 
 
-def _top_level(root: yaml.Node | None, problems: Problems) -> dict[str, yaml.Node]:
+def _top_level(root: yaml.Node | None, problems: Problems, known: Mapping[str, Rule[Any]]) -> dict[str, yaml.Node]:
     found = {}
     for key, key_node, value in entries(root, problems, "profile") if root is not None else ():
         if key in KEYS:
             found[key] = value
         else:
-            problems.add(key_node, unknown("key", key, KEYS))
+            problems.add(key_node, where_it_belongs(key, KEYS, known) or unknown("key", key, KEYS))
     return found
 
 
@@ -328,18 +335,25 @@ def read_fields(
     problems: Problems,
     what: str,
     other: Iterable[str] = (),
+    elsewhere: Callable[[str, Sequence[str]], str] = lambda key, valid: "",
 ) -> T:
-    """The dataclass `base` with the options that a mapping gives; `other` are valid keys that are read elsewhere."""
+    """The dataclass `base` with the options that a mapping gives; `other` are valid keys that are read elsewhere.
+
+    `elsewhere` says where else a profile has a key that is none of these.
+    """
     options = {option.key: option for option in options_of(base)}
     given: ProfileValues = {}
     for key, key_node, value in members:
         if key not in options:
+            valid = [*options, *other]
             comma = "; decimals are written with a point" if key.isdigit() and is_empty(value) else ""
-            problems.add(key_node, f"{what}: {unknown('key', key, [*options, *other])}{comma}")
+            problems.add(key_node, f"{what}: {elsewhere(key, valid) or unknown('key', key, valid)}{comma}")
             continue
         if isinstance(options[key].kind, Members):
-            inner = entries(value, problems, f"{what}.{key}")
-            given[options[key].name] = read_fields(inner, getattr(base, options[key].name), problems, f"{what}.{key}")
+            inner = list(entries(value, problems, f"{what}.{key}"))
+            old = getattr(base, options[key].name)
+            group = read_fields(inner, old, problems, f"{what}.{key}", elsewhere=elsewhere)
+            given[options[key].name] = named_in_group(group, [name for name, _, _ in inner])
             continue
         try:
             given[options[key].name] = options[key].kind.read(value)
@@ -358,7 +372,8 @@ def read_rules(
             with rule_hook(known[name], "its options"):
                 settings[name] = _read_rule(value, known[name], settings[name], problems)
         else:
-            problems.add(key_node, f"rules: {unknown('rule', name, known)}")
+            wrong = where_it_belongs(name, list(known), known) or unknown("rule", name, known)
+            problems.add(key_node, f"rules: {wrong}")
     return settings
 
 
@@ -376,8 +391,11 @@ def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Pr
         weight = _read(said["weight"], LENGTH, problems, f"{what}.weight")
         if strength != "soft":
             problems.add(said["weight"], f"{what}.weight: only a soft rule has a weight, this one is {strength}")
+    if not members and strength == "off":
+        problems.add(node, f"{what}: the rule is off, and nothing is said of it: {_say_strength(rule)}")
     rest = [member for member in members if member[0] not in said]
-    options = read_fields(rest, base.options, problems, what, other=("strength", "weight"))
+    stand = partial(where_it_belongs, rules=RULES)
+    options = read_fields(rest, base.options, problems, what, other=("strength", "weight"), elsewhere=stand)
     if rule.brought and rest and strength == "off" and "strength" not in said:
         problems.add(node, f"{what}: rules from outside are off unless a profile says otherwise: {_say_strength(rule)}")
     return RuleSetting(strength, _weight(rule, strength, weight), options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
@@ -13,18 +14,25 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.charts.chart import ROW_CHOICE, RowChoice
 from kerfwise.rules.charts.read_chart import ChartUnits
 from kerfwise.rules.options.kind import Choice, Flag, Number, Text, TextOrWord
-from kerfwise.rules.options.option import Members, option
+from kerfwise.rules.options.option import Members, option, options_of
 from kerfwise.rules.options.quantities import (
     AMPS,
+    CUT_FEED,
     DURATION,
     FLOW,
+    KERF,
     LENGTH,
+    MARK_FEED,
+    PIERCE_TIME,
     SHARE_OF_POWER,
     SPEED,
+    THICKNESS,
+    TORCH_HEIGHT,
     VOLTS,
     LengthSpan,
     OrWord,
     PointXY,
+    likely,
     positive,
 )
 
@@ -76,7 +84,9 @@ class Torches:
     """Torches on one gantry, which follow the same path side by side."""
 
     count: int = field(default=1, metadata=option(Number(1, 8, whole=True), "torches on the gantry"))
-    spacing_mm: float = field(default=0.0, metadata=option(LENGTH, "from each torch to the next"))
+    spacing_mm: float = field(
+        default=0.0, metadata=option(likely(LENGTH, 0.0, 20_000.0), "from each torch to the next")
+    )
     axis: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis along which they stand, upwards"))
     up_to_mm: float | None = field(
         default=None,
@@ -134,10 +144,10 @@ class Machine:
     )
     travel_x_mm: Point | None = field(default=None, metadata=option(_SPAN, "least and most X that the torch can go to"))
     travel_y_mm: Point | None = field(default=None, metadata=option(_SPAN, "least and most Y that the torch can go to"))
-    cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(SPEED, "speed while cutting"))
-    mark_feed_mm_s: float = field(default=100.0, metadata=option(SPEED, "speed while marking"))
-    travel_mm_s: float = field(default=250.0, metadata=option(SPEED, "speed of idle travel"))
-    pierce_time_s: float = field(default=0.5, metadata=option(DURATION, "time to pierce"))
+    cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(CUT_FEED, "speed while cutting"))
+    mark_feed_mm_s: float = field(default=100.0, metadata=option(MARK_FEED, "speed while marking"))
+    travel_mm_s: float = field(default=250.0, metadata=option(likely(SPEED, 1.0, 10_000.0), "speed of idle travel"))
+    pierce_time_s: float = field(default=0.5, metadata=option(PIERCE_TIME, "time to pierce"))
     pierce_dwell: PierceDwell | None = field(
         default=None,
         metadata=option(
@@ -145,7 +155,8 @@ class Machine:
         ),
     )
     edge_preheat_s: float = field(
-        default=0.0, metadata=option(DURATION, "time to preheat the sheet's edge before an edge start")
+        default=0.0,
+        metadata=option(likely(DURATION, 0.0, 600.0), "time to preheat the sheet's edge before an edge start"),
     )
     kerf_start: bool = field(
         default=True,
@@ -154,7 +165,7 @@ class Machine:
     torches: Torches = field(
         default=Torches(), metadata=option(Members(Torches), "torches side by side, for nests of copies")
     )
-    mark_time_s: float = field(default=0.2, metadata=option(DURATION, "time to start marking"))
+    mark_time_s: float = field(default=0.2, metadata=option(likely(DURATION, 0.0, 120.0), "time to start marking"))
     head: str = field(
         default="up", metadata=option(Choice(("up", "down")), "whether the head is lifted on idle travel")
     )
@@ -177,7 +188,7 @@ class Machine:
 
 # What a profile says of the sheet, of how the machine is set for it, and of the chart that knows more.
 
-_HEIGHT = OrWord(LENGTH, none="unknown")
+_HEIGHT = OrWord(TORCH_HEIGHT, none="unknown")
 _POWER = OrWord(SHARE_OF_POWER, none="unknown")
 
 
@@ -186,8 +197,8 @@ class Material:
     """What is cut."""
 
     name: str = field(default="S235", metadata=option(Text(), "grade of the sheet"))
-    thickness_mm: float = field(default=6.0, metadata=option(positive(LENGTH), "thickness of the sheet"))
-    kerf_mm: float = field(default=1.5, metadata=option(LENGTH, "width that the cut burns away"))
+    thickness_mm: float = field(default=6.0, metadata=option(THICKNESS, "thickness of the sheet"))
+    kerf_mm: float = field(default=1.5, metadata=option(KERF, "width that the cut burns away"))
     chart: str | None = field(
         default=None, metadata=option(TextOrWord("none"), "file of the chart that has what is not said here")
     )
@@ -233,6 +244,54 @@ class Material:
             "what the control calls it: a number, or blocks with ; between, for a dialect's {process}",
         ),
     )
+
+
+BY_THICKNESS = ("material.kerf", "machine.cut_feed", "machine.pierce_time")
+"""Values that another thickness of the same sheet needs otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class KeptOfThickness:
+    """Values that are still those of the thickness that a profile was made for, though the sheet has another."""
+
+    made_for_mm: float
+    keys: tuple[str, ...]
+
+    def told(self, machine: Machine, material: Material) -> str:
+        """That they stay as they are, for a planner.
+
+        Examples
+        --------
+        >>> kept = KeptOfThickness(6.0, ("material.kerf", "machine.pierce_time"))
+        >>> kept.told(Machine(), Material(thickness_mm=12.0)).partition(":")[0]
+        'material.thickness is 12 mm, and kerf 1.5 mm and pierce_time 0.5 s stay as they are for 6 mm'
+        """
+        values = {
+            f"{section}.{o.key}": f"{o.key} {o.kind.write(getattr(owner, o.name))}"
+            for section, owner in (("machine", machine), ("material", material))
+            for o in options_of(owner)
+        }
+        told = [values[key] for key in self.keys]
+        listed = ", ".join(told[:-1]) + (" and " if told[1:] else "") + told[-1]
+        verb, them = ("stay as they are", "them") if told[1:] else ("stays as it is", "it")
+        return (
+            f"material.thickness is {material.thickness_mm:g} mm, and {listed} {verb} for {self.made_for_mm:g} mm: say "
+            f"{them} for this sheet too ({', '.join(self.keys)}), or name a material chart"
+        )
+
+
+def kept_of_thickness(base_mm: float, given: Mapping[str, Any], said: Mapping[str, str]) -> KeptOfThickness | None:
+    """Which values are still those of another thickness, in a profile that `said` these keys over one for `base_mm`.
+
+    What its chart gives it is for its thickness.
+    """
+    thickness_mm, chart, before = given["material"].thickness_mm, given["chart"], given["kept"]
+    made_for_mm = base_mm if before is None else before.made_for_mm
+    if math.isclose(thickness_mm, made_for_mm, rel_tol=1e-6) or chart is not None:
+        return None
+    left = BY_THICKNESS if before is None else before.keys
+    keys = tuple(key for key in left if key not in said)
+    return KeptOfThickness(made_for_mm, keys) if keys else None
 
 
 # What a sheet is made of: the shipped table of thermal data, `materials.yaml`, sources and all.
@@ -297,12 +356,15 @@ class Heat:
     ambient_c: float = field(default=20.0, metadata=option(Number(-50, 200), "temperature of the air and sheet, °C"))
     limit_c: float = field(default=115.0, metadata=option(Number(-50), "a point hotter than this is an overheat, °C"))
     kerf_band_mm: float = field(
-        default=10.0, metadata=option(LENGTH, "metal this near to the cut is hot anyway and not counted")
+        default=10.0,
+        metadata=option(likely(LENGTH, 0.0, 1000.0), "metal this near to the cut is hot anyway and not counted"),
     )
     loss_w_m2k: float = field(
         default=15.0, metadata=option(Number(0), "W per m² and kelvin that each face of the sheet gives to the air")
     )
-    grid_mm: float = field(default=5.0, metadata=option(positive(LENGTH), "distance between points of the grid"))
+    grid_mm: float = field(
+        default=5.0, metadata=option(likely(positive(LENGTH), 0.05, 500.0), "distance between points of the grid")
+    )
     logical_conduction: float = field(
         default=0.1, metadata=option(Number(0, 1), "share that each of 8 neighbours is given a step, scheme logical")
     )

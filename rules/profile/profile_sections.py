@@ -22,7 +22,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Plant, Rule, RuleFile, Strength, TemperatureLimit
 
 from .linked_files import ChartUse, ModelSource
-from .plant_sections import MACHINE_WAITS, Heat, Prices
+from .plant_sections import MACHINE_WAITS, Heat, KeptOfThickness, Prices
 from .sections import (
     Common,
     Corners,
@@ -68,6 +68,7 @@ class ProfileSections:
     nesting: Nesting = field(default_factory=Nesting)
     chart: ChartUse | None = field(default=None, compare=False)
     law_left: LawLeft | None = field(default=None, compare=False)
+    kept: KeptOfThickness | None = field(default=None, compare=False)
     said_at: Mapping[str, str] = field(default_factory=dict, compare=False)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
@@ -148,8 +149,10 @@ class ProfileSections:
         return () if self.chart is None else tuple(self.chart.notes())
 
     def time_and_price_notes(self) -> tuple[str, ...]:
-        """What a planner would want to know of times and prices: a law that does not hold, what the cost leaves out."""
+        """What a planner would want to know of times and prices: what does not hold, or is for another thickness."""
         notes = [] if self.law_left is None else [self.law_left.told(self.machine.cut_feed_mm_s)]
+        if self.kept is not None:
+            notes.append(self.kept.told(self.machine, self.material))
         half_given = list(self.prices.half_given(self.material.gas_flow_m3_h))
         if not (half_given or self.prices.given) and any(key.startswith("prices.") for key in self.said_at):
             half_given = ["prices: no price is given, so that no cost is told"]
@@ -294,6 +297,10 @@ def _only(these: tuple[str, ...], those: tuple[str, ...]) -> Iterator[str]:
 # What only the values of a profile taken together can get wrong.
 
 
+SLOWEST_MM_S = 1 / 3
+"""The slowest feed that anything but a water jet cuts at; slower ones are mostly m/min without their unit."""
+
+
 def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
     """Note values that contradict each other, at the one that the file gives."""
     leads: LeadsSection = given["leads"]
@@ -322,6 +329,15 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             deepest(root, "leads", "edge_start"),
             "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
             "7 s",
+        )
+    feed_node = deepest(root, "machine", "cut_feed")
+    slow = machine.process != "water-jet" and machine.cut_feed_mm_s < SLOWEST_MM_S
+    if slow and isinstance(feed_node, yaml.ScalarNode):
+        feed, least = (f"{mm_s * 60:.6g}" for mm_s in (machine.cut_feed_mm_s, SLOWEST_MM_S))
+        problems.add(
+            feed_node,
+            f"machine.cut_feed: {feed} mm/min is not likely for {machine.process}, expected {least} mm/min and more: "
+            f"did you mean {feed} m/min?",
         )
     for path, text in common_cut_problems(given["cuts"].common, machine, material):
         problems.add(deepest(root, *path), text)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal, get_args
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import SequenceMatcher
+from typing import Any, Literal, get_args
 
 from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.cut import Side
@@ -14,20 +15,23 @@ from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
 from kerfwise.encoder.readers.layers import PURPOSES, Purpose
 from kerfwise.encoder.readers.options import UNITS, FrameName, OpenLines, ScrapLines
 from kerfwise.encoder.small_holes import HoleLimits, Under
+from kerfwise.encoder.text import nearest
 from kerfwise.encoder.torch_path import CornerFeed
 from kerfwise.rules.options.kind import Choice, Flag, Number, Pairs, Text
-from kerfwise.rules.options.option import Members, option
+from kerfwise.rules.options.option import Members, option, options_of
 from kerfwise.rules.options.quantities import (
+    LEAD,
     LENGTH,
     LENGTH_BY_THICKNESS,
     ByThickness,
     OrWord,
     Thicknesses,
     length_at,
+    likely,
     positive,
 )
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import RuleSetting
+from kerfwise.rules.rule import Rule, RuleSetting
 
 from .plant_sections import Heat, Machine, Material, Prices
 from .time_section import Time
@@ -51,7 +55,9 @@ __all__ = [
 class Links:
     """Ways through waste from one contour to the next with the torch on."""
 
-    longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link; 0 mm: none"))
+    longest_mm: float = field(
+        default=0.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "longest link; 0 mm: none", named=(30.0,))
+    )
 
 
 GoodSide = Literal["part", "any"]
@@ -63,10 +69,15 @@ class Common:
 
     shortest_mm: float | None = field(
         default=None,
-        metadata=option(OrWord(positive(LENGTH), "off"), "cut common edges once, where one is as long as this"),
+        metadata=option(
+            OrWord(likely(positive(LENGTH), 0.1, 1e4), "off"),
+            "cut common edges once, where one is as long as this",
+            named=(20.0,),
+        ),
     )
     gap_tolerance_mm: float = field(
-        default=0.05, metadata=option(LENGTH, "how much more or less than a kerf may lie between common edges")
+        default=0.05,
+        metadata=option(likely(LENGTH, 0.0, 20.0), "how much more or less than a kerf may lie between common edges"),
     )
     good_side: GoodSide = field(
         default="part",
@@ -87,13 +98,17 @@ class Scrap:
     grid_mm: float | None = field(
         default=None,
         metadata=option(
-            OrWord(positive(LENGTH), "off"), "cut the skeleton into pieces no larger than this, either way"
+            OrWord(likely(positive(LENGTH), 20.0, 1e5), "off"),
+            "cut the skeleton into pieces no larger than this, either way",
+            named=(500.0,),
         ),
     )
     remnant: Side | None = field(
         default=None,
         metadata=option(
-            Choice(("off", *get_args(Side)), none="off"), "save the largest unused rectangle along this side"
+            Choice(("off", *get_args(Side)), none="off"),
+            "save the largest unused rectangle along this side",
+            named=(None,),
         ),
     )
 
@@ -186,7 +201,8 @@ class SmallHoles:
         metadata=option(Number(0.05, 1), "share of the cut feed at min_hole; it rises in a line to full_feed_hole"),
     )
     spot_size_mm: float = field(
-        default=2.0, metadata=option(positive(LENGTH), "size of the cross that marks the middle of a hole")
+        default=2.0,
+        metadata=option(likely(positive(LENGTH), 0.05, 500.0), "size of the cross that marks the middle of a hole"),
     )
 
     def limits(self, thickness_mm: float, clearance_mm: float) -> HoleLimits:
@@ -229,9 +245,9 @@ class LeadsSection:
     lead_in_mm: ByThickness = field(
         default=6.0, metadata=option(LENGTH_BY_THICKNESS, "length of the lead-in where there is room")
     )
-    lead_in_min_mm: float = field(default=1.0, metadata=option(LENGTH, "shortest lead-in where there is not"))
+    lead_in_min_mm: float = field(default=1.0, metadata=option(LEAD, "shortest lead-in where there is not"))
     lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
-    lead_out_length_mm: float = field(default=2.0, metadata=option(LENGTH, "length of the lead-out"))
+    lead_out_length_mm: float = field(default=2.0, metadata=option(LEAD, "length of the lead-out"))
     hole_overcut_mm: ByThickness = field(
         default=1.0, metadata=option(LENGTH_BY_THICKNESS, "how far a hole is cut past its entry")
     )
@@ -301,7 +317,9 @@ class DrawingSection:
     margin_mm: float = field(
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")
     )
-    join_tolerance_mm: float = field(default=0.1, metadata=option(positive(LENGTH), "loose ends this near are joined"))
+    join_tolerance_mm: float = field(
+        default=0.1, metadata=option(likely(positive(LENGTH), 1e-5, 50.0), "loose ends this near are joined")
+    )
     refit_arcs_mm: float | None = field(
         default=None,
         metadata=option(
@@ -317,6 +335,89 @@ class Objective:
     idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
     heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
     time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel, piercing or leads"))
+
+
+def named_in_group(group: Any, said: Collection[str]) -> Any:
+    """A group of options that a profile has: on, where neither it nor a profile that it is based on says by what.
+
+    `said` are the keys that stand in it.
+
+    Examples
+    --------
+    >>> named_in_group(Links(), ()), named_in_group(Links(), ("longest",)), named_in_group(Scrap(remnant="right"), ())
+    (Links(longest_mm=30.0), Links(longest_mm=0.0), Scrap(grid_mm=None, remnant='right'))
+    """
+    switches = [o for o in options_of(group) if o.named]
+    if any(o.key in said or getattr(group, o.name) != o.default for o in switches):
+        return group
+    return replace(group, **{o.name: o.named[0] for o in switches})
+
+
+_MOST_PLACES = 4
+"""Places that a message names for a key."""
+_ALIKE = 0.85
+"""So much like a valid key of its section a key is a misspelling of that, whatever others there are."""
+_TOP = ("based_on", "locks", "models", "own_rules", "python", "rules")
+"""Keys of a profile that are no sections."""
+
+
+def where_it_belongs(key: str, valid: Sequence[str], rules: Mapping[str, Rule[Any]]) -> str:
+    """Where a profile has a key that is not valid where it stands, or one that is called nearly so; "" where nowhere.
+
+    Examples
+    --------
+    >>> where_it_belongs("kerf", ["travel"], RULES)
+    "there is no key 'kerf' here, it belongs under material: {kerf: …}"
+    """
+    guess = nearest(key, valid)
+    if guess is not None and SequenceMatcher(None, key, guess).ratio() > _ALIKE:
+        return ""
+    if places := where_keys_stand(key, rules):
+        return f"there is no key {key!r} here, it belongs under {_either(places)}"
+    if guess is None and (guess := nearest(key, _every_key(rules))) is not None:
+        return f"there is no key {key!r} here; did you mean {_either(where_keys_stand(guess, rules))}?"
+    return ""
+
+
+def _either(places: Sequence[str]) -> str:
+    shown = places[:_MOST_PLACES]
+    listed = " or ".join((", ".join(shown[:-1]), shown[-1])) if shown[1:] else shown[0]
+    return listed + (", …" if len(places) > len(shown) else "")
+
+
+def _every_key(rules: Mapping[str, Rule[Any]]) -> Iterator[str]:
+    yield from rules
+    owners = [*SECTIONS.values(), *(rule.Options for rule in rules.values())]
+    for owner in owners:
+        yield from (one.key for one in options_of(owner))
+        owners += [one.kind.owner for one in options_of(owner) if isinstance(one.kind, Members)]
+
+
+def where_keys_stand(key: str, rules: Mapping[str, Rule[Any]]) -> tuple[str, ...]:
+    """Every place where a profile has a key of this name, a section, an option or a rule, as YAML that leads there.
+
+    Examples
+    --------
+    >>> where_keys_stand("kerf", RULES), where_keys_stand("level-ahead", RULES), where_keys_stand("longest", RULES)
+    (('material: {kerf: …}',), ('rules: {level-ahead: …}',), ('cuts: {links: {longest: …}}',))
+    """
+    found = [f"{key}: {{…}}" if key in SECTIONS else f"{key}: …"] if key in (*SECTIONS, *_TOP) else []
+    found += [text for name, owner in SECTIONS.items() for text in _groups(name, owner, key)]
+    found += [f"rules: {{{key}: …}}"] if key in rules else []
+    found += [f"rules: {{{name}: {{{key}: …}}}}" for name, rule in rules.items() if _has(rule.Options, key)]
+    return tuple(found)
+
+
+def _groups(name: str, owner: Any, key: str) -> Iterator[str]:
+    for one in options_of(owner):
+        if one.key == key:
+            yield f"{name}: {{{key}: {'{…}' if isinstance(one.kind, Members) else '…'}}}"
+        if isinstance(one.kind, Members):
+            yield from (f"{name}: {{{inner}}}" for inner in _groups(one.key, one.kind.owner, key))
+
+
+def _has(owner: Any, key: str) -> bool:
+    return any(one.key == key for one in options_of(owner))
 
 
 def default_settings() -> dict[str, RuleSetting]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -15,7 +16,7 @@ import yaml
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Text, Unfit
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import ACCELERATION, LENGTH, SPEED, positive
+from kerfwise.rules.options.quantities import ACCELERATION, CUT_FEED, LENGTH, SPEED, likely, positive
 
 # Cutting feed by the length of the program: how fast a machine really cuts when its program has n blocks.
 #
@@ -41,9 +42,12 @@ class LawPiece:
 
     def at(self, blocks: float) -> float:
         """The formula's value at n = `blocks`, whatever range it is for."""
-        if self.power is not None:
-            return float(self.power[0] * blocks ** self.power[1])
-        return float(sum(c * blocks**k for k, c in enumerate(self.polynomial)))
+        try:
+            if self.power is not None:
+                return float(self.power[0] * blocks ** self.power[1])
+            return float(sum(c * blocks**k for k, c in enumerate(self.polynomial)))
+        except OverflowError:
+            return math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +110,19 @@ class FeedLaw:
                 )
         slowest = min(self._marks())
         return None if slowest > 0 else f"the feed must be over 0 for every n, it falls to {slowest:.6g} mm/s"
+
+    def unlikely(self) -> str | None:
+        """What of a law's feeds no machine has, in words; None where they are likely up to the longest program."""
+        low, high = CUT_FEED.likely or (0.0, math.inf)
+        feeds = [*self._marks(), self.mm_s(LONGEST)]
+        for mm_s in (min(feeds), max(feeds)):
+            if not low <= mm_s <= high:
+                told = f"{mm_s:.6g} mm/s" if mm_s < math.inf else "no number any more"
+                return (
+                    f"the feed is {told} for some program of up to {LONGEST} blocks: expected {low:g} to {high:g} "
+                    "mm/s; are the formulas in another unit?"
+                )
+        return None
 
     def _marks(self) -> list[float]:
         """The feed at every n where it can be largest or smallest."""
@@ -214,7 +231,7 @@ def _read_law(node: yaml.Node) -> FeedLaw:
             raise Unfit(f"the formulas need their unit: expected one of {', '.join(SPEED.units)}", node)
         unit = str(Choice(tuple(SPEED.units)).read(members["unit"]))
         law = replace(law, unit=unit, pieces=tuple(_piece(piece) for piece in _list(members["pieces"], "pieces")))
-    if wrong := law.wrong():
+    if wrong := law.wrong() or law.unlikely():
         raise Unfit(wrong, members["points" if law.points else "pieces"])
     return law
 
@@ -223,7 +240,7 @@ def _point(node: yaml.Node) -> tuple[int, float]:
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 2:
         raise Unfit("expected a point [blocks, feed] such as [120, 5.3 m/min]", node)
     blocks, feed = node.value
-    return int(_BLOCKS.read(blocks)), float(SPEED.read(feed))
+    return int(_BLOCKS.read(blocks)), float(CUT_FEED.read(feed))
 
 
 def _piece(node: yaml.Node) -> LawPiece:
@@ -305,10 +322,11 @@ class Time:
         default=None, metadata=option(LawKind(), "feed law of the model blocks: a shipped one's name, or one's own")
     )
     acceleration_mm_s2: float = field(
-        default=1000.0, metadata=option(ACCELERATION, "of the axes, for the model acceleration")
+        default=1000.0, metadata=option(likely(ACCELERATION, 1.0, 1e6), "of the axes, for the model acceleration")
     )
     corner_deviation_mm: float = field(
-        default=0.05, metadata=option(positive(LENGTH), "how far a corner may be rounded to take it faster")
+        default=0.05,
+        metadata=option(likely(positive(LENGTH), 1e-4, 50.0), "how far a corner may be rounded to take it faster"),
     )
 
 

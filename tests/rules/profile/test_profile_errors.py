@@ -102,7 +102,7 @@ MISTAKES = {
     ),
     "rules: {locks: off}": "1:16: rules.locks: expected one of hard, got 'off'",
     "rules: {locks: {locks: []}}": (
-        "1:17: rules.locks: unknown key 'locks' (valid: entry_tolerance, strength, weight)"
+        "1:17: rules.locks: there is no key 'locks' here, it belongs under locks: … or rules: {locks: …}"
     ),
     "locks: {contour: P1.outer}": "1:8: locks: expected a list, got a mapping",
     "locks:\n  - first": "2:5: locks[1]: expected a mapping (key: value), got 'first'",
