@@ -24,7 +24,7 @@ KEYS = (
 )
 OF_MATERIAL = (
     "amps, chart, chart_units, cut_height, gas, gas_flow, interpolate, kerf, mark_power, name, pierce_height, "
-    "pierce_power, power, row, thickness, volts"
+    "pierce_power, power, process, row, thickness, volts"
 )
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"
 SHIPPED = "laser-amg3m-1mm, laser-st10kp-2mm, laser-wood, oxyfuel-thick-plate, plasma-carbon-steel, water-jet"
