@@ -146,7 +146,7 @@ def read_old_job(
     old = old_on_machine(text, profile, trusted, file)
     if not old.program.burns:
         raise InputError("the program cuts nothing: the torch is never on", file=file)
-    notes: list[str] = []
+    notes: list[str] = list(old.notes)
     if old.fed_by and asked.feed_mm_min is None:
         notes.append(
             f"the program leaves its feed to the machine's material (line {old.fed_by[0]}): it is taken as the "

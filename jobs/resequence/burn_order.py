@@ -310,7 +310,7 @@ SLACK_MM = 0.01
 
 def stays(job: OldJob, before: Measured, nest: Nest | None, proven: bool, ends: str, listener: Listener) -> Resequenced:
     """The old program as it is."""
-    text, ended = job.old.text, listener.interrupted
+    text, ended = job.old.source, listener.interrupted
     return Resequenced(job.name, "keep", text, before, before, nest, None, proven, ends, job.notes, job.home, ended)
 
 

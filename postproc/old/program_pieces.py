@@ -63,6 +63,7 @@ class SplitProgram:
     step_mm: float = 0.0
     begin: Point = (0.0, 0.0)
     homing: tuple[int, Point] | None = None
+    newline: str = "\n"
 
 
 def split_program(old: OldProgram, file: str = "") -> SplitProgram:
@@ -85,6 +86,7 @@ def split_program(old: OldProgram, file: str = "") -> SplitProgram:
     counts = [row.burns for row in rows]  # a burn that goes on behind a tab was over, and is not
     ends = [next((k for k in range(len(rows), 0, -1) if counts[k - 1] <= n), 0) for n in range(len(burns))]
     first = next(k for k, row in enumerate(rows) if row.travels or row.line >= burns[0].line)
+    ends = [_with_rest(rows, end, burns[n + 1].line if n + 1 < len(burns) else None) for n, end in enumerate(ends)]
     ours = any(comment.upper().startswith(_OURS) for comment in old.program.comments)
     pieces = []
     for n, (burn, last) in enumerate(zip(burns, ends, strict=True)):
@@ -101,8 +103,20 @@ def split_program(old: OldProgram, file: str = "") -> SplitProgram:
     step_mm, end = old.program.step_mm, rows[ends[-1]].line
     numbering = None if step_mm else _numbering(texts)
     return SplitProgram(
-        head, state, tuple(pieces), tail, rapid, ours, numbering, burns, file, step_mm, old.begin, _homing(old, end)
-    )
+        head, state, tuple(pieces), tail, rapid, ours, numbering, burns, file, step_mm, old.begin, _homing(old, end),
+        old.newline,
+    )  # fmt: skip
+
+
+def _with_rest(rows: Sequence[LineEffect], end: int, next_line: int | None) -> int:
+    """The last row that belongs to a burn: waits, heights and the like before the next travel are behind its off."""
+    last = end
+    for k in range(end + 1, len(rows)):
+        row = rows[k]
+        if row.travels or row.halts or (next_line is not None and row.line >= next_line):
+            break
+        last = k if row.waits or row.carries else last
+    return last
 
 
 def _piece(
@@ -118,15 +132,9 @@ def _piece(
                 rows[k].line,
                 file,
             )
-        if rows[k].state.get("distance") == ("G91",):
+        if k < begin and (rows[k].waits or rows[k].carries) and not rows[k].travels and own.start > 0:
             raise _refused(
-                "positions that count from the last one (G91): not supported here; post the program with G90",
-                rows[k].line,
-                file,
-            )
-        if k < begin and rows[k].waits:
-            raise _refused(
-                "a wait with the torch off before a travel: nobody can be sure which burn it belongs to; put it "
+                "a wait, a height or the like between two travels: nobody can be sure which burn it belongs to; put it "
                 "behind the travel",
                 rows[k].line,
                 file,
@@ -251,7 +259,8 @@ SAME_MM = 0.0005
 """How far a point of a burn may lie, in the new program, from where it was."""
 _SET_BY_ITSELF = frozenset({"F", "power"})
 """What a burn sets before it needs it: that it is the same as before is seen when the program is read back."""
-_FROM_THE_START: Mapping[str, tuple[str, ...]] = {"speed": ("M68 E3 Q0",)}
+_STEPWISE = ("G91",)
+_FROM_THE_START: Mapping[str, tuple[str, ...]] = {"speed": ("M68 E3 Q0",), "kerf": ("G40",)}
 """What holds where nothing was said yet."""
 
 
@@ -285,18 +294,19 @@ def reordered(
         lines += headings[place] if headings else ()
         lines += piece.comments
         lines += _restored(state, piece, apart.file)
-        lines.append(_travel(at, piece.start, piece.before, apart))
+        lines += _travel(at, piece.start, piece.before, apart)
         lines += piece.body
         state, at = dict(piece.after), piece.end
     last = apart.pieces[-1]
     if order[-1] != len(apart.pieces) - 1:
         lines += _words(state, last.after)
     tail = list(apart.tail)
-    if apart.step_mm and apart.homing is not None and order[-1] != len(apart.pieces) - 1:
+    counts = apart.step_mm or last.after.get("distance") == _STEPWISE
+    if counts and apart.homing is not None and order[-1] != len(apart.pieces) - 1:
         number_of_line, home = apart.homing
-        tail[number_of_line] = _step(at, home, apart.step_mm)
+        tail[number_of_line : number_of_line + 1] = _travel(at, home, last.after, apart)
     lines += [text for text in tail if text.strip() and not (apart.ours and is_comment(text))]
-    return "\n".join([*_renumbered(lines, apart.numbered), ""])
+    return apart.newline.join([*_renumbered(lines, apart.numbered), ""])
 
 
 def _restored(state: State, piece: Piece, file: str) -> list[str]:
@@ -311,6 +321,8 @@ def _restored(state: State, piece: Piece, file: str) -> list[str]:
                 line=piece.line,
             )
         wanted[key] = _FROM_THE_START[key]
+    if wanted.get("distance") == _STEPWISE:  # the travel counts from zero, and says G91 behind it
+        wanted.pop("distance")
     return _words(state, wanted)
 
 
@@ -323,12 +335,13 @@ def _words(state: State, wanted: State) -> list[str]:
     return [word for key in missing for word in wanted[key]]
 
 
-def _travel(at: Point, to: Point, state: State, apart: SplitProgram) -> str:
+def _travel(at: Point, to: Point, state: State, apart: SplitProgram) -> list[str]:
     if apart.step_mm:
-        return _step(at, to, apart.step_mm)
+        return [_step(at, to, apart.step_mm)]
     inch = state.get("units") in (("G20",), ("G70",))
     x, y = (number(v / 25.4 if inch else v, 6) for v in to)
-    return f"{apart.rapid} X{x} Y{y}".strip()
+    block = f"{apart.rapid} X{x} Y{y}".strip()
+    return [f"G90 {block}", "G91"] if state.get("distance") == _STEPWISE else [block]
 
 
 def _step(at: Point, to: Point, step_mm: float) -> str:
@@ -378,10 +391,11 @@ def _alike(old: Burn, new: Burn) -> bool:
         return False
     off_mm = np.abs(old.path.vertices[:, :2] - new.path.vertices[:, :2]).max()
     bent = np.abs(old.path.vertices[:-1, 2] - new.path.vertices[:-1, 2]).max(initial=0.0)
-    was, now = ((b.pierce_s, b.paused_s, b.wait_s, b.moving_s, *np.ravel(b.unlit)) for b in (old, new))
+    was, now = ((b.pierce_s, b.paused_s, b.moving_s, *np.ravel(b.unlit)) for b in (old, new))
     return bool(off_mm <= SAME_MM and bent <= 1e-4 and np.allclose(was, now, rtol=1e-4, atol=1e-4))
 
 
 def _holds(old: Piece, new: Piece) -> bool:
     """Whether what was in force for a burn still is."""
-    return all(new.before.get(key) == words for key, words in old.before.items() if key not in _SET_BY_ITSELF)
+    by_itself = _SET_BY_ITSELF | {"distance"}
+    return all(new.before.get(key) == words for key, words in old.before.items() if key not in by_itself)

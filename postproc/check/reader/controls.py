@@ -25,7 +25,8 @@ def in_file(file: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
+        place = {"line": error.line, "column": error.column}
+        raise InputError(error.message, file=file or None, **place, details=error.details) from None
 
 
 def rows_of(text: str, longest: int = LONGEST, obeyed: str = "") -> Iterator[tuple[int, str]]:

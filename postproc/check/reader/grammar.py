@@ -55,6 +55,11 @@ _USES_M: Mapping[float, str] = {
 _USES_MOTION: Mapping[float | None, str] = {None: "", 0.0: "XY", 1.0: "XY", 2.0: "XYIJRP", 3.0: "XYIJRP"}
 
 
+def refused_g(code: float) -> str | None:
+    """Why a G word is refused that changes where the path lies; None for any other."""
+    return _REFUSED_G.get(code)
+
+
 def group_of(word: Word) -> str:
     """The modal group of a G or M word that is known here."""
     return (_GROUP_OF_M if word.letter == "M" else _GROUP_OF_G)[word.value]

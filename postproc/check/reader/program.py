@@ -333,7 +333,7 @@ class LineEffect:
 
     `state` is what is in force after it: units, feed, material and so on.
     `rapid` is its word of travel, `implied` the motion word in force that it moves by and does not say;
-    `moves` says that it says one.
+    `moves` says that it says one, `carries` that it holds words of the height and the like, or of the plant's own.
     `travels` says that it moves with the torch off, `waits` that it stands so, `halts` that the program stops there.
     """
 
@@ -346,3 +346,4 @@ class LineEffect:
     rapid: str = ""
     implied: str = ""
     moves: bool = False
+    carries: bool = False

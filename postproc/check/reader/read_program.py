@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from kerfwise.encoder.errors import InputError
@@ -16,11 +17,13 @@ from kerfwise.rules.profile.profile import Frame, Profile
 from .controls import QTPLASMAC, Control, in_file
 from .essi import read_essi
 from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of
+from .old_words import OldWords
 from .own_words import control_for
 from .program import LineEffect, NcProgram, State
-from .qtplasmac import OldWords
 from .rs274 import Machine, blocks, expect_words_for, read_nc
 from .tools import HALTS
+from .unfold import UnfoldedRow, needs_unfolding, unfold
+from .unknown_words import told_together
 from .words import Block, Word
 
 _NUMBER = r"-?\d+(?:\.\d+)?"
@@ -161,6 +164,25 @@ class OldProgram:
     fed_by: tuple[int, ...]
     text: str = field(repr=False, default="")
     begin: Point = (0.0, 0.0)
+    source: str = field(repr=False, default="")
+    notes: tuple[str, ...] = ()
+
+    @property
+    def newline(self) -> str:
+        """How its lines end."""
+        return "\r\n" if "\r\n" in self.source else "\n"
+
+
+@contextmanager
+def at_lines_of(rows: Sequence[UnfoldedRow] | None) -> Iterator[None]:
+    """What is refused meanwhile of unfolded rows is refused with the line of the program that they stand for."""
+    try:
+        yield
+    except InputError as error:
+        if rows is None or error.line is None or error.line > len(rows):
+            raise
+        line = rows[error.line - 1].line
+        raise InputError(error.message, file=error.file, line=line, details=error.details) from None
 
 
 def read_old(
@@ -195,32 +217,17 @@ def read_old(
         steps: list[LineEffect] = []
         program = read_essi(text, travel_mm_s, file, home, control, held_s, steps)
         _expect_cold_rapids(program, file)
-        return OldProgram(program, tuple(steps), (), (), text, home)
-    further = OldWords(control.filtered, feed_mm_min)
-    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further, torches)
-    traced: list[LineEffect] = []
+        return OldProgram(program, tuple(steps), (), (), text, home, text)
     with in_file(file):
-        for block in blocks(text, machine):
-            idle_mm, at, waited_s = machine.track.idle_mm, machine.track.at, machine.track.wait_s
-            modal = machine.moves.motion
-            machine.run(block)
-            _note(block, further, control)
-            if machine.track.at != at:
-                _expect_units(block, further.state, control)
-            travels = machine.track.idle_mm > idle_mm or _names_place(block, machine)
-            traced.append(
-                LineEffect(
-                    block.line,
-                    len(machine.track.burns),
-                    travels,
-                    machine.track.wait_s > waited_s,
-                    any(word.value in HALTS for word in block.m),
-                    dict(further.state),
-                    _travel_word(block, machine) if travels else "",
-                    _implied(block, modal, control),
-                    block.has_g(*MOTION),
-                )
-            )
+        rows = unfold(text, control.filtered) if needs_unfolding(text) else None
+    source, text = text, text if rows is None else "\n".join([*(row.text for row in rows), ""])
+    further = OldWords(control, feed_mm_min)
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further, torches)
+    with in_file(file), at_lines_of(rows):
+        try:
+            traced = list(_traced(text, machine, further, control))
+        except InputError as error:
+            raise told_together(error, text, control, [row.line for row in rows or ()]) from None
         machine.expect_end()
         if machine.track.open is not None:
             raise InputError(
@@ -229,7 +236,51 @@ def read_old(
             )
         program = machine.done()
         _expect_cold_rapids(program, file)
-    return OldProgram(program, tuple(traced), tuple(sorted(further.kerfs_mm)), tuple(further.used), text, home)
+    kerfs, notes = tuple(sorted(further.kerfs_mm)), tuple(_notes(further, rows))
+    return OldProgram(program, tuple(traced), kerfs, tuple(further.used), text, home, source, notes)
+
+
+def _traced(text: str, machine: Machine, further: OldWords, control: Control) -> Iterator[LineEffect]:
+    """Run the program, and say of each line what it does."""
+    for block in blocks(text, machine):
+        idle_mm, at, waited_s = machine.track.idle_mm, machine.track.at, machine.track.wait_s
+        modal, further.lit = machine.moves.motion, machine.track.open is not None
+        machine.run(block)
+        further.lit = machine.track.open is not None
+        _note(block, further, control)
+        if machine.track.at != at:
+            _expect_units(block, further.state, control)
+        travels = machine.track.idle_mm > idle_mm or _names_place(block, machine)
+        yield LineEffect(
+            block.line,
+            len(machine.track.burns),
+            travels,
+            machine.track.wait_s > waited_s,
+            any(word.value in HALTS for word in block.m),
+            dict(further.state),
+            _travel_word(block, machine) if travels else "",
+            _implied(block, modal, control),
+            block.has_g(*MOTION),
+            block.line in (further.carried, machine.own_line),
+        )
+
+
+def _notes(further: OldWords, rows: Sequence[UnfoldedRow] | None) -> Iterator[str]:
+    """What a reader of the program should know of it."""
+    if rows is not None:
+        yield (
+            f"its parameters and loops are worked out: it is {len(rows)} plain lines, and lines are told by their "
+            "place in these"
+        )
+    if further.kept_kerf:
+        yield (
+            "the control adds the kerf (G41, G42): the paths are those that the program names, and rules are judged as "
+            "if the kerf had no width"
+        )
+    if further.header:
+        line, code = further.header[0]
+        more = f", and {len(further.header) - 1} more" if len(further.header) > 1 else ""
+        yield f"line {line}: {code} is not known here, and stays at the program's top{more}"
 
 
 def _travel_word(block: Block, machine: Machine) -> str:

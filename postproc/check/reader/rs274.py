@@ -16,8 +16,9 @@ from kerfwise.encoder.geometry.segment import Point
 from .controls import QTPLASMAC, Control, Declared, Row, in_file, row_of, rows_of, without
 from .essi import read_essi
 from .grammar import ModalState, refuse_conflicts
+from .old_words import OldWords
 from .program import NcProgram, Track
-from .qtplasmac import Filter, OldWords
+from .qtplasmac import Filter
 from .tools import Beam, Tools, ToolsOn, finish_program
 from .words import Block, block_of
 
@@ -93,6 +94,8 @@ class Machine:
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []
         self.line = 0
+        self.own_line = 0
+        """The last line with words that touch neither path nor torch."""
         self.blocks = 0
         """How many rows so far were more than comments."""
         self._without_conflicts: set[tuple[object, ...]] = set()
@@ -150,6 +153,7 @@ class Machine:
         for also in control.also:
             for found in reversed(list(also.pattern.finditer(row.code))):
                 self._expect_there(also, row, found.start(), line)
+                self.own_line = line
                 row = without(row, found)
         for own, known in control.means:
             for found in reversed(list(own.finditer(row.code))):

@@ -24,7 +24,7 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
     "D": (0.0, 1e4), "H": (0.0, 1e4), "L": (0.0, 1e4), "T": (0.0, 1e4),
 }  # fmt: skip
 """The letters that are read, besides G, M and N, and the least and greatest number of each, in the program's units."""
-_NOT_READ: Mapping[str, str] = {
+NOT_READ: Mapping[str, str] = {
     "Z": "the machine keeps its height by itself, and a height in the program is not checked; post the program without",
     "O": "subroutines and loops are not checked; post the program without them, every move written out",
     "/": "whether an optional block (/) runs is set on the machine; delete the line, or its /",
@@ -132,7 +132,7 @@ def block_of(row: Row, line: int) -> Block:
 
 def _cannot_read(code: str, at: int) -> str:
     shown = code[at : at + 20]
-    if (why := _NOT_READ.get(code[at])) and (code[at] not in "O/" or at == 0):
+    if (why := NOT_READ.get(code[at])) and (code[at] not in "O/" or at == 0):
         return f"'{shown}' is not supported here: {why}"
     if code[at] == "N":
         return (

@@ -70,6 +70,8 @@ RAMP = """\
  M30
 """
 
+GOOD_SQUARES = HEAD + "F2500\n" + square(20, 20, 40) + square(120, 20, 40) + END
+
 READ: dict[str, str] = {
     "line": HEAD + FEED + line(*ROWS[0]) + END,
     "rows": HEAD + FEED + "".join(line(*row) for row in ROWS) + END,
@@ -122,6 +124,48 @@ M2
     + "".join(f"G1 X{x} Y20 F9000\nM3 $0 S1\nX{x + 40} F2500\nY60\nG2 X{x} Y20 I-40\nM5 $0\n" for x in (200, 20, 110))
     + "G1 X0 Y0 F9000\nM2\n",
     "a way home that leans on a word": HEAD + "F2500\n" + line(*ROWS[1]) + line(*ROWS[0]) + "X0 Y0\nM2\n",
+    "parameters": "#1 = 50 (side)\n#<gap>=[#1 * 2]\n"
+    + HEAD
+    + "F2500\no<one> sub\nG0 X[#1 - 5] Y20\nM3 $0 S1\nG1 X#1\nX[#1+#2]\nY[20+#2]\nX#1\nY20\nM5 $0\no<one> endsub\n"
+    + "o1 if [#1 EQ 50]\no<one> call [220] [40]\no1 else\no<one> call [0] [0]\no1 endif\n#3=0\n"
+    + "o2 while [#3 LT 2]\no<one> call [20 + #3 * #<gap>] [40]\n#3 = [#3 + 1]\no2 endwhile\n"
+    + END,
+    "repeats": "(circles)\n#1=20\n"
+    + HEAD
+    + "F2500\no100 repeat [3]\nG0 X#1 Y50\nM3 $0 S1\nG1 X[#1+10]\nG2 I-10\n"
+    + "M5 $0\n#1=[#1+60]\no100 endrepeat\n"
+    + END,
+    "from place to place": HEAD
+    + "F2500\n"
+    + "".join(f"G90 G0 X{x} Y20\nG91\nM3 $0 S1\nG1 X40\nY40\nX-40\nY-40\nM5 $0\n" for x in (200, 20, 110))
+    + "G90\n"
+    + END,
+    "only from place to place": HEAD
+    + "F2500\nG90 G0 X0 Y0\nG91\n"
+    + "".join(f"G0 X{x} Y0\nM3 $0 S1\nG1 X40\nY40\nX-40\nY-40\nM5 $0\n" for x in (200, -180, 90))
+    + "G0 X-110 Y0\nM2\n",
+    "heights, probing and waits": HEAD.replace("M52 P1 (adaptive feed)\n", "G92 X0 Y0\nS11\nM6 T1\nG43 H1\n")
+    + "".join(
+        f"G0 Z10\nG0 X{x} Y20\nG38.2 Z-100 F500\nG92 Z0\nG0 Z3.8\nM3\nG4 P1.5\nG1 Z1.5 F400\n"
+        f"G1 X{x + 40} F2500\nY60\nX{x} Y20\nM5\nG4 P0.6 (let it cool)\nG0 Z10\n"
+        for x in (200, 20, 110)
+    )
+    + "G53 G0 Z0\n"
+    + END,
+    "a height before the travel": GOOD_SQUARES.replace("G0 X115", "G4 P2\nG0 Z20\nG0 X115"),
+    "kerf by the control": HEAD
+    + "F2500\n"
+    + "".join(
+        f"G0 X{x} Y20\nG41.1 D2\nM3 $0 S1\nG1 X{x + 10}\nY60\nX{x + 50}\nY20\nX{x + 10}\nM5 $0\nG40\n"
+        for x in (200, 20, 110)
+    )
+    + END,
+    "unknown words at the top": HEAD.replace("M52 P1 (adaptive feed)\n", "M210 P4\n")
+    + "F2500\n"
+    + square(220, 20, 40)
+    + square(20, 20, 40)
+    + END,
+    "line ends of Windows": (HEAD + "F2500\n" + square(220, 20, 40) + square(20, 20, 40) + END).replace("\n", "\r\n"),
     "no way home": HEAD + "F2500\n" + line(*ROWS[1]) + line(*ROWS[0]) + "M2\n",
     "numbered": "\n".join(
         f"N{10 * k} {row}"
@@ -131,22 +175,19 @@ M2
 }
 """Read, and put in order."""
 
-GOOD = HEAD + "F2500\n" + square(20, 20, 40) + square(120, 20, 40) + END
+GOOD = GOOD_SQUARES
 REFUSED: dict[str, tuple[str, int, str]] = {
-    "a parameter": ("#1 = 50\n" + GOOD, 1, "parameters are not checked"),
     "an unknown name": ("#<tube-cut>=1\n" + GOOD, 1, "not known here"),
-    "a loop": (
-        HEAD + "F2500\no100 repeat [3]\n" + square(20, 20, 40) + "o100 endrepeat\n" + END,
-        5,
-        "subroutines and loops",
+    "a loop": (HEAD + "F2500\no100 call [3]\n" + square(20, 20, 40) + END, 5, "no subroutine of this program"),
+    "a loop without end": (HEAD + "o1 while [1]\no1 endwhile\n" + GOOD, 5, "has not ended after"),
+    "a division by nothing": ("#1=[1/0]\n" + GOOD, 1, "divides by zero"),
+    "a place that the machine keeps": (GOOD.replace("G0 X115", "G0 X#5420"), 13, "kept by the machine"),
+    "a travel between heights": (
+        GOOD.replace("G0 X115 Y20\n", "G0 X115 Y20\nG0 Z5\nG0 X115 Y25\n"),
+        14,
+        "between two travels",
     ),
-    "an expression": (
-        HEAD + "F2500\nG0 X[20+3] Y20\nM3 $0 S1\nG1 X30\nM5 $0\n" + END,
-        5,
-        "a letter and a plain number",
-    ),
-    "kerf on the control": (HEAD + "F2500\nG41 D1\n" + square(20, 20, 40) + END, 5, "shift the path by its own kerf"),
-    "from place to place": (HEAD + "F2500\nG0 X20 Y20\nG91\nM3 $0 S1\nG1 X30\nM5 $0\nG90\n" + END, 6, "G91"),
+    "a zero that moves": (GOOD.replace("G0 X115", "G92 X0 Y0\nG0 X115"), 13, "moves the zero"),
     "no units": (GOOD.replace("G21 (metric units)\n", ""), 4, "units"),
     "no end": (GOOD.replace("M2 (end)\n", ""), 21, "has no end"),
     "a rapid with the torch on": (
@@ -157,11 +198,9 @@ REFUSED: dict[str, tuple[str, int, str]] = {
     "the torch left on": (GOOD.replace("M5 $0\nG0 X0", "G0 X0"), 21, "torch on"),
     "nothing puts it out": (HEAD + "F2500\nG0 X1 Y1\nM3 $0 S1\nG1 X9\nM2\n", 8, "ends with the torch on"),
     "a halt": (GOOD.replace("G0 X115", "M0\nG0 X115"), 13, "halts here"),
-    "a wait before a travel": (GOOD.replace("G0 X115", "G4 P2\nG0 X115"), 13, "a wait with the torch off"),
     "no feed": (HEAD + square(20, 20, 40) + END, 6, "no feed"),
     "an arc that is none": (HEAD + "F2500\nG0 X0 Y0\nM3 $0 S1\nG2 X20 Y0 I3 J0\nM5 $0\n" + END, 7, "radius"),
-    "a height": (GOOD.replace("G0 X115", "G0 Z20\nG0 X115"), 13, "height"),
-    "an axis more": (GOOD.replace("G0 X115", "G0 A20\nG0 X115"), 13, "only the axes X and Y"),
+    "an axis more": (GOOD.replace("G0 X115", "G0 A20\nG0 X115"), 13, "another axis"),
     "a material without its feed": (HEAD + "(o=0, kw=1)\n" + FEED + square(20, 20, 40) + END, 4, "without its feed"),
     "a material of the file": (HEAD + "(o=1, fr=3000)\n" + FEED + square(20, 20, 40) + END, 4, "material file"),
     "the torch out on the way": (HEAD + "F2500\nM64 P3\n" + square(20, 20, 40) + END, 5, "puts the torch out"),

@@ -96,6 +96,21 @@ def test_what_is_refused_names_its_line(name: str) -> None:
     assert caught.value.line == (at or None)
 
 
+def test_all_unknown_words_are_told_at_once() -> None:
+    text = READ["squares"].replace("M5 $0", "M231\nM777 P2\nM5 $0").replace("G1 X60", "G1 X60 V3", 1)
+    with pytest.raises(InputError) as caught:
+        read(text)
+    words = [row.partition(")")[0] for row in caught.value.details]
+    assert words == ["line 8: V… (once", "line 12: M231 (3 times", "line 13: M777 (3 times"]
+    assert all("also: [" in row or "only the axes" in row for row in caught.value.details)
+
+
+def test_one_unknown_word_is_told_in_one_sentence() -> None:
+    with pytest.raises(InputError, match=r"1 word is not known .*\(M231; 3 in all\)") as caught:
+        read(READ["squares"].replace("M5 $0", "M231\nM5 $0"))
+    assert caught.value.details == ()
+
+
 def test_a_feed_that_nobody_gives_is_asked_for() -> None:
     with pytest.raises(InputError, match="--feed") as caught:
         read_old(READ["rows"])
@@ -200,7 +215,6 @@ def test_linuxcnc_finds_the_burns_of_essi_where_they_were() -> None:
     ("old", "new", "line", "said"),
     [
         ("5\n3\nbetween", "5\n0\n3\nbetween", 20, "halts here"),
-        ("5\n3\nbetween", "5\n41+500\n3\nbetween", 20, "a wait with the torch off"),
         ("6\n53\n39+1200\n", "53\n39+1200\n", 26, "a rapid with the torch on"),
         ("+300+\n", "29\n+300+\n", 27, "29 is not supported here"),
         ("+300+\n", "82\n+300+\n", 27, "82 is not supported here"),
