@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.errors import InputError, RuleFault, RulesConflict
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Answers, Question, Questions, with_answers
+from kerfwise.encoder.questions import Question, Questions
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Inputs, common_cuts_not_made, drawn_nest, plant_of, reading, silent, tabs_not_left
@@ -96,7 +95,7 @@ def _naming_the_nest(verb: Verb) -> Verb:
     @wraps(verb)
     def named(*args: Any, **options: Any) -> Any:
         try:
-            return verb(*args, **options)
+            return _answering(verb, *args, **options)
         except Questions as error:
             raise error.in_file(options["nest"]) from error
         except InputError as error:
@@ -130,7 +129,7 @@ def read_inputs(
     What its job file, --set and --lock say is laid over the profile: `of_nest` is what `nest_request` takes.
     """
     from kerfwise.jobs.inputs import refit_as_made
-    from kerfwise.jobs.nest_job.request import answered, job_for, kept_answers, locked_for, locks_told, profile_for
+    from kerfwise.jobs.nest_job.request import job_for, kept_answers, locked_for, locks_told, profile_for
 
     asked = nest_request(profile, **of_nest)
     job = job_for(nest, asked.job, print_note)
@@ -139,9 +138,8 @@ def read_inputs(
         print_note(told)
     said = reading_options(units, sheet, frame, repair, refit_arcs)
     said["refit_arcs_mm"] = refit_as_made(said["refit_arcs_mm"], asked.last, plant, print_note)
-    read, given = answering(lambda answers: drawn_nest(nest, answered(plant, None, answers), **said))
-    if answers := with_answers(asked.answers, given):
-        asked = replace(asked, answers=answers)
+    read = drawn_nest(nest, plant, **said)
+    if asked.answers:
         job = kept_answers(nest, job, asked, read, print_note)
         plant = profile_for(asked, job, silent, lambda named: plant_of(named, trust))
     plant = plant.at_origin(origin) if origin else plant
@@ -399,23 +397,22 @@ def program_request(feed: float | None, kerf: float | None, sheet: str | None) -
 # Questions that a drawing raises, asked on a terminal; anywhere else they end the command with exit code 3.
 
 
-def answering(read: Callable[[Answers], Nest]) -> tuple[Nest, Answers]:
-    """What `read` makes of a file, and what was answered to the questions that it raises, on a terminal.
+def _answering(verb: Verb, *args: Any, **options: Any) -> Any:
+    """What a verb gives; on a terminal it runs once more with the answers to the questions that it raises.
 
     Raises
     ------
     Questions
         Where nobody sits before a terminal.
     """
-    answers: dict[str, str] = {}
     while True:
         try:
-            return read(tuple(answers.items())), tuple(answers.items())
+            return verb(*args, **options)
         except Questions as questions:
             if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
                 raise
-            for question in questions.questions:
-                answers[question.id] = _asked(question)
+            said = [f"{question.id}={_asked(question)}" for question in questions.questions]
+            options["answers"] = (*options["answers"], *said)
 
 
 def _asked(question: Question) -> str:

@@ -21,6 +21,11 @@ Answers = tuple[tuple[str, str], ...]
 ANSWERED, LIKELIEST = "as answered", "the likeliest, until it is answered"
 """Why something is taken for what it is that a question is about."""
 
+NARROW, SMALL_HOLES = "narrow", "small-holes"
+"""The ids of the questions that arise when a nest is to be cut: slots narrower than the kerf, and small holes."""
+
+OF_CUTTING = (NARROW, SMALL_HOLES)
+
 LAYER = "layer:"
 """How the id of a question about a layer begins; the layer's name follows."""
 

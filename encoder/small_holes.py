@@ -20,7 +20,7 @@ from kerfwise.encoder.geometry.measures import largest_circle, middle_of, wider_
 
 from .nest import Contour, Nest, Part, cached_with_nest, with_parts
 
-Under = Literal["refuse", "spot", "skip"]
+Under = Literal["ask", "refuse", "spot", "skip"]
 
 EXACT_MM = 0.0125
 """A hole is under a limit where it is smaller by more than this, which drawings and arithmetic leave."""
@@ -41,7 +41,7 @@ class HoleLimits:
     """
 
     least_mm: float = 0.0
-    under: Under = "refuse"
+    under: Under = "ask"
     room_mm: float = 0.0
     full_feed_mm: float = 0.0
     feed_share: float = 1.0
@@ -50,7 +50,12 @@ class HoleLimits:
     @property
     def limit_mm(self) -> float:
         """Holes under this are not cut."""
-        return self.least_mm if self.under == "refuse" else max(self.least_mm, self.room_mm)
+        return max(self.least_mm, self.room_mm) if self.treated else self.least_mm
+
+    @property
+    def treated(self) -> bool:
+        """Whether small holes are marked or left out."""
+        return self.under in ("spot", "skip")
 
     def share_at(self, diameter_mm: float) -> float:
         """The share of the cut feed that a hole of this diameter is cut at.
@@ -107,7 +112,7 @@ def _part(nest: Nest, part: Part, limits: HoleLimits) -> Part:
     for hole in part.holes:
         diameter_mm = diameter_under(hole, max(limits.limit_mm, limits.full_feed_mm))
         small = diameter_mm is not None and diameter_mm < limits.limit_mm - EXACT_MM
-        if small and limits.under != "refuse" and kept_hole_reason(nest, hole, limits) is None:
+        if small and limits.treated and kept_hole_reason(nest, hole, limits) is None:
             if limits.under == "spot":
                 spots.append(spot(hole, limits))
             continue

@@ -144,6 +144,7 @@ def _not_kept(plan: Plan) -> Iterator[str]:
 # The facts at the top of a work sheet, and what the operator ticks.
 
 _UNKNOWN = "as the machine has it"
+_MOST_PLACES = 12
 
 
 def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
@@ -163,6 +164,13 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     yield "sheet", f"{_stock(sheet)}, {_parts(sheet)}"
     if sheet.nest.reading is not None and sheet.nest.reading.taken:
         yield "drawing", sheet.nest.reading.short()
+    if across := [(c.cut.contour, at) for c in plan.cuts for at in c.across]:
+        places = "; ".join(f"{name} at ({x:.1f}, {y:.1f})" for name, (x, y) in across[:_MOST_PLACES])
+        more = f"; and {len(across) - _MOST_PLACES} more" if len(across) > _MOST_PLACES else ""
+        yield (
+            "not cut",
+            f"{counted(len(across), 'slot')} narrower than the kerf (crosses): {places}{more}",
+        )
     yield "machine", f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     yield "feeds", f"{told} mm/min; kerf {material.kerf_mm:g} mm, pierce {machine.pierce_time_s:g} s"
     yield "settings", _settings(sheet)

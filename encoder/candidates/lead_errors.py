@@ -13,10 +13,12 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under, diameter_under, kept_hole_reason
 from kerfwise.encoder.text import join_names
 
 from .candidate import LEAST_WASTE_MM, LeadOptions
+from .cut_questions import cut_questions
 from .entries import IN_PROFILE, Joints, Outline, shaped, ways
 from .lead_search import LeadAttempt, dense, longest_lead_mm, try_leads
 from .leads import lead_ins, least_clearance_mm, shapes
@@ -39,10 +41,15 @@ class _Alike:
 
 
 def refusal(nest: Nest, tried: LeadAttempt, around: Surroundings, options: LeadOptions) -> InputError:
-    """The error that tells of every contour at fault, a line a group, and first which option frees all of them."""
+    """The error that tells of every contour at fault, a line a group, and first which option frees all of them.
+
+    Where nobody has said what is done with deep slots and small holes, and nothing else is wrong, these are questions.
+    """
     why = reasons(tried, around, options)
     remedies = Remedies(nest, tried, why, around, options)
     of_each = remedies.of_each()
+    if questions := cut_questions(nest, tried, of_each, remedies, options):
+        return Questions(questions, file=nest.file or None)
     message = cannot_be_cut(len(why))
     groups = _groups(why, of_each, remedies)
     if len(why) > 1:
@@ -197,6 +204,16 @@ class Remedies:
         faulty = try_leads(self._nest, chosen, self._around, changed).faulty
         return [k for k in chosen if k not in faulty]
 
+    def cut_or_left(self, limits: HoleLimits, holes: Iterable[int]) -> tuple[int, int] | None:
+        """How many of some holes are cut by other limits, and how many are not; None where any cannot be cut then."""
+        chosen = list(holes)
+        left = [k for k in chosen if self._is_treated(k, limits)]
+        cut = [k for k in chosen if k not in left]
+        changed = replace(self._options, holes=limits)
+        if cut and try_leads(self._nest, cut, self._around, changed).faulty & set(cut):
+            return None
+        return len(cut), len(left)
+
     def frees_nest(self, remedy: Remedy) -> bool:
         """Whether a remedy leaves no contour of the nest at fault."""
         every = remedy.key == "lead_in_min_mm"  # with other lengths every lead is another: all contours are looked at
@@ -213,7 +230,8 @@ class Remedies:
         """Remedies to try whose values the contours themselves tell, and for which contours."""
         contours, holes = self._nest.contours, self._options.holes
         left = [k for k in self._reasons if contours[k].kind == "hole"]
-        for under in ("spot", "skip") if holes.under == "refuse" else ("skip",):
+        unders: tuple[Under, ...] = ("skip",) if holes.treated else ("spot", "skip")
+        for under in unders:
             remedy = Remedy("under", under)
             yield remedy, left
             done = set(self.freed(remedy, left))

@@ -287,7 +287,7 @@ def _small_holes(nest: Nest, contours: Iterable[int], limits: HoleLimits) -> dic
         hole = nest.contours[k]
         diameter_mm = diameter_under(hole, limits.limit_mm) if hole.kind == "hole" else None
         if diameter_mm is not None:
-            kept = kept_hole_reason(nest, hole, limits) if limits.under != "refuse" else None
+            kept = kept_hole_reason(nest, hole, limits) if limits.treated else None
             found[k] = too_small(hole.id, diameter_mm, limits) + (f"; {kept}" if kept else "")
     return found
 

@@ -13,7 +13,7 @@ from typing import Literal
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.questions import Answers, with_answers
+from kerfwise.encoder.questions import OF_CUTTING, Answers, with_answers
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import (
     Inputs,
@@ -116,10 +116,9 @@ def profile_for(
 def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
     """The profile with the answers of the job file, and those given beside it, to questions that the drawing raises."""
     told = with_answers(() if job is None else job.answers, answers)
-    if not told:
-        return plant
-    drawing = replace(plant.drawing, answers=with_answers(plant.drawing.answers, told))
-    return replace(plant, drawing=drawing)
+    if told:
+        plant = replace(plant, drawing=replace(plant.drawing, answers=with_answers(plant.drawing.answers, told)))
+    return plant.as_answered()
 
 
 def locked_for(
@@ -441,7 +440,7 @@ def kept_answers(nest: str | Path, job: Job | None, asked: NestRequest, read: Ne
 
     Where there is to be no job file, or none can be written, that is told and the answers hold for this time.
     """
-    used = {} if read.reading is None else read.reading.answers
+    used = set(OF_CUTTING) if read.reading is None else {*read.reading.answers, *OF_CUTTING}
     for question, choice in asked.answers:
         if question not in used:
             tell(f"--answer {question}={choice} answers no question of {Path(nest).name}: it is not kept")

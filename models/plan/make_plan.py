@@ -16,7 +16,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.slits import narrow_because
+from kerfwise.encoder.slits import features_cut_across, narrow_because
 from kerfwise.encoder.small_holes import uncut_hole_reasons
 from kerfwise.encoder.torch_path import compensated, unlit_length_mm
 from kerfwise.models.engines.solution import Solution
@@ -61,6 +61,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     times = schedule(legs, feeds, home)
     excuses, used = excused_and_used(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, home, links)
+    across = features_cut_across(facts.whole_nest, profile.material.kerf_mm)
     told = (
         (small := uncut_hole_reasons(facts.whole_nest, profile.hole_limits())),
         narrow_because(facts.whole_nest, profile.material.kerf_mm),
@@ -81,6 +82,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             contour.kind,
             way.length_mm,
             (*(of[contour.id] for of in told if contour.id in of), *common_because(candidate, contour.id), *because),
+            across=tuple(one.place for one in across.get(contour.id, ())),
         )
         for candidate, contour, way, link, (begin, end), because in zip(
             candidates, contours, ways, links, times, why, strict=True

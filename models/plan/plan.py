@@ -34,7 +34,8 @@ Status = Literal["optimal", "feasible"]
 class PlannedCut:
     """A cut with what the plan says of it: its part, kind, torch-on length and the reasons for its place.
 
-    The torch waits over the pierce, off, for `dwell_s` before the cut begins, so that metal may cool.
+    The torch waits over the pierce, off, for `dwell_s` before the cut begins, so that metal may cool. `across` are the
+    mouths of slots, notches and necks narrower than the kerf that it cuts straight across.
     """
 
     cut: Cut
@@ -43,6 +44,7 @@ class PlannedCut:
     length_mm: float
     because: tuple[str, ...] = ()
     dwell_s: float = 0.0
+    across: tuple[Point, ...] = ()
 
     @property
     def linked_because(self) -> str:
@@ -328,6 +330,8 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         row["span"] = {"from": [round(v, 6) for v in cut.span.begin], "to": [round(v, 6) for v in cut.span.end]}
     if cut.tabs:
         row["tabs"] = [{"at": [round(v, 6) for v in tab.at], "width": round(tab.width_mm, 6)} for tab in cut.tabs]
+    if planned.across:
+        row["across"] = [[round(v, 6) for v in at] for at in planned.across]
     if planned.dwell_s:
         row["dwell_s"] = round(planned.dwell_s, 3)
     return row | ({"excused": list(cut.excused)} if cut.excused else {})

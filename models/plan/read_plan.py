@@ -153,7 +153,7 @@ def _plain_row(row: list[object]) -> bool:
 
 
 _PATHS = ("lead_in", "lead_out")
-_SELDOM = {"dwell_s", "linked", "span", "tabs", "torch", "together"}
+_SELDOM = {"across", "dwell_s", "linked", "span", "tabs", "torch", "together"}
 _NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
 _CUT_KINDS: dict[str, tuple[type, ...]] = {
     "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
@@ -231,6 +231,7 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
         c["length_mm"],
         tuple(c["because"]),
         c.get("dwell_s", 0.0),
+        tuple((float(x), float(y)) for x, y in c.get("across", ())),
     )
 
 

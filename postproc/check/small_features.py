@@ -70,9 +70,14 @@ def judged_nest(nest: Nest, profile: Profile) -> JudgedNest:
     return _judged(drawn, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
 
 
+def _treats(limits: HoleLimits) -> bool:
+    """Whether small holes are marked or left out; else no nest with such is cut."""
+    return limits.under in ("spot", "skip")
+
+
 @cached_with_nest(most=2)
 def _judged(drawn: Nest, limits: HoleLimits, kerf_mm: float, grid_mm: float | None, remnant: Side | None) -> JudgedNest:
-    under_mm = limits.least_mm if limits.under == "refuse" else max(limits.least_mm, limits.room_mm)
+    under_mm = max(limits.least_mm, limits.room_mm) if _treats(limits) else limits.least_mm
     outers = shapely.STRtree([part.outer.polygon for part in drawn.parts])
     small: list[SmallHole] = []
     shares: dict[str, Shares] = {}
@@ -96,7 +101,7 @@ def _judged(drawn: Nest, limits: HoleLimits, kerf_mm: float, grid_mm: float | No
             shares[hole.id] = _shares(across_mm, limits)
             why_not = f"{guests[0]} lies in it" if guests else _no_spot(area, across_mm, limits)
             small.append(SmallHole(hole, across_mm, why_not))
-            if limits.under == "refuse" or why_not is not None:
+            if not _treats(limits) or why_not is not None:
                 holes.append(hole)
             elif limits.under == "spot":
                 marks.append(_cross(hole, area, limits))
@@ -163,7 +168,7 @@ def small_holes(judged: JudgedNest, cuts: CutSequence, runs: Sequence[TorchRun],
         name = hole.contour.id
         size = f"{name} is {hole.across_mm:.2f} mm across, holes under {_limit_mm(hole, limits):g} mm are not cut"
         at = (positions[name],) if name in positions else ()
-        if limits.under == "refuse":
+        if not _treats(limits):
             found.append(Violation(_RULE, (name,), f"{size}: the profile refuses the nest (small_holes.under)", at))
         elif hole.why_not is not None:
             text = f"{size}, and it cannot be {_done(limits)} either: {hole.why_not}"
@@ -198,7 +203,7 @@ def small_hole_notes(judged: JudgedNest, profile: Profile) -> Iterator[str]:
     """What the profile does not have cut: a check never passes over it in silence."""
     limits = profile.hole_limits()
     names = [hole.contour.id for hole in judged.small if hole.why_not is None]
-    if not names or limits.under == "refuse":
+    if not names or not _treats(limits):
         return
     holes = "a small hole is" if len(names) == 1 else f"{len(names)} small holes are"
     done = "not cut but marked at the middle" if limits.under == "spot" else "left out"

@@ -15,6 +15,7 @@ from kerfwise.encoder.cut import Cut, Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import KINDS, Contour, Nest, Part, cached_with_nest
+from kerfwise.models.plan.plan import PlannedCut
 
 from . import scene
 from .label_fit import Room, Shapes, TextPlace, find_rooms
@@ -142,6 +143,18 @@ def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
 
 def _torch_ink(cut: Cut) -> str:
     return scene.PIERCE if cut.torch == 1 else scene.FURTHER
+
+
+def across_layer(view: View, cuts: Sequence[PlannedCut]) -> SceneLayer:
+    """A cross on the mouth of each slot, notch and neck that the torch cuts straight across, so that it is not cut."""
+    items: list[Item] = []
+    half = 3.0 * view.line_width
+    for k, planned in enumerate(cuts, 1):
+        for at in planned.across:
+            x, y = view.point(at)
+            strokes = tuple(np.array([(x - half, y - s * half), (x + half, y + s * half)]) for s in (-1, 1))
+            items.append(Shape(strokes, Style(stroke=scene.ACROSS, width=1.6 * view.line_width), closed=False, cut=k))
+    return SceneLayer("across", tuple(items))
 
 
 def tab_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:

@@ -204,6 +204,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("slit", "slit along a narrow slot"),
         ("scrap", "scrap line"),
         ("tab", "tab that holds the part"),
+        ("across", "slot not cut, narrower than the kerf"),
         ("small", "small hole, not cut"),
         ("home", "home"),
         ("out", "out already"),
@@ -230,6 +231,9 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         bar = np.array([(x + 11, y - 6), (x + 11, y + 6)])
         outline = Shape((line,), Style(stroke=INKS["outer"], width=1.4), closed=False)
         return [outline, Shape((bar,), Style(stroke=scene.TAB, width=3), closed=False)]
+    if kind == "across":
+        strokes = tuple(np.array([(x + 6, y - s * 5), (x + 16, y + s * 5)]) for s in (-1, 1))
+        return [Shape(strokes, Style(stroke=scene.ACROSS, width=2), closed=False)]
     if kind == "pass":
         return [Shape((line,), Style(stroke=scene.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
     if kind in ("edge", "kerf"):

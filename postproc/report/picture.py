@@ -19,6 +19,7 @@ from . import scene
 from .label_fit import TextPlace
 from .labels import Label, nested_metal, number_areas, place_labels, place_names
 from .layers import (
+    across_layer,
     contour_layer,
     direction_layer,
     home_layer,
@@ -184,6 +185,9 @@ def _drawn(
     if any(cut.tabs for cut in cuts):
         kinds.add("tab")
         layers.append(tab_layer(nest, view, cuts))
+    if plan is not None and any(planned.across for planned in plan.cuts):
+        kinds.add("across")
+        layers.append(across_layer(view, plan.cuts))
     if any(cut.torch > 1 for cut in cuts):
         kinds.add("further")
     if plan is not None and plan.pierces:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import cast
 
 import shapely
 
@@ -14,7 +15,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.facts.links import LinkOptions
 from kerfwise.encoder.geometry.segment import Box, Point
+from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.nest import Kind, Nest
+from kerfwise.encoder.questions import NARROW, SMALL_HOLES
 from kerfwise.encoder.readers.layers import PURPOSES, Layers
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import with_scrap
@@ -29,6 +32,10 @@ from .plant_sections import Machine, Origin
 from .profile_sections import ProfileSections
 
 _STEP_MM = 1e-3
+
+NARROW_ANSWERS = ("slit", "leave", "refuse")
+SMALL_HOLE_ANSWERS = ("skip", "spot", "cut", "refuse")
+"""What may be answered to the questions of `encoder/candidates/cut_questions.py`."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +209,28 @@ class Profile(ProfileSections):
         made = with_scrap(made, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
         law = self.corner_feed()
         return made if law is None else with_corner_times(made, law, self.material.kerf_mm)
+
+    def as_answered(self) -> Profile:
+        """The profile with what `drawing.answers` says of slots narrower than the kerf, and of small holes.
+
+        Raises
+        ------
+        InputError
+            For an answer that is none of the choices.
+        """
+        answers = dict(self.drawing.answers)
+        cuts, holes = self.cuts, self.small_holes
+        for question, choices in ((NARROW, NARROW_ANSWERS), (SMALL_HOLES, SMALL_HOLE_ANSWERS)):
+            if (said := answers.get(question, choices[0])) not in choices:
+                raise InputError(f"the answer {question}={said} is none of the choices: expected {', '.join(choices)}")
+        if NARROW in answers:
+            cuts = replace(cuts, narrow=cast(Narrow, answers[NARROW]))
+        match answers.get(SMALL_HOLES):
+            case "cut":
+                holes = replace(holes, min_hole=self.material.kerf_mm, under="skip")
+            case "refuse" | "skip" | "spot" as under:
+                holes = replace(holes, under=under)
+        return self if (cuts, holes) == (self.cuts, self.small_holes) else replace(self, cuts=cuts, small_holes=holes)
 
     def corner_feed(self) -> CornerFeed | None:
         """The feeds at corners on this sheet; None where corners are cut like the rest."""

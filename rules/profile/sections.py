@@ -186,10 +186,10 @@ class SmallHoles:
         metadata=option(LENGTH_BY_THICKNESS, "least diameter, or width, of a hole that is cut"),
     )
     under: Under = field(
-        default="refuse",
+        default="ask",
         metadata=option(
-            Choice(("refuse", "spot", "skip")),
-            "a hole under min_hole, or where no pierce has room: refuse the nest, mark its middle, or leave it out",
+            Choice(("ask", "refuse", "spot", "skip")),
+            "a hole under min_hole, or without room for a pierce: ask, refuse the nest, mark its middle, leave it out",
         ),
     )
     full_feed_hole: ByThickness = field(

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from kerfwise.postproc.report.scene import ACROSS
 from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
@@ -97,9 +98,24 @@ def test_a_slit_opens_the_slot_before_its_contour_and_says_what_that_costs(tmp_p
         assert "opens a slot of" in checked.out
 
 
-def test_a_profile_that_does_not_say_names_the_slot_and_the_keys(tmp_path: Path) -> None:
+def test_a_deep_slot_is_a_question(tmp_path: Path) -> None:
     nest = nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}])
-    done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc")
+    asked = kerfwise("solve", nest, "-o", tmp_path / "nest.nc")
+    assert (asked.code, asked.out) == (3, "")
+    assert (
+        "narrow: the kerf of 1.5 mm does not enter a deep slot, notch or neck: A.outer, slot, notch or neck at "
+        "(80.0, 150.0), 1.00 mm wide and 80.0 mm deep: what is done?"
+    ) in asked.err
+    for how, said in (("slit", "opens a slot"), ("leave", "is cut straight across")):
+        done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc", "--answer", f"narrow={how}", "--work", "0.1")
+        assert (done.code, said in done.out) == (0, True), done.err
+        assert kerfwise("check", nest, tmp_path / "nest.nc").code == 0  # the job file has the answer
+    assert kerfwise("solve", nest, "--answer", "narrow=refuse").code == 2
+
+
+def test_a_profile_that_refuses_names_the_slot_and_the_keys(tmp_path: Path) -> None:
+    nest = nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}])
+    done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc", "--set", "cuts.narrow=refuse")
     assert done.code == 2
     assert (
         "A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (80.0, 150.0), 1.00 mm wide and 80.0 mm "
@@ -126,6 +142,14 @@ def test_bend_reliefs_are_cut_straight_across_and_listed(tmp_path: Path) -> None
     assert done.code == 0, done.err
     assert "warning: 2 slots, notches or necks narrower than the kerf are cut straight across, up to 0." in done.out
     (cut,) = json.loads(plan.read_text(encoding="utf-8"))["cuts"]
+    (left, one), (right, other) = sorted(cut["across"])
+    assert [left, right, one, other] == pytest.approx([30, 130, 60.5, 60.5], abs=0.1)
+    drawn = tmp_path / "nest.svg"
+    assert kerfwise("plot", nest, plan, "-o", drawn).code == 0
+    assert drawn.read_text(encoding="utf-8").count(ACROSS) == 3  # and one in the key
+    paper = tmp_path / "sheet.svg"
+    assert kerfwise("sheet", nest, plan, "-o", paper).code == 0
+    assert "2 slots narrower than the kerf (crosses): A.outer at (" in paper.read_text(encoding="utf-8")
     assert (
         "A.outer is cut straight across what is narrower than the kerf of 1.5 mm: slot, notch or neck at"
         in cut["because"][0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -63,7 +64,7 @@ def perforated(across_mm: float, count: int = 112) -> list[dict[str, object]]:
 @pytest.mark.slow
 def test_a_plate_of_112_holes_is_refused_in_one_line_and_freed_by_what_it_says(tmp_path: Path) -> None:
     nest = written(tmp_path, perforated(2.96))
-    profile = plant(tmp_path, small_holes={"min_hole": "2 mm"})
+    profile = plant(tmp_path, small_holes={"min_hole": "2 mm", "under": "refuse"})
     ended = kerfwise("solve", nest, "-p", profile, "-o", tmp_path / "out.nc")
     assert ended.code == 2
     assert ended.err == (
@@ -83,12 +84,41 @@ def test_a_plate_of_112_holes_is_refused_in_one_line_and_freed_by_what_it_says(t
 
 def test_one_tiny_hole_is_told_with_the_option_that_frees_it(tmp_path: Path) -> None:
     nest = written(tmp_path, perforated(4, count=1))
-    ended = kerfwise("solve", nest, "-o", tmp_path / "out.nc")
+    ended = kerfwise("solve", nest, "-o", tmp_path / "out.nc", "--set", "small_holes.under=refuse")
     assert ended.code == 2
     assert ended.err.splitlines()[1:] == [
         "  - P1.hole1 is 4.00 mm across, less than small_holes.min_hole, 6 mm; `small_holes.under: spot`, or "
         "`small_holes.min_hole: 4 mm` frees it"
     ]
+
+
+def test_small_holes_are_a_question_with_counts(tmp_path: Path) -> None:
+    drawn = perforated(4, count=3)
+    holes = drawn[0]["holes"]
+    assert isinstance(holes, list)
+    holes.append([[20, 120, 1], [20.13, 120, 1]])
+    nest, out = written(tmp_path, drawn), tmp_path / "out.nc"
+    ended = kerfwise("solve", nest, "-o", out)
+    assert (ended.code, ended.out) == (3, "")
+    assert ended.err.splitlines()[1:-1] == [
+        "  1. small-holes: 4 holes are too small to be cut: 1 no wider than the kerf of 1.5 mm (0.13 mm across: "
+        "P1.hole4); 3 under small_holes.min_hole, 6 mm (4.00 mm across: P1.hole1, P1.hole2, P1.hole3): what is done?",
+        "      --answer small-holes=spot     4 holes marked at the middle",
+        "      --answer small-holes=skip     4 holes left out",
+        "      --answer small-holes=cut      3 holes cut all the same, 1 left out",
+        "      --answer small-holes=refuse   not cut: the nest is refused, to be drawn otherwise",
+    ]
+    for answer, made in (("spot", {"mark": 4}), ("skip", {}), ("cut", {"hole": 3})):
+        plan = tmp_path / f"{answer}.json"
+        answered = ("--plan", plan, "--answer", f"small-holes={answer}", "--work", "0.1")
+        assert kerfwise("solve", nest, "-o", out, *answered).code == 0
+        kinds = Counter(cut["kind"] for cut in json.loads(plan.read_text(encoding="utf-8"))["cuts"])
+        assert kinds == {**made, "hole": made.get("hole", 0) + 1, "outer": 2}  # those of the second part
+        assert kerfwise("check", nest, plan).code == 0  # the job file has the answer
+    refused = kerfwise("solve", nest, "-o", out, "--answer", "small-holes=refuse")
+    assert refused.code == 2
+    wrong = kerfwise("solve", nest, "-o", out, "--answer", "small-holes=drill")
+    assert (wrong.code, "expected skip, spot, cut, refuse" in wrong.err) == (2, True)
 
 
 def test_what_is_left_out_has_its_reason_where_it_is_asked_for(tmp_path: Path) -> None:

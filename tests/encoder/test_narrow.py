@@ -14,6 +14,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow_features import MOST_TOLD, Narrow, lost_features, lost_walls
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.encoder.questions import Questions
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
 
@@ -66,9 +67,9 @@ def sheet_of(*contours: Contour) -> Nest:
 
 
 def test_all_faults_of_a_nest_are_one_message() -> None:
-    sheet = sheet_of(slot(1.0, 80), slot(2.0, 80), slot(0.6, 5), slot(1.0, 2.9))
+    sheet = sheet_of(slot(1.0, 80), slot(2.0, 80), slot(0.6, 5))
     with pytest.raises(InputError) as error:
-        build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM))
+        build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM, narrow="refuse"))
     leave = "`cuts.narrow: leave` (the torch cuts straight across)"
     ways = "one pass along the middle opens it (cuts.narrow: slit), or change the drawing"
     assert str(error.value) == (
@@ -87,6 +88,10 @@ def test_a_slot_is_left_where_it_is_shallow_or_the_profile_says_so(how: Narrow, 
     options = LeadOptions(kerf_mm=KERF_MM, narrow=how)
     if how == "leave" or (how != "refuse" and depth_mm < 2 * KERF_MM):
         assert build_candidates(sheet, options)
+    elif how == "ask":
+        with pytest.raises(Questions) as asked:
+            build_candidates(sheet, options)
+        assert [choice.value for choice in asked.value.questions[0].choices] == ["slit", "leave", "refuse"]
     else:  # no slits are made here: a profile makes them when it takes the nest
         with pytest.raises(InputError, match="does not enter the slot, notch or neck"):
             build_candidates(sheet, options)
@@ -103,13 +108,13 @@ def test_every_contour_with_a_narrow_feature_is_told_by_itself() -> None:
     plates = [Part(f"P{k}", Contour(f"P{k}.outer", f"P{k}", "outer", slot(1.0, 80).curve.moved(20 + 70 * k, 20)))
               for k in range(12)]  # fmt: skip
     with pytest.raises(InputError) as error:
-        build_candidates(Nest(Sheet.rectangle(900, 150), tuple(plates)), LeadOptions(kerf_mm=KERF_MM))
+        build_candidates(Nest(Sheet.rectangle(900, 150), tuple(plates)), LeadOptions(kerf_mm=KERF_MM, narrow="refuse"))
     assert [line.split(":")[0] for line in error.value.details] == [part.outer.id for part in plates]
 
 
 def test_many_features_of_a_contour_are_one_line() -> None:
     with pytest.raises(InputError) as error:
-        build_candidates(sheet_of(comb(18, 1.0)), LeadOptions(kerf_mm=KERF_MM))
+        build_candidates(sheet_of(comb(18, 1.0)), LeadOptions(kerf_mm=KERF_MM, narrow="refuse"))
     (line,) = error.value.details
     assert line.count("slot") == MOST_TOLD
     assert "; and 11 more; one pass along the middle opens them" in line
@@ -120,7 +125,7 @@ def test_a_pocket_that_the_kerf_closes_is_named_with_the_width_of_its_mouth() ->
     with pytest.raises(
         InputError, match=r"A\.outer: a kerf of 1\.5 mm does not enter .* 1\.00 mm wide and 40\.0 mm deep"
     ):
-        build_candidates(sheet_of(drawn), LeadOptions(kerf_mm=KERF_MM))
+        build_candidates(sheet_of(drawn), LeadOptions(kerf_mm=KERF_MM, narrow="refuse"))
     assert width_mm == 1.0
 
 
@@ -169,5 +174,5 @@ def test_what_helps_against_a_slot_is_thought_of_once_not_for_every_remedy(monke
     plain = lead_search.slits_of
     monkeypatch.setattr(lead_search, "slits_of", lambda contour, mm: asked.append(contour.id) or plain(contour, mm))
     with pytest.raises(InputError, match="slot, notch or neck"):
-        build_candidates(nest(400, 300, Part("P", comb(5, 1.0))), LeadOptions())
+        build_candidates(nest(400, 300, Part("P", comb(5, 1.0))), LeadOptions(narrow="refuse"))
     assert asked == ["P.outer"]

@@ -146,7 +146,7 @@ def test_no_lead_and_no_kerf_is_tried_where_the_kerf_alone_is_at_fault(
     monkeypatch.setattr(lead_errors, "try_leads", noted)
     slots = [point for x in (140, 110, 80) for point in ((x, 120), (x, 60), (x - 1, 60), (x - 1, 120))]
     plate = nest(300, 200, part("A", [(20, 20), (200, 20), (200, 120), *slots, (20, 120)]))
-    options = LeadOptions(lead_in_min_mm=0.5)
+    options = LeadOptions(lead_in_min_mm=0.5, narrow="refuse")
     said = told(plate, options)
     assert "material.kerf" not in said
     assert "`cuts.narrow: leave` (the torch cuts straight across) frees it" in said

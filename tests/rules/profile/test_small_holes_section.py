@@ -45,7 +45,7 @@ def test_a_full_feed_that_begins_below_the_least_hole_is_refused(tmp_path: Path)
 )
 def test_shipped_profiles(name: str, least_mm: float, share_at_least: float) -> None:
     limits = load_profile(name).hole_limits()
-    assert limits.under == "refuse"
+    assert limits.under == "ask"
     assert limits.least_mm == pytest.approx(least_mm)
     assert limits.share_at(least_mm) == pytest.approx(share_at_least)
     assert limits.share_at(1000) == 1
