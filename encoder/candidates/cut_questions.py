@@ -4,28 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from kerfwise.encoder.geometry.measures import largest_circle
 from kerfwise.encoder.narrow_features import MOST_TOLD
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import NARROW, SMALL_HOLES, Choice, Question
 from kerfwise.encoder.slits import slits_of
-from kerfwise.encoder.small_holes import EXACT_MM
+from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under
 from kerfwise.encoder.text import join_names
 
 from .candidate import LeadOptions
+from .lead_search import LeadAttempt
 
-if TYPE_CHECKING:
-    from .lead_errors import Remedies, Remedy
-    from .lead_search import LeadAttempt
+
+class Proposed(Protocol):
+    """A `Remedy`, as far as it is looked at here: what it changes, and how a profile has it."""
+
+    @property
+    def key(self) -> str: ...
+
+    @property
+    def text(self) -> str: ...
+
+
+class Frees(Protocol):
+    """What frees contours, as far as it is asked for here; see `Remedies`."""
+
+    def all_treated(self, under: Under, holes: Sequence[int]) -> bool: ...
+
+    def cut_or_left(self, limits: HoleLimits, holes: Sequence[int]) -> tuple[int, int] | None: ...
 
 
 def cut_questions(
     nest: Nest,
     tried: LeadAttempt,
-    of_each: Mapping[int, Sequence[Remedy]],
-    remedies: Remedies,
+    of_each: Mapping[int, Sequence[Proposed]],
+    remedies: Frees,
     options: LeadOptions,
 ) -> list[Question]:
     """What is asked of contours that cannot be cut, where answers free all of them; nothing where they do not.
@@ -68,12 +83,10 @@ def _of_slots(tried: LeadAttempt, contours: Sequence[int], options: LeadOptions)
 def _of_holes(
     nest: Nest,
     holes: Sequence[int],
-    of_each: Mapping[int, Sequence[Remedy]],
-    remedies: Remedies,
+    of_each: Mapping[int, Sequence[Proposed]],
+    remedies: Frees,
     options: LeadOptions,
 ) -> Question:
-    from .lead_errors import Remedy
-
     kerf_mm, limits = options.kerf_mm, options.holes
     across_mm = {k: largest_circle(nest.contours[k].curve)[1] for k in holes}
     dots = [k for k in holes if across_mm[k] < kerf_mm - EXACT_MM]
@@ -92,9 +105,9 @@ def _of_holes(
     ]
     skip = Choice("skip", _counted(len(holes), "left out"))
     spot = Choice("spot", _counted(len(holes), "marked at the middle"))
-    ways = [(Remedy("under", "spot"), spot), (Remedy("under", "skip"), skip)]
+    ways: list[tuple[Under, Choice]] = [("spot", spot), ("skip", skip)]
     ways = ways[::-1] if dots and not small else ways
-    choices = [choice for remedy, choice in ways if len(remedies.freed(remedy, holes)) == len(holes)]
+    choices = [choice for under, choice in ways if remedies.all_treated(under, holes)]
     done = remedies.cut_or_left(replace(limits, least_mm=kerf_mm, under="skip"), holes)
     if done is not None and done[0]:
         left = f", {done[1]} left out" if done[1] else ""

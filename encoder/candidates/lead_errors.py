@@ -204,7 +204,11 @@ class Remedies:
         faulty = try_leads(self._nest, chosen, self._around, changed).faulty
         return [k for k in chosen if k not in faulty]
 
-    def cut_or_left(self, limits: HoleLimits, holes: Iterable[int]) -> tuple[int, int] | None:
+    def all_treated(self, under: Under, holes: Sequence[int]) -> bool:
+        """Whether all of some holes are marked at the middle, or left out, by another option."""
+        return len(self.freed(Remedy("under", under), holes)) == len(holes)
+
+    def cut_or_left(self, limits: HoleLimits, holes: Sequence[int]) -> tuple[int, int] | None:
         """How many of some holes are cut by other limits, and how many are not; None where any cannot be cut then."""
         chosen = list(holes)
         left = [k for k in chosen if self._is_treated(k, limits)]

@@ -12,6 +12,7 @@ import pytest
 from kerfwise.postproc.report.scene import ACROSS
 from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
+from kerfwise.tests.paper import pages_of
 
 PROFILE = Path(__file__).parents[2] / "examples" / "profiles" / "narrow-slots.yaml"
 Row = list[list[float]]
@@ -146,10 +147,10 @@ def test_bend_reliefs_are_cut_straight_across_and_listed(tmp_path: Path) -> None
     assert [left, right, one, other] == pytest.approx([30, 130, 60.5, 60.5], abs=0.1)
     drawn = tmp_path / "nest.svg"
     assert kerfwise("plot", nest, plan, "-o", drawn).code == 0
-    assert drawn.read_text(encoding="utf-8").count(ACROSS) == 3  # and one in the key
-    paper = tmp_path / "sheet.svg"
-    assert kerfwise("sheet", nest, plan, "-o", paper).code == 0
-    assert "2 slots narrower than the kerf (crosses): A.outer at (" in paper.read_text(encoding="utf-8")
+    assert drawn.read_text(encoding="utf-8").count(ACROSS) == 2  # those of the layer, and of the key
+    paper = tmp_path / "sheet.pdf"
+    assert kerfwise("sheet", nest, plan, "--program", out, "-o", paper).code == 0
+    assert "2 slots narrower than the kerf (crosses): A.outer at (" in pages_of(paper)[0].text
     assert (
         "A.outer is cut straight across what is narrower than the kerf of 1.5 mm: slot, notch or neck at"
         in cut["because"][0]

@@ -62,13 +62,14 @@ def test_an_answer_is_kept(tmp_path: Path) -> None:
 
 
 def test_a_nest_that_cannot_be_cut_is_drawn_all_the_same(tmp_path: Path) -> None:
-    def crossed(space: Any) -> None:
+    def overlapping(space: Any) -> None:
         sheet(space)
-        space.add_lwpolyline([(10, 10), (60, 60), (60, 10), (10, 60)], close=True)
+        for x in (10, 40):
+            space.add_lwpolyline([(x, 10), (x + 50, 10), (x + 50, 60), (x, 60)], close=True)
 
-    nest, picture = save_dxf(tmp_path, crossed), tmp_path / "reading.svg"
+    nest, picture = save_dxf(tmp_path, overlapping), tmp_path / "reading.svg"
     ended = kerfwise("read", nest, "-o", picture)
-    assert (ended.code, "crosses itself" in ended.err, picture.exists()) == (2, True, True)
+    assert (ended.code, "overlap by" in ended.err, picture.exists()) == (2, True, True)
 
 
 def test_program_and_plan_say_how_the_drawing_was_read(tmp_path: Path) -> None:
