@@ -116,7 +116,7 @@ def _part(name: str, drawn: Sequence[Part], group: _Joined) -> Part:
         attributes = part.attributes | attributes
     return Part(
         name,
-        Contour(f"{name}.outer", name, "outer", group.outline),
+        Contour(f"{name}.outer", name, "outer", group.outline, source=drawn[0].outer.source),
         (*own(hole for part in drawn for hole in part.holes), *pockets),
         own(mark for part in drawn for mark in part.marks),
         attributes,

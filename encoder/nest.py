@@ -30,6 +30,39 @@ Severity = Literal["warning", "repaired"]
 CHORD_MM = 0.01
 
 
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What a drawing says of a line: its layer, its colour, its line type, and the blocks that it lies in.
+
+    `block` has their names, outermost first, as in `PANEL/HINGE`; `text` what the writing says that it is a stroke of.
+    All are "" where the file does not say.
+    """
+
+    layer: str = ""
+    colour: str = ""
+    linetype: str = ""
+    block: str = ""
+    text: str = ""
+
+    def told(self) -> str:
+        """What is worth saying of it; "" for layer 0 and nothing else.
+
+        Examples
+        --------
+        >>> Source("Gravur", "red", "", "HINGE", "A-1").told(), Source("0", "white").told()
+        ("drawn on layer 'Gravur', red, in block 'HINGE', as a stroke of the text 'A-1'", '')
+        """
+        if self.layer in ("", "0") and not (self.block or self.text):
+            return ""
+        said = [f"drawn on layer '{self.layer}'" if self.layer else "drawn", self.colour, self.linetype]
+        said.append(f"in block '{self.block}'" if self.block else "")
+        said.append(f"as a stroke of the text '{self.text}'" if self.text else "")
+        return ", ".join(filter(None, said))
+
+
+NOWHERE = Source()
+
+
 @dataclass(frozen=True, eq=False)
 class Contour:
     """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`…
@@ -38,7 +71,7 @@ class Contour:
     long as `corner_mm` more of it would. Outer contours and holes enclose an area; a mark may be open and is not cut
     through; a slit is an open line that the torch's centre follows as it is drawn, from its start, along the middle of
     a slot of the contour `slot_of`. A scrap line, `scrap1`…, is an open line that is followed from either end, and
-    belongs to no part: `part` is "".
+    belongs to no part: `part` is "". `source` is what its drawing says of it.
     """
 
     id: str
@@ -48,6 +81,7 @@ class Contour:
     feed_share: float = 1.0
     slot_of: str = ""
     corner_mm: float = 0.0
+    source: Source = NOWHERE
 
     @property
     def encloses(self) -> bool:
@@ -260,9 +294,10 @@ class Nest:
         return self.contours[self.index[contour_id]]
 
 
-def as_scrap(curves: Iterable[Curve]) -> tuple[Contour, ...]:
+def as_scrap(curves: Iterable[Curve], sources: Sequence[Source] = ()) -> tuple[Contour, ...]:
     """Open curves as the lines that cut up a skeleton: `scrap1`, `scrap2`…"""
-    return tuple(Contour(f"scrap{k}", "", "scrap", curve) for k, curve in enumerate(curves, 1))
+    made = tuple(Contour(f"scrap{k}", "", "scrap", curve) for k, curve in enumerate(curves, 1))
+    return tuple(replace(line, source=source) for line, source in zip(made, sources, strict=True)) if sources else made
 
 
 def with_parts(nest: Nest, parts: tuple[Part, ...]) -> Nest:

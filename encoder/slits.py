@@ -195,8 +195,9 @@ def with_slits(nest: Nest, kerf_mm: float) -> Nest:
 
 def _slit(part: Part, kerf_mm: float) -> Part:
     found = [slit for contour in _cut(part) for slit in slits_of(contour, kerf_mm)[0]]
+    of = {contour.id: contour.source for contour in part}
     slits = tuple(
-        Contour(f"{part.id}.slit{k}", part.id, "slit", slit.line, slot_of=slit.contour)
+        Contour(f"{part.id}.slit{k}", part.id, "slit", slit.line, slot_of=slit.contour, source=of[slit.contour])
         for k, slit in enumerate(found, 1)
     )
     return replace(part, slits=slits) if slits else part

@@ -145,7 +145,7 @@ def spot(hole: Contour, limits: HoleLimits) -> Contour:
     (x, y), edge_mm = middle_of(hole.curve)
     arm = min(limits.spot_mm / 2, SPOT_SHARE * edge_mm)
     stroke = [(x - arm, y), (x + arm, y), (x, y), (x, y + arm), (x, y - arm)]
-    return Contour(hole.id, hole.part, "mark", Curve.of(stroke, closed=False))
+    return Contour(hole.id, hole.part, "mark", Curve.of(stroke, closed=False), source=hole.source)
 
 
 def uncut_hole_reasons(nest: Nest, limits: HoleLimits) -> dict[str, str]:

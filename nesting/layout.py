@@ -252,7 +252,10 @@ def nest_json(nest: Nest) -> str:
 
 
 def _part(part: Part) -> dict[str, Any]:
-    made: dict[str, Any] = {"id": part.id, **part.attributes, "outer": part.outer.curve.as_rows()}
+    source = part.outer.source
+    drawn = {"layer": source.layer, "colour": source.colour, "block": source.block}
+    said = {key: value for key, value in drawn.items() if value} | part.attributes
+    made: dict[str, Any] = {"id": part.id, **said, "outer": part.outer.curve.as_rows()}
     if part.holes:
         made["holes"] = [hole.curve.as_rows() for hole in part.holes]
     if part.marks:

@@ -209,4 +209,4 @@ class Placed:
         return x, y
 
     def _contour(self, contour: Contour, name: str, what: str) -> Contour:
-        return Contour(f"{name}.{what}", name, contour.kind, self.curve(contour.curve))
+        return Contour(f"{name}.{what}", name, contour.kind, self.curve(contour.curve), source=contour.source)

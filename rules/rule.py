@@ -159,6 +159,10 @@ class Rule(ABC, Generic[OptionsT]):
         """Why the rule cannot be judged on these cuts, where that is so (an NC program tells less than a plan)."""
         return None
 
+    def selects_nothing(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> str | None:
+        """Why there is nothing on this nest that the rule is about, where that may be a slip; told as a warning."""
+        return None
+
     def exempt(self, facts: Facts, options: OptionsT) -> Iterable[About]:
         """Contours that nothing can make keep the rule, whatever the order; it states nothing of them."""
         return ()

@@ -68,6 +68,10 @@ def _zone_rows(facts: Facts) -> list[dict[str, Any]]:
     ]
 
 
+DRAWN = ("layer", "colour", "linetype", "block", "text")
+"""What the drawing says of a contour, where it does."""
+
+
 def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
     contours = facts.nest.contours
     ids = [c.id for c in contours]
@@ -97,6 +101,7 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
             "solid_mm": _mm(facts.solid_mm[i]),
             **({"scrap_framed": bool(facts.scrap_framed[i]), "scrap_beside": beside[i]} if c.kind == "scrap" else {}),
             **({"feed_share": round(c.feed_share, 6)} if c.feed_share < 1 else {}),
+            **{key: value for key in DRAWN if (value := getattr(c.source, key))},
         }
         for i, c in enumerate(contours)
     ]

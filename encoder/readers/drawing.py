@@ -16,7 +16,7 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.contour_checks import enclosed
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Note, Part, Sheet
+from kerfwise.encoder.nest import Contour, Nest, Note, Part, Sheet, Source
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class DrawnCurve:
 
     `within` are the names it can be known by, outermost first, where those are more than its layer's: groups of groups.
     `colour` and `linetype` are how it is drawn, "" where the file does not say; `filled` that it is an area without a
-    line round it.
+    line round it. `blocks` are the names of those that it lies in, outermost first, and `attributes` what these say.
     """
 
     curve: Curve
@@ -35,6 +35,13 @@ class DrawnCurve:
     colour: str = ""
     linetype: str = ""
     filled: bool = False
+    blocks: tuple[str, ...] = ()
+    attributes: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def source(self) -> Source:
+        """What a contour of it remembers."""
+        return Source(self.layer, self.colour, self.linetype, "/".join(self.blocks))
 
     @property
     def names(self) -> tuple[str, ...]:

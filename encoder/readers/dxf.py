@@ -113,7 +113,7 @@ def _pieces(shown: Sequence[Placed], scale: float, looks: Looks, spot_mm: float)
     for order, placed in enumerate(shown):
         entity, layer = placed.entity, placed.layer
         areas = tuple(shapely.transform(area, lambda points: points * scale) for area in placed.clips)
-        look = partial(_looking, entity=entity, layer=layer, order=order, looks=looks)
+        look = partial(_looking, placed=placed, order=order, looks=looks)
         if is_written(entity) or isinstance(entity, Point):
             if (text := _text(entity, scale, look, spot_mm)) is not None:
                 read.texts.append((text, areas))
@@ -124,8 +124,12 @@ def _pieces(shown: Sequence[Placed], scale: float, looks: Looks, spot_mm: float)
     return read
 
 
-def _looking(curve: Curve, entity: DXFGraphic, layer: str, order: int, looks: Looks) -> DrawnCurve:
-    return DrawnCurve(curve, layer, order, None, looks.colour(entity), looks.linetype(entity))
+def _looking(curve: Curve, placed: Placed, order: int, looks: Looks) -> DrawnCurve:
+    entity = placed.entity
+    colour, linetype = looks.colour(entity), looks.linetype(entity)
+    return DrawnCurve(
+        curve, placed.layer, order, None, colour, linetype, blocks=placed.blocks, attributes=placed.attributes
+    )
 
 
 def _text(entity: DXFGraphic, scale: float, look: Callable[[Curve], DrawnCurve], spot_mm: float) -> DrawnText | None:

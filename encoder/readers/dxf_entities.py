@@ -36,7 +36,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 
 from .drawing import FAREST_MM, WRONG_UNITS, checked_curve
-from .dxf_text import is_written, name_of
+from .dxf_text import is_written, name_of, plain_text
 from .fit_arcs import FLATTEN_MM, fit_curve
 from .layers import Layers, counted
 from .svg_visible import Clips
@@ -62,12 +62,13 @@ class Hidden:
 @dataclass(frozen=True, slots=True)
 class Placed:
     """An entity to read, its layer, the areas that it is seen through in units of the drawing, where blocks are
-    clipped, and the names of the blocks that it lies in, outermost first."""
+    clipped, the names of the blocks that it lies in, outermost first, and what their attributes say."""
 
     entity: DXFGraphic
     layer: str
     clips: Clips = ()
     blocks: tuple[str, ...] = ()
+    attributes: tuple[tuple[str, str], ...] = ()
 
 
 def entities(
@@ -78,7 +79,6 @@ def entities(
     An entity on layer 0 of a block lies on the layer of its insertion, which `within` tells of. Blocks must not contain
     themselves (`check_copies`).
     """
-    clips, blocks = ((), ()) if within is None else (within.clips, within.blocks)
     for entity in drawn:
         layer = layer_of(entity)
         if within is not None and layer == "0":
@@ -87,18 +87,29 @@ def entities(
         if layer.lower() in hidden.frozen or (layer.lower() in hidden.off and not is_insert) or _invisible(entity):
             unread.hidden(entity, layer)
         elif is_written(entity) or isinstance(entity, Point):
-            yield Placed(entity, layer, clips, blocks)
+            yield _placed(entity, layer, within)
         elif entity.dxftype() in NO_LINES:
             unread.add(entity, layer)
         elif isinstance(entity, Insert):
-            placed = Placed(entity, layer, (*clips, *_clip(entity)), (*blocks, name_of(str(entity.dxf.name))))
+            placed = _placed(entity, layer, within)
+            said = tuple((name_of(str(a.dxf.tag)), plain_text(a)) for a in entity.attribs)
+            placed = replace(
+                placed,
+                clips=(*placed.clips, *_clip(entity)),
+                blocks=(*placed.blocks, name_of(str(entity.dxf.name))),
+                attributes=(*placed.attributes, *said),
+            )
             for insert in _inserted(entity, layer, unread):
                 skip = partial(_skipped, unread=unread, layer=layer)
                 inner = insert.virtual_entities(skipped_entity_callback=skip)
                 yield from entities(inner, hidden, unread, placed)
                 yield from _attributes(insert, entity, hidden, placed)
         else:
-            yield Placed(entity, layer, clips, blocks)
+            yield _placed(entity, layer, within)
+
+
+def _placed(entity: DXFGraphic, layer: str, within: Placed | None) -> Placed:
+    return Placed(entity, layer) if within is None else replace(within, entity=entity, layer=layer)
 
 
 def _attributes(insert: Insert, first: Insert, hidden: Hidden, placed: Placed) -> Iterator[Placed]:

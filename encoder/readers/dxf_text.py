@@ -69,6 +69,11 @@ def middle_of_point(point: Point) -> tuple[float, float]:
     return location.x, location.y
 
 
+def plain_text(entity: Text | MText) -> str:
+    """What an entity says, without the signs that set it."""
+    return _plain(str(entity.plain_text())).strip()
+
+
 def name_of(name: str) -> str:
     """A name or a text as its author wrote it: `\\U+XXXX` decoded, and UTF-8 that was read as another code page.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -130,9 +130,10 @@ def with_marks(
     owner = _owners(parts, [*marks, *strokes])
     made: list[list[Contour]] = [[] for _ in parts]
 
-    def add(n: int, mark: DrawnCurve) -> str:
+    def add(n: int, mark: DrawnCurve, text: str = "") -> str:
         part, own = parts[owner[n]].id, made[owner[n]]
-        own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve))
+        source = replace(mark.source, text=" ".join(text.split()))
+        own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve, source=source))
         return own[-1].id
 
     for n, mark in enumerate(marks):
@@ -144,7 +145,7 @@ def with_marks(
     writings, off, partly = list[Writing](), list[DrawnText](), list[str]()
     n = len(marks)
     for text in texts:
-        names = [add(n + k, stroke) for k, stroke in enumerate(text.strokes) if n + k in owner]
+        names = [add(n + k, stroke, text.text) for k, stroke in enumerate(text.strokes) if n + k in owner]
         n += len(text.strokes)
         if not names:
             off.append(text)
@@ -157,7 +158,7 @@ def with_marks(
     if partly:
         listed = "; ".join(partly[:FIRST]) + ("; …" if len(partly) > FIRST else "")
         notes.append(Note("warning", f"left out, as it lies in waste: {listed}"))
-    found = tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True))
+    found = tuple(replace(p, marks=tuple(own)) for p, own in zip(parts, made, strict=True))
     return found, notes, tuple(writings)
 
 

@@ -14,7 +14,7 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import places, schema_message, spoken, strict_json
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Sheet, as_scrap
+from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Sheet, Source, as_scrap
 from kerfwise.encoder.progress_notice import amount
 
 from .drawing import LIMIT_MM, checked_curve
@@ -133,11 +133,12 @@ def _sheet(given: Mapping[str, Any], scale: float) -> Sheet:
 
 def _part(given: Mapping[str, Any], scale: float) -> Part:
     name = given["id"]
+    source = Source(*(str(given.get(key) or "") for key in ("layer", "colour", "linetype", "block")))
 
     def contour(kind: Kind, rows: Sequence[Sequence[float]], number: str = "") -> Contour:
         closed = kind != "mark" or (len(rows) > 2 and rows[0][:2] == rows[-1][:2])
         contour_id = f"{name}.{kind}{number}"
-        return Contour(contour_id, name, kind, _curve(contour_id, rows, closed, scale))
+        return Contour(contour_id, name, kind, _curve(contour_id, rows, closed, scale), source=source)
 
     return Part(
         name,

@@ -16,7 +16,7 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import TOUCH_MM
-from kerfwise.encoder.nest import Bridge, Contour, Nest, Note, Part, Severity, as_scrap
+from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Severity, as_scrap
 from kerfwise.encoder.questions import Asking
 from kerfwise.encoder.validate import coincident
 
@@ -26,6 +26,7 @@ from .drawing import Drawing, DrawnCurve, OpenLines
 from .duplicate_lines import drawn_once, thin_parts, thin_question
 from .engraving import engraved, with_marks
 from .join import Joined, join
+from .json_nest import PART_KEYS
 from .layers import counted, setting
 from .open_lines import OpenLineDecision, decide_open_lines, ends, open_end_problems
 from .options import REPAIR_FACTOR, ReadOptions, doubts
@@ -227,11 +228,16 @@ def assemble(rings: Sequence[DrawnCurve], marks: Sequence[DrawnCurve] = ()) -> t
         part = f"P{number}"
         names[kept[n]] = f"{part}.outer"
         names |= {kept[h]: f"{part}.hole{k}" for k, h in enumerate(holes[n], 1)}
-        inner = tuple(Contour(names[kept[h]], part, "hole", rings[kept[h]].curve) for h in holes[n])
-        parts.append(Part(part, Contour(names[kept[n]], part, "outer", rings[kept[n]].curve), inner))
+        inner = tuple(_contour(names[kept[h]], part, "hole", rings[kept[h]]) for h in holes[n])
+        outer = rings[kept[n]]
+        parts.append(Part(part, _contour(names[kept[n]], part, "outer", outer), inner, (), attributes_of(outer)))
     notes = [_repeat(rings[k], rings[first], names[first]) for k, first in sorted(repeats.items())]
     marked, lost, _ = with_marks(parts, marks)
     return marked, notes + lost
+
+
+def _contour(name: str, part: str, kind: Kind, ring: DrawnCurve) -> Contour:
+    return Contour(name, part, kind, ring.curve, source=ring.source)
 
 
 def _repeat(again: DrawnCurve, first: DrawnCurve, name: str) -> Note:
@@ -240,6 +246,57 @@ def _repeat(again: DrawnCurve, first: DrawnCurve, name: str) -> Note:
     if bool(HOLES.search(again.layer)) == bool(HOLES.search(first.layer)):
         return Note("warning", text, (name,))
     return Note("warning", text, (f"the ring on layer '{again.layer}'", name), common=True)
+
+
+# What a drawing says of its parts beside their lines.
+
+_WHOLE, _DECIMAL = re.compile(r"0|-?[1-9]\d{0,8}"), re.compile(r"-?(?:0|[1-9]\d{0,8})\.\d{1,6}")
+QUANTITY_KEY = "quantity"
+
+
+def attributes_of(outer: DrawnCurve) -> dict[str, object]:
+    """The attributes of the blocks that the outline of a part lies in, inner ones go first; numbers as such."""
+    return {
+        tag: int(text) if _WHOLE.fullmatch(text) else float(text) if _DECIMAL.fullmatch(text) else text
+        for tag, text in outer.attributes
+        if tag and tag.lower() not in PART_KEYS
+    }
+
+
+def with_quantities(nest: Nest, name: str, pattern: str) -> Nest:
+    """Parts that the names of their blocks, of their layer or of the file say how many are wanted of, with that.
+
+    Parameters
+    ----------
+    name
+        Name of the file, without its suffix.
+    pattern
+        See `ReadOptions.quantity`.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.readers.options import QUANTITY
+    >>> [_quantity(each, QUANTITY) for each in ("LV8_02049_50db_REV7", "Hinge x4", "SHEET_001_QTY_1", "M8x20", "L200")]
+    [50, 4, 1, None, None]
+    """
+    parts = []
+    for part in nest.parts:
+        source = part.outer.source
+        names = (*reversed(source.block.split("/")), source.layer, name)
+        found = (_quantity(one, pattern) for one in names if one)
+        count = next((one for one in found if one is not None), None)
+        if count is not None and not any(key.lower() == QUANTITY_KEY for key in part.attributes):
+            part = replace(part, attributes={**part.attributes, QUANTITY_KEY: count})
+        parts.append(part)
+    return replace(nest, parts=tuple(parts))
+
+
+def _quantity(name: str, pattern: str) -> int | None:
+    for found in re.finditer(pattern, name, re.IGNORECASE):
+        for group in found.groups():
+            if group and group.isdecimal():
+                return int(group)
+    return None
 
 
 # Tabs of a drawing: short lines on the outer contour of a part, or across it.
@@ -369,4 +426,4 @@ def scrap_of_drawing(pieces: Sequence[DrawnCurve], options: ReadOptions) -> tupl
     if joined.rings:
         text = "left out, as a line that cuts up scrap has two ends, and these close"
         notes.append(Note("warning", f"{text}: {counted(p.layer for p in joined.rings)}"))
-    return as_scrap(p.curve for p in joined.chains), notes
+    return as_scrap((p.curve for p in joined.chains), [p.source for p in joined.chains]), notes

@@ -25,6 +25,12 @@ ScrapLines = Literal["ignore", "cut"]
 REPAIR_FACTOR = 10
 """With `repair`, gaps up to this many times the join tolerance are closed."""
 
+QUANTITY = (
+    r"(?<![^\W_])(\d{1,5})[ _]?(?:db|stk|st(?:ü|ue)?ck|pcs?|pi[eè]ces?|szt|ks|шт|x|off)(?![^\W_])"
+    r"|(?<![^\W_])(?:(?:qty|quantity|anzahl|menge|кол)[ _=-]?|[x×])(\d{1,5})(?![^\W_])"
+)
+"""How names say how many: `_50db`, `12 pcs`, `x4`, `QTY_3`."""
+
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
@@ -60,6 +66,9 @@ class ReadOptions:
         What lines of a colour or of a line type are for, on layers that the plant's patterns do not give to others.
     kerf_mm
         Metal narrower than this is none: lines so near to each other are one line drawn twice.
+    quantity
+        A regular expression with groups, of which one is how many of a part are wanted, sought in the names of its
+        blocks, of its layer and of the file.
     spot_mm
         How long the arms of the cross are, from end to end, that marks a point.
 
@@ -89,6 +98,7 @@ class ReadOptions:
     linetypes: tuple[tuple[str, Purpose], ...] = ()
     kerf_mm: float = 0.0
     spot_mm: float = 2.0
+    quantity: str = QUANTITY
 
     def __post_init__(self) -> None:
         if self.units is not None and mm_of(self.units) is None:
@@ -96,6 +106,11 @@ class ReadOptions:
                 f"unknown units '{self.units}': expected one of {', '.join(MM_PER)}, pt, px, or dots an inch "
                 "such as 90dpi"
             )
+        try:
+            groups = re.compile(self.quantity).groups
+        except re.error as error:
+            raise InputError(f"quantity '{self.quantity}' is not a regular expression: {error}") from None
+        _require(groups > 0, f"quantity '{self.quantity}' has no group (…) for the number")
         for name, given, words in (
             ("frame", self.frame or "sheet", get_args(FrameName)),
             ("open_lines", self.open_lines, get_args(OpenLines)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -242,9 +243,10 @@ class _Door:
             from .json_nest import read_json
 
             return read_json(self.data, options)
-        from .nest_from_drawing import nest_of
+        from .nest_from_drawing import nest_of, with_quantities
 
-        return nest_of(self.drawing(options, asking), options, asking)
+        nest = nest_of(self.drawing(options, asking), options, asking)
+        return with_quantities(nest, unicodedata.normalize("NFC", self.file.stem), options.quantity)
 
     def drawing(self, options: ReadOptions, asking: Asking) -> Drawing:
         """The drawing, not yet taken for anything."""

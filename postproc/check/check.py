@@ -37,7 +37,7 @@ from .machine_limits import (
 from .plan_conformance import Claims, PlanClaims, claims_kept, idle_mm, strays_from, totals
 from .plan_runs import burnt_before, runs_from_cuts, unlit_tabs
 from .result import CheckResult, JudgedCuts, Judgement, Measured, RelaxedStatement, read_relaxed, relaxed_warnings
-from .rule_verdicts import judge
+from .rule_verdicts import about_nothing, judge
 from .small_features import (
     JudgedNest,
     Slots,
@@ -88,7 +88,7 @@ def check_cuts(
     if profile.machine.torches.several or torch_count(cuts) > 1:
         judged.append(judgement("torches", wrong_torch_cuts(cuts, profile)))
     by_rules = JudgedCuts(nest, felt, profile, tuple(relaxed), tuple(rules))
-    warnings += relaxed_warnings(relaxed)
+    warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]
     if claims is not None:
         broken, told = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims, in_kerfs)), judgement("claims", broken)]
@@ -183,7 +183,7 @@ def _judge_program(
     felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), thermometer)
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
-    warnings += relaxed_warnings(relaxed)
+    warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]
     warnings = [*told, *built.warnings, *warnings]
     ran = _measured(built.runs, program.idle_mm)
     return CheckResult((*judged, *rules), tuple(warnings), ran, relaxed=tuple(relaxed))

@@ -44,6 +44,15 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
     return [*excuse_relaxed(nest, cuts, profile, excuse(nest, cuts, profile, judged), relaxed), *off]
 
 
+def about_nothing(nest: Nest, cuts: CutSequence, profile: Profile) -> list[str]:
+    """A warning for each rule that is on and selects nothing of this nest: a layer may be called otherwise here."""
+    book = profile.rulebook()
+    found = (
+        (name, book[name].selects_nothing(nest, cuts, setting.options)) for name, setting in profile.settings().items()
+    )
+    return [f"rule {name} has nothing to say here: {why}" for name, why in found if why is not None]
+
+
 # What may stand although it breaks a hard rule: where the rule itself says so, and where order rules contradict.
 #
 # Level-ahead and hull-before can ask for cycles (two hooks that interlock), so that some of their orders must be

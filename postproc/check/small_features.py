@@ -155,7 +155,7 @@ def _cross(hole: Contour, area: shapely.Geometry, limits: HoleLimits) -> Contour
     middle = shapely.centroid(area)
     reach = min(limits.spot_mm / 2, _ARMS * float(shapely.distance(shapely.boundary(area), middle)))
     steps = np.array([(-1, 0), (1, 0), (0, 0), (0, 1), (0, -1)]) * reach + np.array([middle.x, middle.y])
-    return Contour(hole.id, hole.part, "mark", Curve.of(steps.tolist(), closed=False))
+    return Contour(hole.id, hole.part, "mark", Curve.of(steps.tolist(), closed=False), source=hole.source)
 
 
 def small_holes(judged: JudgedNest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> list[Violation]:
@@ -268,7 +268,7 @@ def with_passes(nest: Nest, passes: Iterable[Pass], profile: Profile) -> tuple[N
         part = nest.part_of[found["part"]]
         line = Curve.of([start, end], closed=False)
         beside = min((part.outer, *part.holes), key=lambda c: c.line.distance(shapely.Point(end)))
-        made[part.id].append(Contour(name, part.id, "slit", line, slot_of=beside.id))
+        made[part.id].append(Contour(name, part.id, "slit", line, slot_of=beside.id, source=beside.source))
         slots[name] = _measured(np.array(start), np.array(end), metal[part.id], kerf_mm)
     parts = tuple(replace(part, slits=tuple(made[part.id])) for part in nest.parts)
     return (replace(nest, parts=parts, drawn=nest.drawn or nest) if slots else nest), slots

@@ -274,6 +274,10 @@ _SIZES: Mapping[str, Callable[[Nest], list[int]]] = {
 """Word → its values: lengths in whole 0.01 mm as all facts, the area in whole mm²."""
 
 
+_DRAWN: Mapping[str, str] = {f"contour_{key}": key for key in ("layer", "colour", "block", "text")}
+"""Word → what the drawing says of each contour under it, "" where it says nothing."""
+
+
 def further_words(nest: Nest, text: str) -> str:
     """MiniZinc text that defines, with their values, the further words that a rule's text names.
 
@@ -282,6 +286,11 @@ def further_words(nest: Nest, text: str) -> str:
     """
     named = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
     lines = [f"array[CONTOUR] of int: {word} = {numbers(_SIZES[word](nest))};" for word in _SIZES if word in named]
+    lines += [
+        f"array[CONTOUR] of string: {word} = {_texts(getattr(c.source, key) for c in nest.contours)};"
+        for word, key in _DRAWN.items()
+        if word in named
+    ]
     wanted = {re.sub(r"^(has_)?attribute_", "", w) for w in named if re.match(r"(has_)?attribute_\w", w)}
     for name in sorted(wanted):
         values = attributes(nest, name)
@@ -290,6 +299,6 @@ def further_words(nest: Nest, text: str) -> str:
         if all(isinstance(v, int | float) for v in given):
             lines.append(f"array[CONTOUR] of int: attribute_{name} = {numbers(round(v or 0) for v in values)};")
         else:
-            texts = ", ".join(json.dumps("" if v is None else str(v), ensure_ascii=False) for v in values)
-            lines.append(f"array[CONTOUR] of string: attribute_{name} = [{texts}];")
+            texts = _texts("" if v is None else str(v) for v in values)
+            lines.append(f"array[CONTOUR] of string: attribute_{name} = {texts};")
     return "".join(f"{line}\n" for line in lines)

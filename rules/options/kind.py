@@ -205,9 +205,10 @@ class Choice(OptionKind):
 
 @dataclass(frozen=True, slots=True)
 class Text(OptionKind):
-    """Any text that is not empty; `pattern` says that it must be a regular expression."""
+    """Any text that is not empty; `pattern` says that it must be a regular expression, `grouped` one with a group."""
 
     pattern: bool = False
+    grouped: bool = False
 
     def read(self, node: yaml.Node) -> str:
         text = scalar_text(node, self)
@@ -215,9 +216,11 @@ class Text(OptionKind):
             raise self.refuse(node)
         if self.pattern:
             try:
-                re.compile(text)
+                groups = re.compile(text).groups
             except re.error as error:
                 raise Unfit(f"expected {self.expected()}, got {text!r}: {error}", node) from None
+            if self.grouped and not groups:
+                raise Unfit(f"expected {self.expected()}, got {text!r}", node)
         return text
 
     def write(self, value: str) -> str:
@@ -230,6 +233,8 @@ class Text(OptionKind):
         return {"type": "string", "minLength": 1} | ({"format": "regex"} if self.pattern else {})
 
     def expected(self) -> str:
+        if self.grouped:
+            return "a regular expression with a group, such as '_([0-9]+)pcs'"
         return "a regular expression such as 'mark|scribe'" if self.pattern else "a text"
 
 

@@ -157,9 +157,16 @@ class PlantRule(Rule[Thresholds]):
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
         if "zone" in self.rule.facts() and not any(cut.zone for cut in cuts):
             return "the zones of the cuts are not stated"
-        if not self._chosen(nest, cuts, options).groups:
-            return "it selects no contour of this nest"
-        return self.rule.ask.unjudged(cuts)
+        return self.selects_nothing(nest, cuts, options) or self.rule.ask.unjudged(cuts)
+
+    def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
+        known = nest_values(measure_nest(nest, cuts, options.long_ratio, options.web_mm))
+        for selector in (self.rule.select, *self.rule.ask.selectors()):
+            if not selector.chosen(known):
+                return f"it selects no contour of this nest: {selector.why_nothing(known)}"
+        if not self.rule.chosen(known).groups:
+            return f"it selects no contour of this nest within {self.rule.scope}"
+        return None
 
     def _chosen(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> Chosen:
         return self.rule.chosen(nest_values(measure_nest(nest, cuts, options.long_ratio, options.web_mm)))

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 
 NOT = "not"
+SHOWN = 8
+"""So many values of a fact are shown in a message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,28 @@ class Selector:
             for k in range(len(known.nest.contours))
             if k not in out and all(criterion.met(column[k]) for criterion, column in columns)
         )
+
+    def why_nothing(self, known: KnownFacts) -> str:
+        """Why it selects no contour: what is asked of a fact that no contour has, and what there is.
+
+        Examples
+        --------
+        >>> from kerfwise.rules.own.criteria import Pattern
+        >>> from kerfwise.rules.own.selector import measure_nest as measured
+        >>> from kerfwise.rules.case import nest, part, rect
+        >>> plate = measured(nest(100, 100, part("P1", rect(10, 10, 80, 80))), None, long_ratio=4, web_mm=25)
+        >>> Selector((("kind", Pattern("hole")),)).why_nothing(nest_values(plate))
+        "none has the kind 'hole'; there is 'outer'"
+        """
+        for name, criterion in self.criteria:
+            values = known.values(name)
+            if not any(criterion.met(value) for value in values):
+                said = criterion.plain()
+                there = sorted({str(value) for value in values if value not in (None, "")})
+                shown = ", ".join(f"'{value}'" for value in there[:SHOWN]) + (", …" if len(there) > SHOWN else "")
+                fact = name.replace(ATTRIBUTE, "attribute ")
+                return f"none has the {fact} {said!r}; there is {shown or 'nothing of that kind'}"
+        return "none meets all that it asks"
 
     def names(self) -> set[str]:
         """The facts that it looks at."""
@@ -257,8 +281,15 @@ def zones(m: MeasuredNest) -> list[int | None]:
 
 
 def attributes(nest: Nest, name: str) -> list[Any]:
-    """What the nest's file says of every contour's part under that name, None where it says nothing."""
-    return [nest.part_of[c.part].attributes.get(name) if c.part else None for c in nest.contours]
+    """What the nest's file says of every contour's part under that name, None where it says nothing.
+
+    Where no part says anything under the very name, CAPITALS and small letters are the same: blocks write NO and Order.
+    """
+    key = name
+    if not any(name in part.attributes for part in nest.parts):
+        alike = (other for part in nest.parts for other in part.attributes if other.lower() == name.lower())
+        key = next(alike, name)
+    return [nest.part_of[c.part].attributes.get(key) if c.part else None for c in nest.contours]
 
 
 def _bounds_mm(nest: Nest) -> Floats:
@@ -345,6 +376,21 @@ _TABLE = (
         TextKind(),
         "its own id, `<part>.outer`, `<part>.hole1` …, `scrap1` …",
         lambda n: [c.id for c in n.contours],
+    ),
+    _own("layer", TextKind(), "its layer in the drawing", lambda n: [c.source.layer for c in n.contours]),
+    _own("colour", TextKind(), "its colour there, a name or #rrggbb", lambda n: [c.source.colour for c in n.contours]),
+    _own(
+        "block",
+        TextKind(),
+        "the blocks that it lies in there, outermost first, as in `PANEL/HINGE`",
+        lambda n: [c.source.block for c in n.contours],
+    ),
+    _own("text", TextKind(), "the writing that a mark is a stroke of", lambda n: [c.source.text for c in n.contours]),
+    _own(
+        "quantity",
+        COUNTED,
+        "how many of its part are wanted, by the name of its block, its layer or the file",
+        lambda n: attributes(n, "quantity"),
     ),
     _own("area_mm2", AREAS, "area inside it, 0 for an open line", areas_mm2),
     _own("length_mm", LENGTHS, "its length", lengths_mm),

@@ -283,6 +283,7 @@ class Profile(ProfileSections):
             colours=drawing.layers.colour,
             linetypes=drawing.layers.linetype,
             answers=drawing.answers,
+            quantity=drawing.quantity,
             kerf_mm=self.material.kerf_mm,
             spot_mm=self.small_holes.spot_size_mm,
             frame=drawing.frame,

@@ -13,7 +13,7 @@ from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.questions import Answers
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
 from kerfwise.encoder.readers.layers import PURPOSES, Purpose
-from kerfwise.encoder.readers.options import UNITS, FrameName, OpenLines, ScrapLines
+from kerfwise.encoder.readers.options import QUANTITY, UNITS, FrameName, OpenLines, ScrapLines
 from kerfwise.encoder.small_holes import HoleLimits, Under
 from kerfwise.encoder.text import nearest
 from kerfwise.encoder.torch_path import CornerFeed
@@ -313,6 +313,13 @@ class DrawingSection:
     )
     answers: Answers = field(
         default=(), metadata=option(Pairs(), "answers to questions that drawings raise, as in {frame: sheet}")
+    )
+    quantity: str = field(
+        default=QUANTITY,
+        metadata=option(
+            Text(pattern=True, grouped=True),
+            "how names of blocks, layers and files say how many: the number is a group of it",
+        ),
     )
     margin_mm: float = field(
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")

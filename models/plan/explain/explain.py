@@ -109,6 +109,7 @@ def explained(setting: PlanContext, plan: Plan, contour: str, along: PositionCos
         tabs_because(facts, profile).get(contour, ""),
         plan.cuts[k].pierced_because,
         "".join(common_because(facts.candidates[setting.candidates[k]], contour)),
+        facts.nest.contours[number].source.told(),
     )
 
 
@@ -127,7 +128,8 @@ class Explanation:
     `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
     and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
     says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
-    torch stays on before it, and why, `tabs` why tabs hold the part, `common` which neighbours have cut some of it.
+    torch stays on before it, and why, `tabs` why tabs hold the part, `common` which neighbours have cut some of it,
+    `drawn` what its drawing says of it.
     """
 
     contour: str
@@ -155,6 +157,7 @@ class Explanation:
     tabs: str = ""
     pierced: str = ""
     common: str = ""
+    drawn: str = ""
 
     def __str__(self) -> str:
         return as_text(self)
@@ -176,7 +179,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         f"{e.contour} is cut {_nth(e.place)} of {e.of}, in zone {e.zone}: after {e.previous or 'leaving home'}, "
         f"before {e.following or 'going home'}"
     )
-    yield from filter(None, (e.small, e.slit, e.tabs))
+    yield from filter(None, (e.drawn, e.small, e.slit, e.tabs))
     if e.zone_heat_kj is not None:
         yield f"zone {e.zone} takes up {e.zone_heat_kj:.1f} kJ at the most, of a budget of {e.zone_budget_kj:g} kJ"
     if e.dwell_s:

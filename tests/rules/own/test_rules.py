@@ -137,7 +137,9 @@ def test_a_rule_that_speaks_of_no_contour_is_said_to() -> None:
     """A selector with a typo would otherwise hold in silence."""
     (own,) = rules_of("- {name: r, select: {part: Q0}, first: true}")
     rule, order = as_rule(own), in_order(ROW, "P0.outer P1.outer")
-    assert rule.unjudged(ROW, order, Thresholds()) == "it selects no contour of this nest"
+    assert rule.unjudged(ROW, order, Thresholds()) == (
+        "it selects no contour of this nest: none has the part 'Q0'; there is 'P0', 'P1', 'P2', 'P3'"
+    )
     assert rule.violations(ROW, order, Thresholds()) == []
 
 
