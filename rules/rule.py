@@ -316,3 +316,9 @@ class Plant:
     process: str = "plasma"
     common_cuts: bool = False
     longest_link_mm: float = 0.0
+    material: str = "S235"
+    density_kg_m3: float = 7850.0
+    cut_mm_s: float = 40.0
+    mark_mm_s: float = 100.0
+    pierce_s: float = 0.5
+    mark_s: float = 0.2

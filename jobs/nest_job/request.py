@@ -293,7 +293,7 @@ class Names:
         name = lock.contour or ""
         found = self._contours(name)
         if lock.before is not None:
-            return _orders(lock, found, self._contours(lock.before))
+            return _orders(lock, found, self._after(lock, found))
         if lock.position is not None:
             return self._placed(lock, name, found)
         if lock.tab is not None:
@@ -306,17 +306,36 @@ class Names:
         return OnNest(lock, tuple(replace(lock, contour=c.id) for c in found), frozenset((key, c.id) for c in found))
 
     def _placed(self, lock: Lock, name: str, found: list[Contour]) -> OnNest:
-        """A position: the first and last of all can be a whole part; then each of its contours is, among the others."""
+        """A position: the first and last of all can be a whole part; then each of its contours is, among the others.
+
+        Marks come first anyway: a part that is first comes after the marks of others, one that is last has its own
+        marks before.
+        """
         place = lock.place_among(len(self._nest.contours))
         decides: set[tuple[str, object]] = {("position", c.id) for c in found} | {("at", place)}
         if place not in ("first", "last"):
             _only(name, found, f"cut {place} in order")
             return OnNest(lock, (replace(lock, contour=found[0].id),), frozenset(decides))
         others = [c for c in self._nest.contours if c not in found]
+        marked = self._of_part(name) and any(c.kind == "mark" for c in self._nest.contours)
+        if marked and place == "first":
+            others = [c for c in others if c.kind != "mark"]
+        if marked and place == "last":
+            found = [c for c in found if c.kind != "mark"]
         first, then = (found, others) if place == "first" else (others, found)
         made = _orders(replace(lock, position=None), first, then)
-        locks = made.locks if len(found) > 1 else (replace(lock, contour=found[0].id),)
+        locks = made.locks if len(found) > 1 or marked else (replace(lock, contour=found[0].id),)
         return OnNest(lock, locks, frozenset(decides), made.orders)
+
+    def _of_part(self, name: str) -> bool:
+        return name in self._nest.part_of and name not in self._nest.index
+
+    def _after(self, lock: Lock, first: list[Contour]) -> list[Contour]:
+        """What comes later; of a part not the marks, which come first, unless it is a mark that they come after."""
+        then = self._contours(lock.before or "")
+        if not self._of_part(lock.before or "") or all(c.kind == "mark" for c in first):
+            return then
+        return [c for c in then if c.kind != "mark"] or then
 
     def _contours(self, name: str) -> list[Contour]:
         nest = self._nest

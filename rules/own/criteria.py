@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Unfit
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import DURATION, LENGTH
 from kerfwise.rules.options.yaml_positions import is_empty, shape
 
 # Criteria: what a selector asks of one fact, such as `"< 6"`, `2..6`, `[hole, outer]`, `P1*` or `true`.
@@ -284,3 +284,5 @@ class FreeKind(ValueKind):
 LENGTHS = NumberKind(SIGNED_LENGTH, "mm")
 AREAS = NumberKind(Number(0), "mm²")
 COUNTED = NumberKind(Number())
+SECONDS = NumberKind(DURATION, "s")
+KILOGRAMS = NumberKind(Number(0), "kg")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -350,3 +351,85 @@ class Apart(Constraint):
             found.update((min(a, b), max(a, b)) for a, b in near if a != b)
         chosen.check_size(len(found))
         return sorted(found)
+
+
+# Own rules about when a contour is out: within_time.
+
+_MS = 1000
+_SHARE = re.compile(r"\s*([0-9.]+)\s*%\s*")
+
+
+@dataclass(frozen=True, slots=True)
+class WithinTime(Constraint):
+    """Every selected contour is out within a share of the cutting time of all, or within so many seconds of it.
+
+    Counted is what cuts take by themselves, without leads and travel: see the fact `cut_s`.
+    """
+
+    KEYS = {  # noqa: RUF012
+        "within_time": "every selected contour is out within a share of the cutting time, such as 40 %, or 5 min of it"
+    }
+
+    share: float | None = None
+    time_s: float = 0.0
+
+    @classmethod
+    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> WithinTime:
+        text = str(node.value) if isinstance(node, yaml.ScalarNode) else ""
+        if (found := _SHARE.fullmatch(text)) and 0 < float(found[1]) <= 100:
+            return WithinTime(share=float(found[1]) / 100)
+        try:
+            seconds = DURATION.read(node)
+            if seconds > 0:
+                return WithinTime(time_s=seconds)
+        except (Unfit, ValueError):
+            pass
+        problems.add(node, f"{what}: expected a share such as 40 %, or a time such as 5 min, got {text!r}")
+        return WithinTime(share=1.0)
+
+    @classmethod
+    def schema(cls, key: str) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string", "pattern": r"^\s*[0-9.]+\s*%\s*$"}, DURATION.schema()]}
+
+    def plain(self) -> tuple[str, object]:
+        return "within_time", DURATION.write(self.time_s) if self.share is None else f"{100 * self.share:.10g} %"
+
+    def statements(self, facts: Facts, chosen: Chosen) -> Iterator[AtLeast]:
+        if facts.already_cut:
+            return  # what was cut before took time that nobody knows
+        taken = _milliseconds(chosen)
+        after = sum(taken) - self._most(taken)
+        chosen.check_size(sum(len(selected) for selected, _ in chosen.groups))
+        for k in _members(chosen):
+            others = tuple(i for i in range(len(taken)) if i != k)
+            (name,) = chosen.ids(k)
+            about = chosen.about((k,), f"{name} is out within {self._said()}")
+            yield AtLeast(tuple(Before(k, i) for i in others), tuple(taken[i] for i in others), after, about)
+
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
+        taken, index = _milliseconds(chosen), chosen.nest.index
+        most, spent = self._most(taken), 0
+        asked = {chosen.ids(k)[0] for k in _members(chosen)}
+        for position, one in enumerate(cuts, 1):
+            spent += taken[index[one.contour]] if one.contour in index else 0
+            if one.contour in asked and spent > most:
+                text = f"{one.contour} (cut {position}) is out after {spent / _MS:.1f} s of cutting, not {self._said()}"
+                yield (one.contour,), text, (position,)
+
+    def unjudged(self, cuts: CutSequence) -> str | None:
+        return "what was cut before a stop took time that nobody knows" if cuts.made else None
+
+    def _most(self, taken: Sequence[int]) -> int:
+        return round(self.time_s * _MS) if self.share is None else int(self.share * sum(taken))
+
+    def _said(self) -> str:
+        return f"{self.time_s:g} s" if self.share is None else f"{100 * self.share:.3g} % of the cutting time"
+
+
+def _milliseconds(chosen: Chosen) -> list[int]:
+    """What each contour takes, whole milliseconds: plan and check count alike."""
+    return [round(seconds * _MS) for seconds in chosen.known.values("cut_s")]
+
+
+def _members(chosen: Chosen) -> list[int]:
+    return [k for selected, _ in chosen.groups for k in selected]

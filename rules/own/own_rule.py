@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,8 @@ from kerfwise.rules.rule import Ids, Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 from .constraint import Chosen, Constraint, DirectionConstraint, EntryConstraint
-from .order_constraints import Apart, Ends, OneStays, OrderConstraint, Together
+from .order_constraints import Apart, Ends, OneStays, OrderConstraint, Together, WithinTime
+from .plate import Plate
 from .selector import KnownFacts, Selector, facts_values, groups, measure_nest, nest_values
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ PREFIX = "own:"
 
 ASKS: Mapping[str, type[Constraint]] = {
     key: kind
-    for kind in (OrderConstraint, Ends, Together, Apart, OneStays, DirectionConstraint, EntryConstraint)
+    for kind in (OrderConstraint, Ends, Together, Apart, WithinTime, OneStays, DirectionConstraint, EntryConstraint)
     for key in kind.KEYS
 }
 """Key in a profile → the kind of demand that stands under it."""
@@ -115,10 +116,23 @@ Own = OwnRule | OwnFile
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """What the facts `long` and `neighbours_count` hang on."""
+    """What the facts `long` and `neighbours_count` hang on, and what a rule may read of the profile."""
 
     long_ratio: float = 4.0
     web_mm: float = 25.0
+    thickness_mm: float = 6.0
+    material: str = "S235"
+    process: str = "plasma"
+    density_kg_m3: float = 7850.0
+    cut_mm_s: float = 40.0
+    mark_mm_s: float = 100.0
+    pierce_s: float = 0.5
+    mark_s: float = 0.2
+
+    @property
+    def plate(self) -> Plate:
+        """What is cut, and how."""
+        return Plate(**{f.name: getattr(self, f.name) for f in fields(Plate)})
 
 
 class PlantRule(Rule[Thresholds]):
@@ -133,7 +147,7 @@ class PlantRule(Rule[Thresholds]):
         self.minds_what_is_out = rule.ask.MINDS_WHAT_IS_OUT
 
     def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
-        yield from self.rule.ask.statements(facts, self.rule.chosen(facts_values(facts)))
+        yield from self.rule.ask.statements(facts, self.rule.chosen(facts_values(facts, options.plate)))
 
     def violations(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Violation]:
         if self.unjudged(nest, cuts, options) is not None:
@@ -169,7 +183,8 @@ class PlantRule(Rule[Thresholds]):
         return None
 
     def _chosen(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> Chosen:
-        return self.rule.chosen(nest_values(measure_nest(nest, cuts, options.long_ratio, options.web_mm)))
+        measured = measure_nest(nest, cuts, options.long_ratio, options.web_mm, options.plate)
+        return self.rule.chosen(nest_values(measured))
 
 
 def as_rule(own: OwnRule) -> PlantRule:
@@ -180,7 +195,7 @@ def as_rule(own: OwnRule) -> PlantRule:
 def own_pairs(rules: tuple[Own, ...], nest: Nest, thresholds: Thresholds) -> tuple[Ids, ...]:
     """Contour ids (before, after) that hard own rules order, but for rules about zones: no zone may
     contradict them."""
-    known = nest_values(measure_nest(nest, None, thresholds.long_ratio, thresholds.web_mm))
+    known = nest_values(measure_nest(nest, None, thresholds.long_ratio, thresholds.web_mm, thresholds.plate))
     contours = nest.contours
     return tuple(
         (contours[a].id, contours[b].id)

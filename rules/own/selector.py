@@ -18,7 +18,21 @@ from kerfwise.rules.judging.metal import host_holes, places
 from kerfwise.rules.options.kind import Choice, OptionKind, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 
-from .criteria import AREAS, COUNTED, LENGTHS, ROUNDING_MM, Criterion, FlagKind, FreeKind, TextKind, ValueKind, WordKind
+from .criteria import (
+    AREAS,
+    COUNTED,
+    KILOGRAMS,
+    LENGTHS,
+    ROUNDING_MM,
+    SECONDS,
+    Criterion,
+    FlagKind,
+    FreeKind,
+    TextKind,
+    ValueKind,
+    WordKind,
+)
+from .plate import USUAL, Plate, corner_distances_mm, cut_seconds, extents_mm, middles_mm, weights_kg
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -184,17 +198,20 @@ def groups(known: KnownFacts, scope: str) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MeasuredNest:
-    """What values are measured from: a nest, the zones that its cuts state, and two thresholds."""
+    """What values are measured from: a nest, the zones that its cuts state, two thresholds, and the plate."""
 
     nest: Nest
     zones: Mapping[str, int]
     long_ratio: float
     web_mm: float
+    plate: Plate = USUAL
 
 
-def measure_nest(nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: float) -> MeasuredNest:
+def measure_nest(
+    nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: float, plate: Plate = USUAL
+) -> MeasuredNest:
     """What there is to measure; without cuts no zone is known."""
-    return MeasuredNest(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm)
+    return MeasuredNest(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm, plate)
 
 
 def areas_mm2(nest: Nest) -> list[float]:
@@ -209,7 +226,7 @@ def lengths_mm(nest: Nest) -> list[float]:
 
 def sizes_mm(nest: Nest, axis: int) -> list[float]:
     """Extent of every contour along x (axis 0) or y (axis 1)."""
-    bounds = _bounds_mm(nest)
+    bounds = extents_mm(nest)
     return _listed(bounds[:, axis + 2] - bounds[:, axis])
 
 
@@ -229,7 +246,7 @@ def is_long(m: MeasuredNest) -> list[bool]:
 def edge_gaps_mm(nest: Nest, side: str) -> list[float]:
     """Distance of every contour from a side of the sheet, from the nearest of the four where side is `edge`."""
     xmin, ymin, xmax, ymax = nest.sheet.bounds
-    bounds = _bounds_mm(nest)
+    bounds = extents_mm(nest)
     gaps = {
         "left": bounds[:, 0] - xmin,
         "right": xmax - bounds[:, 2],
@@ -292,10 +309,6 @@ def attributes(nest: Nest, name: str) -> list[Any]:
     return [nest.part_of[c.part].attributes.get(key) if c.part else None for c in nest.contours]
 
 
-def _bounds_mm(nest: Nest) -> Floats:
-    return np.asarray(shapely.bounds([c.line for c in nest.contours]), dtype=np.float64).reshape(-1, 4)
-
-
 def _rectangles_mm(nest: Nest) -> Floats:
     """Two sides (n, 2) of the smallest rectangle around every contour."""
     lines = np.array([c.line for c in nest.contours], dtype=object)
@@ -332,6 +345,12 @@ class NamedFact:
     help: str
     of_facts: Callable[[Facts], Values]
     of_nest: Callable[[MeasuredNest], Values]
+    of_plate: Callable[[Nest, Plate], Values] | None = None
+
+
+def _plated(name: str, kind: ValueKind, help: str, of: Callable[[Nest, Plate], Values]) -> NamedFact:
+    """A measure of a contour, or of all, on the plate that the profile is for."""
+    return NamedFact(name, kind, help, lambda facts: (), lambda m: (), of)
 
 
 def _own(name: str, kind: ValueKind, help: str, of: Callable[[Nest], Values]) -> NamedFact:
@@ -421,6 +440,14 @@ _TABLE = (
         lambda facts: [float(v) for v in facts.edge_gap_mm.min(axis=1)],
         lambda m: edge_gaps_mm(m.nest, "edge"),
     ),
+    _own("x_mm", LENGTHS, "x of its middle, as it is drawn", lambda n: middles_mm(n, 0)),
+    _own("y_mm", LENGTHS, "y of its middle, as it is drawn", lambda n: middles_mm(n, 1)),
+    _own("corner_distance_mm", LENGTHS, "from the sheet's lower left corner to its middle", corner_distances_mm),
+    _plated("cut_s", SECONDS, "what it takes to pierce and cut it, without leads and travel", cut_seconds),
+    _plated("weight_kg", KILOGRAMS, "weight of its part: area, thickness, density", weights_kg),
+    _plated("thickness_mm", LENGTHS, "thickness of the sheet", lambda n, p: [p.thickness_mm] * len(n.contours)),
+    _plated("material", TextKind(), "grade of the sheet", lambda n, p: [p.material] * len(n.contours)),
+    _plated("process", TextKind(), "what cuts: plasma, laser, oxyfuel…", lambda n, p: [p.process] * len(n.contours)),
     NamedFact("depth", COUNTED, "how many contours lie around it, 0 for a part on the sheet", _depths, depths),
     NamedFact("host", TextKind(), "id of the part in whose hole its part lies, empty for none", _hosts, hosts),
     NamedFact(
@@ -460,8 +487,8 @@ def named_fact(name: str) -> NamedFact | None:
 class KnownFacts:
     """The values of named facts for every contour of one nest, computed when first asked for."""
 
-    def __init__(self, nest: Nest, values: Callable[[NamedFact], Values]) -> None:
-        self.nest, self._values = nest, values
+    def __init__(self, nest: Nest, values: Callable[[NamedFact], Values], plate: Plate) -> None:
+        self.nest, self.plate, self._values = nest, plate, values
         self._found: dict[str, Values] = {}
 
     def values(self, name: str) -> Values:
@@ -469,15 +496,16 @@ class KnownFacts:
         if name not in self._found:
             fact = named_fact(name)
             assert fact is not None, name
-            self._found[name] = self._values(fact)
+            of = fact.of_plate
+            self._found[name] = self._values(fact) if of is None else of(self.nest, self.plate)
         return self._found[name]
 
 
-def facts_values(facts: Facts) -> KnownFacts:
+def facts_values(facts: Facts, plate: Plate = USUAL) -> KnownFacts:
     """Values as plans are made with."""
-    return KnownFacts(facts.nest, lambda fact: fact.of_facts(facts))
+    return KnownFacts(facts.nest, lambda fact: fact.of_facts(facts), plate)
 
 
 def nest_values(m: MeasuredNest) -> KnownFacts:
     """Values as the check measures them."""
-    return KnownFacts(m.nest, lambda fact: fact.of_nest(m))
+    return KnownFacts(m.nest, lambda fact: fact.of_nest(m), m.plate)

@@ -342,6 +342,13 @@ class Objective:
     idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
     heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
     time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel, piercing or leads"))
+    completion: float = field(
+        default=0.0,
+        metadata=option(
+            Number(0),
+            "cost of a second that a part waits, for each class of parts (priority, due) that may wait longer",
+        ),
+    )
 
 
 def named_in_group(group: Any, said: Collection[str]) -> Any:

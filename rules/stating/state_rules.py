@@ -28,7 +28,7 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, 
 from .feasible_order import links_to_drop, position_clashes, positions
 from .lazy_statements import asked_of_torches, in_held_metal
 from .reduced_statements import GantryStatements, remaining_statements, rest_of
-from .statement_costs import link_offers, open_ways, slower_ways, soften
+from .statement_costs import late_parts, link_offers, open_ways, slower_ways, soften
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -217,12 +217,13 @@ def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
 
 
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:
-    """Idle travel at its price, by the millimetre and by the second that one takes, slower or open ways, and links."""
+    """Idle travel at its price by the millimetre and the second, slower or open ways, parts that wait, and links."""
     price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
     return [
         IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price),
         *slower_ways(facts, profile),
         *open_ways(facts),
+        *late_parts(facts, profile),
         *link_offers(facts, profile),
     ]
 

@@ -1,18 +1,18 @@
-"""What statements cost: a rule's price, links, the time that ways to cut add, and open common cuts."""
+"""What statements cost: a rule's price, links, the time that ways to cut add, parts that wait, open common cuts."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Link, Statement
+from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Link, Precede, Statement
 
 if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import Candidate
     from kerfwise.encoder.facts.facts import Facts
-    from kerfwise.encoder.nest import Contour
+    from kerfwise.encoder.nest import Contour, Part
     from kerfwise.rules.profile.profile import Profile
 
 
@@ -141,6 +141,66 @@ def _seconds(candidate: Candidate, contour: Contour, profile: Profile, bare: boo
     if bare:
         return (run_mm - leads_mm) / _feed_mm_s(contour, profile)
     return start_s(candidate, contour, profile) + run_mm / _feed_mm_s(contour, profile)
+
+
+# What it costs that a part waits: weighted completion, for parts that are due earlier or of a higher priority.
+
+COMPLETION = "objective.completion"
+"""What these statements come from: no rule, but the profile's `objective.completion`."""
+MOST_PAIRS = 5000
+"""From so many pairs on, whole parts are counted in place of their contours."""
+
+
+def late_parts(facts: Facts, profile: Profile) -> Iterator[Precede]:
+    """For each part that others may wait for: what is cut before it is out costs the seconds that it takes.
+
+    The sum over all of them is the weighted completion time, Σ w · C, without leads and travel: w is the price times
+    the number of classes of parts that may wait longer, and C counts what was cut before the part is out.
+    """
+    price = profile.objective.completion
+    ranks = classes(facts.nest.parts) if price else {}
+    rush = [part for part in facts.nest.parts if ranks.get(part.id)]
+    if not rush:
+        return
+    index = facts.nest.index
+    taken = {c.id: _alone_s(c, profile) for c in facts.nest.contours}
+    if len(rush) * facts.n > MOST_PAIRS:
+        taken = {part.outer.id: sum(taken[c.id] for c in part) for part in facts.nest.parts}
+    for part in rush:
+        mine, own = part.outer.id, {c.id for c in part}
+        for other, seconds in taken.items():
+            weight = price * ranks[part.id] * seconds
+            if other not in own and weight > 0:
+                sentence = f"{mine} waits {seconds:.1f} s for {other}, and parts of its class are wanted sooner"
+                yield Precede(index[mine], index[other], About(COMPLETION, (mine, other), sentence), weight)
+
+
+def classes(parts: Sequence[Part]) -> dict[str, int]:
+    """For each part the number of classes that may wait longer: a lower number of `priority` first, then `due`.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.case import part, rect
+    >>> parts = [part(name, rect(0, 0, 9, 9)) for name in "ABC"]
+    >>> parts[1].attributes.update(due="2026-12-24")
+    >>> classes(parts)
+    {'A': 0, 'B': 1, 'C': 0}
+    """
+    keys = {part.id: _class_of(part) for part in parts}
+    order = sorted(set(keys.values()))
+    return {name: len(order) - 1 - order.index(key) for name, key in keys.items()}
+
+
+def _class_of(part: Part) -> tuple[float, str]:
+    priority, due = part.attributes.get("priority"), part.attributes.get("due")
+    number = isinstance(priority, int | float) and not isinstance(priority, bool)
+    return (float(str(priority)) if number else math.inf), (due if isinstance(due, str) else "9999")
+
+
+def _alone_s(contour: Contour, profile: Profile) -> float:
+    """What a contour takes by itself, without leads and travel."""
+    start = profile.machine.mark_time_s if contour.kind == "mark" else profile.machine.pierce_time_s
+    return start + (contour.curve.length_mm + contour.corner_mm) / _feed_mm_s(contour, profile)
 
 
 # Which way round a contour with common edges is open: that depends on which of its neighbours are out.

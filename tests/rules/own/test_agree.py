@@ -46,6 +46,10 @@ RULES = [
     "- {name: r, select: {kind: outer}, apart: {cuts: 1, within: 40}}",
     "- {name: r, select: {kind: outer}, apart: {cuts: 2, from: {kind: hole}}, scope: attribute.rank}",
     "- {name: r, select: {id: ['C.*', 'G.*']}, one_stays_while: {kind: hole}}",
+    "- {name: r, select: {part: C}, within_time: 40 %}",
+    "- {name: r, select: {part: [B, C]}, within_time: 20 s}",
+    "- {name: r, select: {weight_kg: '> 0.2', kind: outer}, last: true}",
+    "- {name: r, select: {cut_s: '< 5', x_mm: '> 150'}, first: true}",
 ]
 
 

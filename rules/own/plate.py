@@ -1,0 +1,64 @@
+"""What own rules may read of the sheet's metal, how it is cut, and where contours lie on it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Floats
+from kerfwise.encoder.nest import Nest
+
+
+@dataclass(frozen=True, slots=True)
+class Plate:
+    """The sheet's metal and how it is cut: what a rule may read of the profile."""
+
+    thickness_mm: float = 6.0
+    material: str = "S235"
+    process: str = "plasma"
+    density_kg_m3: float = 7850.0
+    cut_mm_s: float = 40.0
+    mark_mm_s: float = 100.0
+    pierce_s: float = 0.5
+    mark_s: float = 0.2
+
+
+USUAL = Plate()
+"""What is read where no profile is given."""
+
+
+def cut_seconds(nest: Nest, plate: Plate) -> list[float]:
+    """What each contour takes by itself, s: its start and its length at its feed, without leads and travel."""
+    return [
+        plate.mark_s + c.curve.length_mm / plate.mark_mm_s
+        if c.kind == "mark"
+        else plate.pierce_s + (c.curve.length_mm + c.corner_mm) / (plate.cut_mm_s * c.feed_share)
+        for c in nest.contours
+    ]
+
+
+def weights_kg(nest: Nest, plate: Plate) -> list[float]:
+    """What the part of each contour weighs: area, thickness, density; 0 for scrap lines."""
+    per_mm2 = plate.thickness_mm * plate.density_kg_m3 * 1e-9
+    of_part = {part.id: float(part.polygon.area) * per_mm2 for part in nest.parts}
+    return [of_part.get(c.part, 0.0) for c in nest.contours]
+
+
+def middles_mm(nest: Nest, axis: int) -> list[float]:
+    """The middle of each contour's extent along x (axis 0) or y (axis 1), in the coordinates of the drawing."""
+    bounds = extents_mm(nest)
+    return [float(v) for v in (bounds[:, axis] + bounds[:, axis + 2]) / 2]
+
+
+def corner_distances_mm(nest: Nest) -> list[float]:
+    """How far the middle of each contour is from the sheet's lower left corner."""
+    x0, y0, *_ = nest.sheet.bounds
+    return [math.hypot(x - x0, y - y0) for x, y in zip(middles_mm(nest, 0), middles_mm(nest, 1), strict=True)]
+
+
+def extents_mm(nest: Nest) -> Floats:
+    """The bounding box (n, 4) of every contour: x and y from, x and y to."""
+    return np.asarray(shapely.bounds([c.line for c in nest.contours]), dtype=np.float64).reshape(-1, 4)
