@@ -25,7 +25,7 @@ from kerfwise.models.plan.explain import (
 )
 from kerfwise.models.plan.explain.explain import difference
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.read_plan import profile_change
+from kerfwise.models.plan.read_plan import expect_plan_of, profile_change
 from kerfwise.rules.statements import About, Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import state_rules
@@ -58,6 +58,7 @@ class Explainer:
     """
 
     def __init__(self, given: Inputs, plan: Plan, facts: Facts | None = None) -> None:
+        expect_plan_of(plan, given.nest)
         profile = lock_broken_cut_first(given.profile.at_origin(plan.origin), plan.already)
         state = state_relaxed if any(dropped.relaxed for dropped in plan.dropped) else state_rules
         with _check_against_plan_profile(plan, given):

@@ -265,7 +265,7 @@ def program_data(text: str, nest: Nest, profile: Profile) -> Data | None:
 
 
 def _with_next(burns: Sequence[Burn], end: int) -> list[tuple[Burn, int]]:
-    return [(burn, after) for burn, after in zip(burns, [*(b.line for b in burns[1:]), end], strict=True)]
+    return list(zip(burns, [*(b.line for b in burns[1:]), end][: len(burns)], strict=True))
 
 
 def _lines(burn: Burn, after: int, lines: Sequence[str]) -> list[int]:

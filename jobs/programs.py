@@ -16,7 +16,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.motion import ConstantFeed
 from kerfwise.models.physics.time_and_cost import Cost, Job, TimeReport, machine_feeds, times_of
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.models.plan.read_plan import expect_plan_of, read_plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.read_program import (
@@ -367,6 +367,7 @@ def time_made(given: Inputs, made: Plan | str | Path, tell: Tell = silent, trust
     if isinstance(made, Plan) or is_plan_file(made):
         plan = made if isinstance(made, Plan) else read_plan(made)
         job = job_of_plan(plan, nest, profile)
+        expect_plan_of(plan, nest)
         stock = None if plan.already_cut else nest  # the sheet of a plan that goes on was paid before
         for text in differences(plan, given):
             tell(text)

@@ -11,7 +11,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.models.plan.read_plan import OFF_MM, read_plan
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.read_program import read_on_machine
 from kerfwise.postproc.verdict.check_plan import cuts_elsewhere
@@ -19,9 +19,6 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
 from .inputs import Inputs, Tell, expect_one_torch, is_plan_file, program_text, silent
-
-_OFF_MM = 1.0
-"""How far from its contour the entry of an old cut may be: more, and the plan is one of another nest."""
 
 
 def already_cut(
@@ -96,7 +93,7 @@ def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, fil
         if cut.contour not in nest.index:
             raise InputError(f"the plan cuts {cut.contour} as cut {k}, which {_named(nest)} does not have", file=file)
         off_mm = nest.contour(cut.contour).curve.project(cut.entry)[1]
-        if off_mm > _OFF_MM:
+        if off_mm > OFF_MM:
             raise InputError(
                 f"the plan does not fit {_named(nest)}: cut {k} enters {cut.contour} {off_mm:.1f} mm off it; give the "
                 "nest that the plan was made from",

@@ -23,7 +23,7 @@ from kerfwise.models.physics.heat.physical import point_steps
 from kerfwise.models.physics.heat.simulate import MOST_S, expect_short
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on, without_tabs
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.models.plan.read_plan import expect_plan_of, read_plan
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.nc.toolpaths import Toolpath, toolpaths
@@ -206,6 +206,7 @@ def path_of_made(made: Plan | str | Path, given: Inputs, tell: Tell, trusted: Tr
         return path_of_program(read_program_of(made, given, tell, trusted), made)
     plan = made if isinstance(made, Plan) else read_plan(made)
     path = path_of_plan(plan, given.nest, given.profile)
+    expect_plan_of(plan, given.nest)
     expect_short(path, None if isinstance(made, Plan) else made)
     for text in differences(plan, given):
         tell(text)

@@ -91,6 +91,10 @@ def _check_order(data: dict[str, Any], path: str | Path) -> None:
     if sorted(cut["order"] for cut in data["cuts"]) != list(range(made + 1, made + len(data["cuts"]) + 1)):
         counts = ", ".join(str(made + k) for k in (1, 2, 3))
         raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
+    for cut in (*already, *data["cuts"]):
+        if cut["end_s"] < cut["start_s"]:
+            says = f"cut {cut['order']} ends at {cut['end_s']:g} s, before it begins at {cut['start_s']:g} s"
+            raise InputError(f"the plan is damaged: {says}", file=path)
 
 
 @cache
@@ -142,7 +146,7 @@ def _plain(cut: object) -> bool:
         and 0 <= cut["zone"] <= LIMIT_MM
         and all(len(cut[key]) == 2 and _plain_row(cut[key]) for key in ("entry", "pierce"))
         and all(isinstance(row, list) and 2 <= len(row) <= 3 and _plain_row(row) for key in _PATHS for row in cut[key])
-        and all(abs(cut[key]) <= 1e12 for key in ("length_mm", "start_s", "end_s"))
+        and all(0 <= cut[key] <= 1e12 for key in ("length_mm", "start_s", "end_s"))
         and all(isinstance(text, str) for text in texts)
         and not _SELDOM & cut.keys()
     )
@@ -279,3 +283,56 @@ def profile_change(plan: Plan, profile: Profile) -> str:
         return f"{told}the plan does not say which that was"
     begins = f", whose sha256 begins {sha256[:_SHA_DIGITS]}" if sha256 else ""
     return f"{told}that was '{own}'{begins}: give it with -p (in Python profile=)"
+
+
+# Whether a plan is one of a nest: what is drawn, timed or explained of it is looked up there.
+
+OFF_MM = 1.0
+"""How far from its contour the entry of a cut may be: more, and the plan is one of another nest."""
+_MOST_TOLD = 12
+
+
+def expect_plan_of(plan: Plan, nest: Nest, once: bool = True) -> None:
+    """Refuse a plan whose cuts are not of this nest, as it is cut; `once` says that it may cut nothing twice.
+
+    Raises
+    ------
+    InputError
+        If the nest does not have a contour that the plan cuts, or has it as another part or kind, the plan cuts it
+        twice, or enters it where it is not: each with the number of the cut.
+    """
+    wrong = list(islice(_not_of(plan, nest, once), _MOST_TOLD))
+    if wrong:
+        raise InputError(
+            f"the plan is not one of {nest.file or 'the nest'}: {wrong[0]}; give the nest that it was made from",
+            file=nest.file or None,
+            details=tuple(wrong[1:]),
+        )
+
+
+def _not_of(plan: Plan, nest: Nest, once: bool) -> Iterator[str]:
+    cut_at: dict[str, int] = {}
+    for number, planned in enumerate((*plan.already_cut, *plan.cuts), 1):
+        name, (x, y) = planned.cut.contour, planned.cut.entry
+        if name not in nest.index:
+            if number > len(plan.already_cut):
+                yield f"cut {number} is of {name!r}, which is no contour of it"
+            continue
+        contour = nest.contour(name)
+        if once and name in cut_at:
+            yield f"cut {number} is of {name}, as cut {cut_at[name]} is already"
+        elif (planned.part, planned.kind) != (contour.part, contour.kind):
+            yield (
+                f"cut {number} has {name} as {_kind_of(planned.kind, planned.part)}, and it is "
+                f"{_kind_of(contour.kind, contour.part)}"
+            )
+        elif (off_mm := contour.curve.project((x, y))[1]) > OFF_MM:
+            yield f"cut {number} enters {name} at ({x:.1f}, {y:.1f}), {off_mm:.1f} mm off it"
+        cut_at[name] = number
+    for pierce in plan.pierces:
+        if pierce.contour and pierce.contour not in nest.index:
+            yield f"a hole is pierced for {pierce.contour!r}, which is no contour of it"
+
+
+def _kind_of(kind: str, part: str) -> str:
+    return f"{kind} of {part}" if part else kind

@@ -17,6 +17,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.torch_path import compensated, torch_way
 from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.models.plan.read_plan import expect_plan_of
 from kerfwise.rules.profile.profile import Profile
 
 SHA_DIGITS = 12
@@ -103,8 +104,7 @@ def expect_same_nest(plan: Plan, nest: Nest) -> None:
             f"the plan was made from another nest: its sha256 begins {sha[:SHA_DIGITS]}, that of {nest.file} "
             f"{nest.sha256[:SHA_DIGITS]}; solve again or give the nest it was made from"
         )
-    if unknown := [p.cut.contour for p in plan.cuts if p.cut.contour not in nest.index]:
-        raise InputError(f"the plan cuts contours that {nest.file or 'the nest'} does not have", details=tuple(unknown))
+    expect_plan_of(plan, nest, once=False)  # a program of it can be written, and the check finds what is cut twice
 
 
 def _as_filed(cut: Cut) -> Cut:

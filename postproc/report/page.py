@@ -18,6 +18,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.models.plan.read_plan import expect_plan_of
 from kerfwise.rules.plan_state import PlanState
 
 from .legend import nest_name
@@ -207,7 +208,14 @@ def short(value: float, digits: int = 3) -> float:
 
 
 def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
-    """One plan: its cuts, its figures, and what it says of each rule. Paths are as drawn: no kerf is known."""
+    """One plan: its cuts, its figures, and what it says of each rule. Paths are as drawn: no kerf is known.
+
+    Raises
+    ------
+    InputError
+        If the plan is not one of this nest.
+    """
+    expect_plan_of(plan, nest)
     solve, totals = plan.solve, plan.totals
     return {
         "name": "",

@@ -14,6 +14,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.models.plan.read_plan import expect_plan_of
 
 from . import scene
 from .label_fit import TextPlace
@@ -357,12 +358,11 @@ def expect_known(nest: Nest, plan: Plan | None, named: Iterable[str] = ()) -> No
     Raises
     ------
     InputError
-        If the plan cuts, or the list names, a contour that the nest does not have.
+        If the plan is not one of this nest, or the list names a contour that the nest does not have.
     """
-    cuts = [] if plan is None else [planned.cut.contour for planned in plan.cuts]
-    unknown = [c for c in (*cuts, *named) if c not in nest.index]
-    if unknown:
+    if plan is not None:
+        expect_plan_of(plan, nest)
+    if unknown := [name for name in named if name not in nest.index]:
         raise InputError(
-            f"no contour {unknown[0]!r} in the nest ({len(unknown)} unknown in all): is it the nest of this plan?",
-            file=nest.file or None,
+            f"no contour {unknown[0]!r} in the nest ({len(unknown)} unknown in all)", file=nest.file or None
         )

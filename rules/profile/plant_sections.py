@@ -362,9 +362,7 @@ class Heat:
     loss_w_m2k: float = field(
         default=15.0, metadata=option(Number(0), "W per m² and kelvin that each face of the sheet gives to the air")
     )
-    grid_mm: float = field(
-        default=5.0, metadata=option(likely(positive(LENGTH), 0.05, 500.0), "distance between points of the grid")
-    )
+    grid_mm: float = field(default=5.0, metadata=option(positive(LENGTH), "distance between points of the grid"))
     logical_conduction: float = field(
         default=0.1, metadata=option(Number(0, 1), "share that each of 8 neighbours is given a step, scheme logical")
     )

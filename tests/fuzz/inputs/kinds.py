@@ -16,6 +16,7 @@ from . import seeds
 from .byte_damage import damaged, truncated_gzip
 from .case import Case
 from .command_lines import command_line
+from .pairs import chart, pair, part_list
 from .tree_damage import YAML_WORDS, as_json, as_yaml, damaged_tree
 
 Make = Callable[[Random], Case]
@@ -324,10 +325,13 @@ KINDS: Mapping[str, Make] = {
     "model": _model,
     "python": _python,
     "job": _job,
+    "pair": pair,
+    "chart": chart,
+    "list": part_list,
 }
 SHARES: Mapping[str, int] = {
-    "profile": 17, "dialect": 8, "program": 14, "plan": 11, "arguments": 13, "nest": 10, "svg": 8, "dxf": 6,
-    "routing": 6, "model": 1, "python": 2, "job": 4,
+    "profile": 15, "dialect": 7, "program": 12, "plan": 9, "arguments": 12, "nest": 9, "svg": 7, "dxf": 6,
+    "routing": 5, "model": 1, "python": 2, "job": 4, "pair": 7, "chart": 2, "list": 2,
 }  # fmt: skip
 """Of a hundred cases of all kinds, so many are of each."""
 

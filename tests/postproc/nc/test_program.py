@@ -108,7 +108,7 @@ def test_a_plan_of_another_nest_is_refused() -> None:
         InputError, match=r"made from another nest: its sha256 begins 0a1b2c3d0a1b, that of square\.json ffff"
     ):
         write_program(plan, replace(sheet, sha256="f" * 64), PROFILE)
-    with pytest.raises(InputError, match="cuts contours that"):
+    with pytest.raises(InputError, match="which is no contour of it"):
         write_program(plan, nest(100, 100), PROFILE)
 
 

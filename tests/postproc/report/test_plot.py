@@ -75,7 +75,7 @@ def test_on_failure_the_old_picture_stays(plate: Nest, tmp_path: Path) -> None:
     plot(plate, None, path)
     before = path.read_bytes()
     other = nest(600, 300, part("Z", rect(20, 20, 200, 200)))
-    with pytest.raises(InputError, match=r"no contour 'Z\.outer'"):
+    with pytest.raises(InputError, match=r"cut 1 is of 'Z\.outer', which is no contour of it"):
         plot(plate, plausible_plan(other), path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["plan.svg"]

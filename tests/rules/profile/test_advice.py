@@ -67,7 +67,6 @@ UNLIKELY = {
     "cuts: {scrap: {grid: 1.5}}": "1.5 mm is not likely, expected 20 mm to 100000 mm: did you mean 1.5 m or in?",
     "cuts: {links: {longest: 30 m}}": "did you mean 30 mm, cm or in?",
     "time: {model: acceleration, acceleration: 1 mm/s2, corner_deviation: 5 m}": "did you mean 5 mm or cm?",
-    "heat: {grid: 5 m}": "did you mean 5 mm, cm or in?",
 }
 
 

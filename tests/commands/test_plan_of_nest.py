@@ -1,0 +1,112 @@
+"""What is drawn, timed or explained of a plan is held against its nest first: rows that are none of it are refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.fuzz.inputs import seeds
+
+Rows = list[dict[str, Any]]
+VERBS = (
+    ("time", "plate.json", "plate.plan.json"),
+    ("heat", "plate.json", "plate.plan.json", "--set", "heat.grid=20"),
+    ("explain", "plate.json", "plate.plan.json", "G.outer"),
+    ("plot", "plate.json", "plate.plan.json", "-o", "out.svg"),
+    ("plot", "plate.json", "plate.plan.json", "-o", "out.html"),
+    ("sheet", "plate.json", "plate.plan.json", "-o", "out.pdf"),
+)
+
+
+def renamed(rows: Rows) -> None:
+    rows[0]["contour"] = "D.holetrue"
+
+
+def other_kind(rows: Rows) -> None:
+    rows[0]["kind"] = "outer" if rows[0]["kind"] != "outer" else "hole"
+
+
+def other_part(rows: Rows) -> None:
+    rows[0]["part"] = "Z"
+
+
+def entered_elsewhere(rows: Rows) -> None:
+    rows[0]["entry"] = [390.0, 190.0]
+
+
+def twice(rows: Rows) -> None:
+    rows.append({**rows[0], "order": len(rows) + 1})
+
+
+WRONG: dict[Callable[[Rows], None], str] = {
+    renamed: "cut 1 is of 'D.holetrue', which is no contour of it",
+    other_kind: "cut 1 has ",
+    other_part: " of Z, and it is ",
+    entered_elsewhere: " at (390.0, 190.0), ",
+    twice: "as cut 1 is already",
+}
+
+
+@pytest.fixture(scope="module")
+def plan() -> dict[str, Any]:
+    made: dict[str, Any] = json.loads(seeds.made("rich")[1])
+    return made
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=lambda words: "-".join((words[0], words[-1][-4:])))
+@pytest.mark.parametrize("wrong", WRONG, ids=lambda change: change.__name__)
+def test_rows_that_are_none_of_the_nest(
+    verb: tuple[str, ...],
+    wrong: Callable[[Rows], None],
+    plan: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = [dict(row) for row in plan["cuts"]]
+    wrong(rows)
+    Path("plate.json").write_bytes(seeds.nest_bytes("rich"))
+    Path("plate.plan.json").write_text(json.dumps({**plan, "nest": {"file": "plate.json"}, "cuts": rows}))
+    before = sorted(tmp_path.iterdir())
+    ended = kerfwise(*verb)
+    assert (ended.code, sorted(tmp_path.iterdir())) == (2, before), ended.err
+    [line] = [line for line in ended.err.splitlines() if line.startswith("kerfwise: ")]
+    assert line.startswith("kerfwise: plate.json: the plan is not one of plate.json: cut ")
+    assert WRONG[wrong] in line
+
+
+NUMBERS = {
+    "a length under 0": (("cuts", 0, "length_mm"), -5, "cuts 1, length_mm"),
+    "a time under 0": (("cuts", 1, "start_s"), -1, "cuts 2, start_s"),
+    "a cut that ends before it begins": (("cuts", 0, "start_s"), 1e6, "ends at "),
+    "a huge time": (("cuts", 0, "end_s"), 1e13, "cuts 1, end_s"),
+    "a total under 0": (("totals", "time_s"), -3, "totals, time_s"),
+    "pierces under 0": (("totals", "pierces"), -3, "totals, pierces"),
+    "pierces past all counting": (("totals", "pierces"), 10**40, "totals, pierces"),
+    "a gap under 0": (("solve", "gap"), -0.5, "solve, gap"),
+    "no number": (("totals", "idle_mm"), float("nan"), "totals, idle_mm"),
+    "an infinite bound": (("solve", "bound"), float("inf"), "solve, bound"),
+}
+
+
+@pytest.mark.parametrize("what", NUMBERS)
+def test_numbers_that_no_plan_has_are_refused_in_place(what: str, plan: dict[str, Any], tmp_path: Path) -> None:
+    steps, value, said = NUMBERS[what]
+    data = json.loads(json.dumps(plan))
+    holder: Any = data
+    for step in steps[:-1]:
+        holder = holder[step]
+    holder[steps[-1]] = value
+    nest, file = tmp_path / "plate.json", tmp_path / "plate.plan.json"
+    nest.write_bytes(seeds.nest_bytes("rich"))
+    file.write_text(json.dumps(data))
+    for verb in (("time", nest, file), ("plot", nest, file, "-o", tmp_path / "out.svg"), ("check", nest, file)):
+        ended = kerfwise(*verb)
+        assert ended.code == 2, ended.err
+        assert f"{file}" in ended.err
+        assert said in ended.err
