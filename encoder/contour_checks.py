@@ -54,6 +54,27 @@ def enclosed(curve: Curve) -> shapely.Geometry:
     return shapely.make_valid(polygon)
 
 
+DOMINANT = 0.95
+"""A ring has one main loop if that has this share of the whole area."""
+
+
+def main_loop(curve: Curve) -> shapely.Polygon | None:
+    """The loop that nearly all of what a ring encloses is in; None of a ring that crosses itself without such a one.
+
+    Examples
+    --------
+    >>> main_loop(Curve.of([(0, 0), (9, 9), (9, 0), (0, 9)])) is None
+    True
+    """
+    loops = [piece for piece in shapely.get_parts(enclosed(curve)) if piece.geom_type == "Polygon"]
+    if not loops:
+        return None
+    largest = max(loops, key=lambda loop: float(loop.area))
+    whole, ring = sum(loop.area for loop in loops), shapely.Polygon(largest.exterior)
+    is_main = largest.area >= DOMINANT * whole and ring.area - largest.area <= (1 - DOMINANT) * whole
+    return largest if is_main else None
+
+
 def _expect_few_crossings(curve: Curve, points: Floats) -> None:
     if has_too_many_crossings(points, closed=True, most=MOST_MEETINGS):
         raise InputError(
@@ -82,7 +103,8 @@ def contour_problems(contours: Sequence[Contour]) -> dict[str, str]:
     }
     sound = [c for c in rings if c.id not in problems]
     for k in np.flatnonzero(~shapely.is_valid(np.array([c.polygon for c in sound], dtype=object))).tolist():
-        problems[sound[k].id] = f"{sound[k].id} {_crossing(sound[k].polygon)}: correct it in CAD, or try {REPAIR}"
+        mends = f", or try {REPAIR}" if main_loop(sound[k].curve) is not None else ""
+        problems[sound[k].id] = f"{sound[k].id} {_crossing(sound[k].polygon)}: correct it in CAD{mends}"
     return {c.id: problems[c.id] for c in contours if c.id in problems}
 
 

@@ -363,7 +363,7 @@ def spread_tabs(room: Room, options: TabOptions, entry_mm: float | None) -> list
 def no_tab_room_message(found: int, options: TabOptions) -> str:
     """What to do where a contour has room for fewer tabs than it needs."""
     have = "no room for a tab" if not found else f"room for {found} of {options.count} tabs"
-    fewer = f"lower width, corner{', or count' if found else ''}" if options.count > 1 else "lower width or corner"
+    fewer = "lower width, corner or count" if found and options.count > 1 else "lower width or corner"
     return (
         f"{have}: each needs a straight of {options.width_mm + 2 * options.corner_mm:g} mm and a kerf, beside "
         f"metal that stays; {fewer} of {IN_PROFILE['tabs']}, draw its tabs in the nest, or "

@@ -62,8 +62,9 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
     lines = [*marks.rings, *marks.chains, *made.thin, *made.open_lines.marks]
     parts, mark_notes, writings = with_marks(made.parts, lines, texts.marked)
     scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
-    parts = with_tabs(parts, told_apart.tab, options)
-    bridges = bridges_of_drawing(told_apart.bridge, parts, options)
+    layers = [piece.layer for piece in told_apart.cut]
+    parts = with_tabs(parts, told_apart.tab, options, layers)
+    bridges = bridges_of_drawing(told_apart.bridge, parts, options, layers)
     sheet, sheet_because, choice_notes = choose_sheet(made.outline, made.rings, drawing.page, options, made.why_sheet)
     notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *made.notes, *texts.notes, *mark_notes]
     notes += [*scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
@@ -305,11 +306,13 @@ ALONG = 0.9
 """A line lies along a contour if so much of it is on it: then it is as long as the tab is wide."""
 
 
-def with_tabs(parts: Sequence[Part], pieces: Sequence[DrawnCurve], options: ReadOptions) -> tuple[Part, ...]:
+def with_tabs(
+    parts: Sequence[Part], pieces: Sequence[DrawnCurve], options: ReadOptions, cut: Sequence[str] = ()
+) -> tuple[Part, ...]:
     """The parts with the tabs that are drawn, in the order in which they are drawn.
 
     The middle of a line says where its tab is. A line along the contour is as long as its tab is wide; of one across
-    it, and of anything that closes, the profile says how wide the tab is.
+    it, and of anything that closes, the profile says how wide the tab is. `cut` are the layers that are cut.
 
     Raises
     ------
@@ -325,10 +328,10 @@ def with_tabs(parts: Sequence[Part], pieces: Sequence[DrawnCurve], options: Read
         line = piece.curve.line()
         near = sorted(tree.query(line, "dwithin", distance=options.join_tolerance_mm).tolist())
         if not near:
-            raise _refused(piece, "lies on no outer contour of a part")
+            raise _refused(piece, "lies on no outer contour of a part", cut)
         if len(near) > 1:
             names = " and ".join(parts[k].outer.id for k in near[:2])
-            raise _refused(piece, f"lies on two outer contours, {names}")
+            raise _refused(piece, f"lies on two outer contours, {names}", cut)
         (k,) = near
         tabs.setdefault(k, []).append(_tab(line, outlines[k], options.join_tolerance_mm))
     return tuple(replace(part, tabs=tuple(tabs[k])) if k in tabs else part for k, part in enumerate(parts))
@@ -342,8 +345,8 @@ def _tab(line: shapely.LineString, outline: shapely.LineString, within_mm: float
     return Tab((float(at.x), float(at.y)), float(line.length) if along else 0.0)
 
 
-def _refused(piece: DrawnCurve, why: str) -> InputError:
-    advice = f"a tab is a short line on one, or across it; to cut the line: {setting('cut', piece.layer)}"
+def _refused(piece: DrawnCurve, why: str, cut: Sequence[str]) -> InputError:
+    advice = f"a tab is a short line on one, or across it; to take it for a line: {setting('cut', piece.layer, *cut)}"
     return InputError(f"the tab {piece.place} {why}; {advice}")
 
 
@@ -353,8 +356,10 @@ SKEW = 0.01
 """How far the sides of a rectangle may be from a right angle, as a share of their length."""
 
 
-def bridges_of_drawing(pieces: Sequence[DrawnCurve], parts: Sequence[Part], options: ReadOptions) -> tuple[Bridge, ...]:
-    """The bridges in the order in which they are drawn.
+def bridges_of_drawing(
+    pieces: Sequence[DrawnCurve], parts: Sequence[Part], options: ReadOptions, cut: Sequence[str] = ()
+) -> tuple[Bridge, ...]:
+    """The bridges in the order in which they are drawn; `cut` are the layers that are cut.
 
     Raises
     ------
@@ -363,22 +368,24 @@ def bridges_of_drawing(pieces: Sequence[DrawnCurve], parts: Sequence[Part], opti
     """
     joined = join(pieces, options.join_tolerance_mm)
     for piece in (*joined.chains, *joined.specks):
-        raise _refused_bridges(piece, "does not close")
+        raise _refused_bridges(piece, "does not close", cut)
     if not joined.rings:
         return ()
     metal = metal_of(parts)
-    return tuple(_bridge(ring, parts, metal, k) for k, ring in enumerate(joined.rings, 1))
+    return tuple(_bridge(ring, parts, metal, k, cut) for k, ring in enumerate(joined.rings, 1))
 
 
-def _bridge(ring: DrawnCurve, parts: Sequence[Part], metal: NDArray[np.object_], number: int) -> Bridge:
+def _bridge(
+    ring: DrawnCurve, parts: Sequence[Part], metal: NDArray[np.object_], number: int, cut: Sequence[str]
+) -> Bridge:
     if (corners := _corners(ring)) is None:
-        raise _refused_bridges(ring, "is no rectangle")
+        raise _refused_bridges(ring, "is no rectangle", cut)
     for k in (0, 1):
         start, end = (_middle(corners[at], corners[(at + 1) % 4]) for at in (k, k + 2))
         one, other = (_part_at(at, parts, metal) for at in (start, end))
         if one is not None and other is not None and one != other:
             return Bridge((one, other), start, end, math.dist(corners[k], corners[k + 1]), number)
-    raise _refused_bridges(ring, "does not go from one part to another: each end lies in a part, or on its edge")
+    raise _refused_bridges(ring, "does not go from one part to another: each end lies in a part, or on its edge", cut)
 
 
 def _corners(ring: DrawnCurve) -> list[Point] | None:
@@ -404,8 +411,9 @@ def _part_at(at: Point, parts: Sequence[Part], metal: NDArray[np.object_]) -> st
     return near[0] if near else None
 
 
-def _refused_bridges(piece: DrawnCurve, why: str) -> InputError:
-    advice = f"a bridge is drawn as a rectangle from part to part; to cut it as a part: {setting('cut', piece.layer)}"
+def _refused_bridges(piece: DrawnCurve, why: str, cut: Sequence[str]) -> InputError:
+    as_part = setting("cut", piece.layer, *cut)
+    advice = f"a bridge is drawn as a rectangle from part to part; to take it for a part: {as_part}"
     return InputError(f"the bridge {piece.place} {why}; {advice}")
 
 

@@ -222,6 +222,7 @@ class _Door:
             nest = self._nest(options, asking)
             drawn = repaired(nest, options, asking)
             drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
+            drawn = _as_told(drawn, nest, asking)
         except OpenLines as error:
             raise BrokenNest(replace(error.nest(), file=escape_text(file.name)), error, file) from error.__cause__
         except InputError as error:
@@ -267,6 +268,15 @@ class _Door:
         from .svg import read_svg
 
         return read_svg(self.data, options, asking)
+
+
+def _as_told(drawn: Nest, read: Nest, asking: Asking) -> Nest:
+    """The nest, its reading with what was repaired since it was read, and with all answers that were used."""
+    if drawn.reading is None:
+        return drawn
+    mended = [note.text for note in drawn.notes[len(read.notes) :] if note.severity == "repaired"]
+    said = replace(drawn.reading, repaired=(*drawn.reading.repaired, *mended), answers=dict(asking.used))
+    return replace(drawn, reading=said)
 
 
 def _with_gives(door: _Door, options: ReadOptions, asking: Asking) -> tuple[list[Question], bool]:

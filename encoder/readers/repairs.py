@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from kerfwise.encoder.contour_checks import flat, place, speck
+from kerfwise.encoder.contour_checks import flat, main_loop, place, speck
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_crossings
 from kerfwise.encoder.nest import Contour, Nest, Note, Part
@@ -20,8 +20,6 @@ from .options import REPAIR_FACTOR, ReadOptions
 
 CROSSING = "crossing"
 """The question about contours that cross themselves."""
-DOMINANT = 0.95
-"""A ring has one main loop if that has this share of the whole area."""
 BOW_TIE = 4
 """A ring of so many corners that crosses itself has them in the wrong order."""
 
@@ -41,10 +39,8 @@ class _Loops:
 
     @property
     def dominant(self) -> bool:
-        """Whether the outline of the largest loop encloses nearly all, and hardly more."""
-        whole, largest = sum(p.area for p in self.pieces), self.pieces[0]
-        ring = shapely.Polygon(largest.exterior)
-        return bool(largest.area >= DOMINANT * whole and ring.area - largest.area <= (1 - DOMINANT) * whole)
+        """Whether one loop encloses nearly all."""
+        return main_loop(self.contour.curve) is not None
 
 
 def repaired(nest: Nest, options: ReadOptions, asking: Asking) -> Nest:

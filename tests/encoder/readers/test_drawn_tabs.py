@@ -82,7 +82,7 @@ def test_what_is_no_tab_is_refused(tmp_path: Path, drawn: Any, why: str) -> None
     with pytest.raises(InputError) as error:
         tabs(tmp_path, drawn)
     assert why in error.value.message
-    assert error.value.message.endswith("to cut the line: drawing: {layers: {cut: '^tab$'}}")
+    assert error.value.message.endswith("to take it for a line: drawing: {layers: {cut: '^(0|tab)$'}}")
 
 
 def test_a_plant_names_the_layer(tmp_path: Path) -> None:
