@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.text import unknown
 from kerfwise.rules.profile.load import DEFAULT, load_profile
 from kerfwise.rules.profile.profile_yaml import Provenance, profile_yaml
 
@@ -107,6 +108,38 @@ def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
         lines = align_columns([head, *((one.key, one.a, one.b, *row) for one, row in zip(found, more, strict=True))])
         click.echo("\n".join(lines))
     expect_printed()
+
+
+@command.command()
+@click.argument("name", metavar="[CHART]", required=False)
+@click.option("-o", "--output", metavar="MACHINE_material.cfg", help="Write it as QtPlasmaC's material file, in mm.")
+def chart(name: str | None, output: str | None) -> None:
+    """List the cut charts that come with kerfwise, or print one, or a chart of a file: starting values with sources.
+
+    A profile takes the row of its material and thickness: material: {chart: plasma-air, name: S235, thickness: 8 mm}.
+    """
+    from kerfwise.encoder.files import read_limited
+    from kerfwise.postproc.output_files import expect_outputs, write_files
+    from kerfwise.rules.charts import qtplasmac_text, read_chart, shipped_charts
+
+    shipped = shipped_charts()
+    if name is None:
+        for known, path in shipped.items():
+            rows = read_chart(path).rows
+            sources = ", ".join(dict.fromkeys(str(row.values.get("source", "")) for row in rows))
+            click.echo(f"{known}: {len(rows)} rows, starting values of {sources}")
+        return
+    if name not in shipped and not Path(name).suffix:
+        raise InputError(unknown("chart", name, shipped))
+    made = read_chart(shipped.get(name, Path(name)))
+    if output is None:
+        click.echo(read_limited(made.file).decode("utf-8-sig"), nl=False)
+        return
+    if Path(output).suffix != ".cfg":
+        raise InputError("QtPlasmaC's material file is called MACHINE_material.cfg", file=output)
+    expect_outputs([Path(output)], [Path(made.file)])
+    write_files({Path(output): qtplasmac_text(made)})
+    click.echo(f"written: {output}")
 
 
 @command.command()

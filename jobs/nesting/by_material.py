@@ -22,6 +22,9 @@ from kerfwise.rules.profile.profile import Profile
 
 from .part_list import BadRow
 
+SHIPPED = "kerfwise/rules/profile/shipped/"
+"""How the files of shipped profiles begin."""
+
 # An order in groups, one for each sheet metal that its parts are cut from.
 
 _SAME_MM = 1e-6
@@ -132,6 +135,8 @@ def cutting_of(plants: Sequence[Profile], group: Group, answers: Answers = ()) -
             return _with(plant, _settings(group))
         except InputError as error:
             why.append(error.message.removeprefix("--set (in Python: settings): "))
+    if (started := _starting(plants[0], group)) is not None:
+        return started
     question = _question(plants, group, why)
     said = dict(answers).get(question.id)
     if said is None:
@@ -147,6 +152,21 @@ def cutting_of(plants: Sequence[Profile], group: Group, answers: Answers = ()) -
     if said == _BETWEEN:
         return _with(charted, (*_settings(group), "material.interpolate=true"))
     return _with(charted, _as_row(charted, group, said))
+
+
+_STARTING = {"plasma": "plasma-air"}
+"""The shipped chart for a process, which a shipped profile takes where it is for another thickness."""
+
+
+def _starting(plant: Profile, group: Group) -> Cutting | None:
+    """A shipped profile with the row of the shipped chart of its process; None where it has none."""
+    chart = _STARTING.get(plant.machine.process)
+    if chart is None or plant.material.chart is not None or not plant.file.startswith(SHIPPED):
+        return None
+    try:
+        return _with(plant, (f"material.chart={chart}", *_settings(group)))
+    except InputError:
+        return None
 
 
 def _is_of(plant: Profile, group: Group) -> bool:

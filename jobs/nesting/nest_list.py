@@ -21,7 +21,7 @@ from kerfwise.postproc.output_files import make_folder, write_files
 from kerfwise.rules.profile.load import shipped_profiles
 from kerfwise.rules.profile.profile import Profile
 
-from .by_material import Cutting, Group, cuttings_of, groups_of, left_of, uncuttable, without
+from .by_material import SHIPPED, Cutting, Group, cuttings_of, groups_of, left_of, uncuttable, without
 from .find_nests import NestingRequest, NestingResult, Watching, find_nests
 from .nests import FORMAT, TABLE, Nested, part_uses, remove_earlier, write_nests
 from .part_list import BadRow
@@ -150,7 +150,7 @@ def job_text(group: Group, cutting: Cutting, folder: Path, nested: Nested, numbe
 def _profile_name(plant: Profile, folder: Path) -> str:
     """A profile as a job file in that folder names it."""
     shipped = Path(plant.file).stem
-    if plant.file.startswith("kerfwise/rules/profile/shipped/") and shipped in shipped_profiles():
+    if plant.file.startswith(SHIPPED) and shipped in shipped_profiles():
         return shipped
     return os.path.relpath(plant.file, folder) if plant.file else plant.name
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -129,6 +130,7 @@ class Column:
 
 COLUMNS: Mapping[str, Column] = {
     "name": Column(Text(), "what the row is called"),
+    "source": Column(Text(), "who has published the row: its values are starting values then"),
     "material": Column(Text(), "grade of the sheet", "material", "name"),
     "thickness": Column(THICKNESS, "thickness of the sheet", "material", "thickness"),
     "kerf": Column(KERF, "width that the cut burns away", "material", "kerf"),
@@ -151,6 +153,8 @@ COLUMNS: Mapping[str, Column] = {
     "corner_feed": Column(Number(0.05, 1), "share of the feed at corners", "corners", "corner_feed"),
 }
 """Column → what it is. A row has those that it knows."""
+ABOUT = ("name", "source")
+"""Columns that say something of the row itself."""
 PROCESS = ("amps", "gas")
 """Rows that differ in these are other settings of the machine: nothing lies between them."""
 
@@ -222,7 +226,7 @@ def look_up(
         elif not interpolate:
             raise NoRow(_no_thickness(kin, asked, chart, "; say interpolate: true to have what lies between two rows"))
     own = {} if row is None else row.values
-    values = {c: Found(v, (row.line_of(c),)) for c, v in own.items() if c != "name" and row is not None}
+    values = {c: Found(v, (row.line_of(c),)) for c, v in own.items() if c not in ABOUT and row is not None}
     if interpolate and isinstance(at_mm, float):
         between = _neighbours(kin, at_mm)
         if row is None:
@@ -262,12 +266,32 @@ def _alike(chart: Chart, asked: Mapping[str, Value]) -> list[ChartRow]:
         if column == "thickness":
             continue
         fitting = [row for row in rows if same_value(row.values.get(column), value)]
+        if not fitting and column == "material":
+            fitting = [row for row in rows if row.values.get(column) == family_of(str(value))]
         if not fitting:
             known = [row.values[column] for row in rows if column in row.values]
             texts = list(dict.fromkeys(value_text(column, one) for one in known))
             raise NoRow(f"{chart.file}: {unknown(column, value_text(column, value), texts)}")
         rows = fitting
     return list(rows)
+
+
+_FAMILIES: Mapping[str, str] = {
+    "mild steel": r"s ?[1-9]\d\d|st ?\d\d|a ?(36|572)|d[cd] ?\d\d|q ?\d\d\d|p ?2\d\d|1\.0\d|mild|carbon|ст ?\d|09г",
+    "stainless steel": r"1\.4\d|aisi ?[34]|3(04|16|21)|x\d?cr|v[24]a|inox|stainless|12х18",
+    "aluminium": r"al(mg|si|mn|\b)|alumin|en ?aw|am?g\d|[56]\d\d\d|3\.\d",
+}
+
+
+def family_of(material: str) -> str:
+    """What a grade is, where a chart says no more than that: `mild steel` of S235; "" for what is not known.
+
+    Examples
+    --------
+    >>> family_of("S355J2"), family_of("1.4301"), family_of("AlMg3"), family_of("oak")
+    ('mild steel', 'stainless steel', 'aluminium', '')
+    """
+    return next((name for name, grades in _FAMILIES.items() if re.match(grades, material.strip().casefold())), "")
 
 
 def _kin(chart: Chart, row: ChartRow) -> list[ChartRow]:

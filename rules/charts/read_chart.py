@@ -6,6 +6,7 @@ import csv
 import hashlib
 import re
 from collections.abc import Iterator, Mapping
+from importlib import resources
 from pathlib import Path
 from typing import Literal
 
@@ -20,6 +21,12 @@ from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is
 from .chart import COLUMNS, Chart, ChartRow, Value
 
 ChartUnits = Literal["mm", "inch"]
+
+
+def shipped_charts() -> dict[str, Path]:
+    """Name → file of the charts that come with kerfwise: starting values, each row with its source."""
+    folder = Path(str(resources.files(__package__))) / "shipped"
+    return {file.stem: file for file in sorted(folder.glob("*.csv"))}
 
 
 def read_chart(path: str | Path, units: ChartUnits = "mm") -> Chart:
@@ -339,3 +346,30 @@ def node_at(text: str, line: int) -> yaml.ScalarNode:
     """A text of a line as the kinds of options read it; its column in the file is not known."""
     mark = yaml.Mark("", 0, line - 1, 0, "", 0)
     return yaml.ScalarNode("tag:yaml.org,2002:str", text, mark, mark)
+
+
+# The same as QtPlasmaC's own material file.
+
+
+def qtplasmac_text(chart: Chart) -> str:
+    """The rows of a chart as a material file of QtPlasmaC, in mm; rows without what it needs are left out.
+
+    Raises
+    ------
+    InputError
+        If no row has speed, pierce delay, pierce height and cut height.
+    """
+    needed = {column for column, _ in (_READ[key] for key in _NEEDED)}
+    whole = [row for row in chart.rows if needed <= row.values.keys()]
+    if not whole:
+        columns = ", ".join(sorted(needed))
+        raise InputError(f"no row has all that QtPlasmaC asks of a material: {columns}", file=chart.file)
+    sections = ["# QtPlasmaC materials, in mm, from " + Path(chart.file).name]
+    for number, row in enumerate(whole, 1):
+        lines = [f"[MATERIAL_NUMBER_{number}]", f"NAME = {row.label.replace(',', '')}"]
+        for key, (column, unit) in _READ.items():
+            value = row.values.get(column)
+            if column != "name" and isinstance(value, float):
+                lines.append(f"{key} = {value * (60 if unit == 'speed' else 1):.6g}")
+        sections.append("\n".join(lines))
+    return "\n\n".join(sections) + "\n"

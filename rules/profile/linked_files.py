@@ -14,8 +14,8 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file
-from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart
-from kerfwise.rules.charts.chart import COLUMNS, same_value, value_text
+from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart, shipped_charts
+from kerfwise.rules.charts.chart import COLUMNS, family_of, same_value, value_text
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.kind import Text, Unfit
 from kerfwise.rules.options.option import options_of
@@ -198,7 +198,8 @@ class ChartUse:
     """A chart, the row that was chosen, what was taken of it, and what the profile says otherwise.
 
     `beaten` are, by column, what the chart says and what the profile says itself; `silent` are columns of which
-    neither says anything, so that what the profile is based on, or the default, holds: with that value.
+    neither says anything, so that what the profile is based on, or the default, holds: with that value. `source` is who
+    has published the row, where the chart says it.
     """
 
     file: str
@@ -208,6 +209,7 @@ class ChartUse:
     taken: tuple[ChartValue, ...] = ()
     beaten: tuple[tuple[str, str, str], ...] = ()
     silent: tuple[tuple[str, str], ...] = ()
+    source: str = ""
 
     @property
     def name(self) -> str:
@@ -228,6 +230,8 @@ class ChartUse:
         >>> list(use.notes())
         ['material chart shop.csv: kerf 1.7 mm is interpolated between 6 mm (line 2) and 10 mm (line 3)']
         """
+        if self.source:
+            yield f"material chart {self.name}: starting values of {self.source}, to be tried on your machine"
         for ends in dict.fromkeys((one.lines, one.between) for one in self.interpolated):
             alike = [one for one in self.interpolated if (one.lines, one.between) == ends]
             told = ", ".join(f"{one.column} {one.text}" for one in alike)
@@ -255,7 +259,7 @@ def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: 
     own = _said(found)
     chooses = any(("material", key) in own for key in SELECTS)
     if ("material", "chart") in own and material.chart is not None:
-        given = _put(given, "material", "chart", _beside(problems.file, material.chart))
+        given = _put(given, "material", "chart", _chart_path(problems.file, material.chart))
         material = given["material"]
     if material.chart is None:
         for key in ("row", "interpolate", "chart_units"):
@@ -276,6 +280,12 @@ def with_dialect_beside(node: yaml.Node | None, given: dict[str, Any], problems:
         return given
     beside = _beside(problems.file, name)
     return _put(given, "machine", "dialect", beside) if is_file(beside) else given
+
+
+def _chart_path(profile: str, chart: str) -> str:
+    """A chart that comes with kerfwise, by its name, or one beside the profile."""
+    shipped = shipped_charts().get(chart)
+    return _beside(profile, chart) if shipped is None else str(shipped)
 
 
 def _beside(profile: str, chart: str) -> str:
@@ -330,7 +340,7 @@ def _filled(
                 taken.append(_taken(name, text, value))
             continue
         said = _value(given, *key)
-        if same_value(said, value.value, _SAME, 0.0):
+        if same_value(said, value.value, _SAME, 0.0) or (name == "material" and family_of(str(said)) == value.value):
             continue
         if name == "thickness":
             place = f"{Path(file).name}:{value.lines[0]}"
@@ -348,7 +358,9 @@ def _filled(
         if name not in looked_up.values and COLUMNS[name].key not in own
     ]
     line = 0 if looked_up.row is None else looked_up.row.line
-    return given | {"chart": ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent))}
+    source = "" if looked_up.row is None else str(looked_up.row.values.get("source", ""))
+    use = ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent), source)
+    return given | {"chart": use}
 
 
 def _beaten_too(use: ChartUse, own: Mapping[Key, yaml.Node], given: Mapping[str, Any]) -> ChartUse:

@@ -149,3 +149,14 @@ def test_the_price_of_a_sheet_counts_in_the_costs_of_make(shop: Path) -> None:
         costs.append(float(line.rsplit(",", 1)[1].split()[0]))
     assert costs[1] - costs[0] == pytest.approx(100)
     assert Path("out/sheets.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_shipped_profile_takes_the_shipped_row_of_the_thickness(shop: Path) -> None:
+    Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235;6\nplate;1;S355;8\n")
+    code, _, err = nested("list.csv", "--sheet", "400x300")
+    assert code == 0, err
+    assert "starting values of Hypertherm" in err
+    assert json.loads(Path("out/S355-8mm/nests.json").read_text())["gap_mm"] == pytest.approx(1.7 + 8)
+    assert kerfwise("solve", "out/S355-8mm/sheet1.json", "--work", 0.2).code == 0
+    Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235;40\n")
+    assert nested("list.csv", "--sheet", "400x300")[0] == 3
