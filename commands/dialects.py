@@ -9,7 +9,7 @@ import click
 from kerfwise.encoder.errors import InputError
 
 
-@click.group(invoke_without_command=True, subcommand_metavar="[show NAME | new NAME --like X]")
+@click.group(invoke_without_command=True, subcommand_metavar="[show NAME | new NAME --like X | --from OLD.nc]")
 @click.pass_context
 def command(ctx: click.Context) -> None:
     """List the dialects with their controls, processes, and the outside readers that agree with their programs.
@@ -47,10 +47,13 @@ def show(name: str) -> None:
 
 @command.command()
 @click.argument("name")
-@click.option("--like", required=True, metavar="X", help="The dialect to copy: a shipped one, or a file.")
+@click.option("--like", metavar="X", help="The dialect to copy: a shipped one, or a file.")
+@click.option("--from", "programs", multiple=True, metavar="OLD.nc",
+              help="A program that the plant's post printed; best two of different parts (repeat it).")  # fmt: skip
 @click.option("-o", "--output", metavar="OUT.yaml", help="Output file. Default: NAME.yaml.")
-def new(name: str, like: str, output: str | None) -> None:
-    """Write NAME.yaml, a copy of the dialect X to edit."""
+@click.argument("more", nargs=-1, metavar="[OLD2.nc]...")
+def new(name: str, like: str | None, programs: tuple[str, ...], output: str | None, more: tuple[str, ...]) -> None:
+    """Write NAME.yaml: a copy of the dialect X to edit, or what is told from old programs, and what is not."""
     from kerfwise.postproc.dialects import dialect_names
     from kerfwise.postproc.dialects.load import new_dialect_text
     from kerfwise.postproc.output_files import expect_outputs, write_files
@@ -62,7 +65,23 @@ def new(name: str, like: str, output: str | None) -> None:
         raise InputError("a dialect's file ends in .yaml", file=str(path))
     if path.exists():
         raise InputError("the file is there already: nothing is written", file=str(path))
-    expect_outputs([path], [Path(like)])
-    text = new_dialect_text(name, like)
+    if more and not programs:
+        raise InputError(f"{more[0]}: expected --from before the first program")
+    if not programs and like is None:
+        raise InputError("expected --like X, a dialect to copy, or --from OLD.nc, a program to tell one from")
+    expect_outputs([path], [Path(old) for old in (*programs, *more, *([like] if like else []))])
+    text = _told(name, (*programs, *more), like) if programs else new_dialect_text(name, like or "")
     write_files({path: text})
+    for row in text.split("\n") if programs else ():
+        if row.startswith("# "):
+            click.echo(row.removeprefix("# "))
     click.echo(f"{path} written; name it in a profile, machine: {{dialect: {path}}}, then: kerfwise profile check")
+
+
+def _told(name: str, programs: tuple[str, ...], like: str | None) -> str:
+    """The dialect that is told from old programs."""
+    from kerfwise.jobs.inputs import program_text
+    from kerfwise.jobs.proposed_dialect import propose_dialect, try_proposal
+
+    made = propose_dialect([program_text(old) for old in programs], like)
+    return try_proposal(made, name, [Path(old).name for old in programs])

@@ -55,7 +55,7 @@ def judge_running(
         ],
         "program-state": [],
         "feeds": list(_feeds(program, profile, control, runs, shares or {})),
-        "pierce-delay": list(_waits(nest, program, profile, in_kerfs, control.stands_s)),
+        "pierce-delay": list(_waits(nest, program, profile, in_kerfs, control)),
         "returns-home": list(_home(program, profile.home_on(nest))),
     }
     corner = profile.frame_on(nest).corner
@@ -130,11 +130,11 @@ def _powers(program: NcProgram, profile: Profile, control: Control) -> Iterator[
 
 
 def _waits(
-    nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[tuple[str, int]], own_s: float
+    nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[tuple[str, int]], control: Control
 ) -> Iterator[tuple[int, str]]:
     """Pierces too short or too long, of each torch: one may be over metal where another is off the sheet's edge.
 
-    A torch that comes in from the edge pierces nothing, but may preheat. For `own_s` the dialect's own words wait.
+    A torch that comes in from the edge pierces nothing, but may preheat. The dialect's own words may wait, too.
     """
     program = expand_torches(program, profile.machine.torches.shift)
     burns = program.burns
@@ -142,7 +142,7 @@ def _waits(
         return
     machine = profile.machine
     waits = pierce_dwell_of(profile) == "program"
-    cooling_s, flame = _longest_dwell_s(profile), machine.process == "oxyfuel"
+    cooling_s, flame = _longest_dwell_s(profile) + control.rests_s, machine.process == "oxyfuel"
     preheat_s = machine.edge_preheat_s or (machine.pierce_time_s if flame else 0.0)
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
@@ -154,7 +154,7 @@ def _waits(
         start_s = {machine.pierce_time_s} if pierced and not in_kerf else {preheat_s}
         start_s |= {machine.pierce_time_s} if maybe and not in_kerf else set()
         start_s = {preheat_s if flame else 0.0} if hole else start_s
-        allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0 if marks else own_s}
+        allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0 if marks else control.stands_s}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
             says, torch = " or ".join(f"{s:g} s" for s in sorted(allowed)), _torch(burn)
             yield burn.line, f"{torch} stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"

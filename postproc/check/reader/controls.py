@@ -107,11 +107,15 @@ _LINUXCNC_G = frozenset(
 
 
 class Declared(NamedTuple):
-    """Words that touch neither path nor torch: their pattern, where they may stand, and how they are told."""
+    """Words that touch neither path nor torch: their pattern, where they may stand, and how they are told.
+
+    `sets` says that they hold from there on, as words of a process do, until others with the same first number come.
+    """
 
     pattern: re.Pattern[str]
     where: Literal["anywhere", "header", "off", "on"]
     words: str
+    sets: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +148,8 @@ class Control:
     `comment_form` is how rows that are comments begin and end besides. `decimal` is the point of its numbers. `dwell_s`
     and `place_mm` are what 1 means in a wait and, in mm or inches, in a place. The radius of an arc may differ by
     `mismatch_mm` between its ends. `halts_lit` says that a program may halt with the torch on, before that moves.
-    Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off.
+    Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off;
+    where it has stopped it stands for `rests_s`.
     """
 
     title: str
@@ -190,6 +195,7 @@ class Control:
     halts_lit: bool = False
     preheat_s: float = 0.0
     stands_s: float = 0.0
+    rests_s: float = 0.0
 
     @property
     def has_own_words(self) -> bool:
@@ -247,7 +253,8 @@ CONTROLS: Mapping[str, Control] = {
             {0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 10.0, 13.0, 14.0, 15.0, 16.0, 30.0, 36.0, 37.0, 38.0, 48.0, 49.0, 50.0, 51.0}
         ),
         also=(
-            Declared(re.compile(r"G59V5[0-9]{2}F[0-9.]+"), "off", "G59 V502 F34"),  # the process, by the cut chart
+            Declared(re.compile(r"G59V5[0-9]{2}F[0-9.]+"), "off", "G59 V502 F34", sets=True),  # the cut chart's process
+            Declared(re.compile(r"M(?:17|18|19|31)(?![0-9.])"), "off", "M19"),  # oxygen, stations, reset
             Declared(re.compile(r"(?<=M07)HS"), "off", "M07 HS"),
             Declared(re.compile(r"(?<=M08)R[TF]"), "anywhere", "M08 RT"),
         ),

@@ -46,6 +46,10 @@ _STARTS = re.compile(r"M0*[34](?![0-9])")
 _SPEED_WORD = re.compile(r"S[0-9.]+")
 _M_WORD = re.compile(r"M([0-9]+)")
 _G_WORD = re.compile(r"G[0-9]")
+_FIRST = re.compile(r"[A-Z][0-9.]+[A-Z][0-9.]+")
+_OVERRIDE = re.compile(r"G59V6[0-9]{2}F[0-9.]+")
+_NO_OPTIONS = re.compile(r"G99X1(?:\.0*)?Y0(?:\.0*)?I0(?:\.0*)?J0(?:\.0*)?(?![0-9.])")
+"""Options of a part under Hypertherm's EIA: a scale of one, no turn, no mirror."""
 _NEAR_MM = 1e-3
 
 
@@ -110,7 +114,7 @@ class OldWords:
 
     def _carried_off(self, row: Row, line: int, moves: ModalState) -> Row:
         """The row without heights, probing, offsets, tools, and kerfs that the control adds."""
-        places = bool(_PLACE.search(row.code))
+        places = bool(_PLACE.search(row.code)) and not _NO_OPTIONS.search(row.code)
         if not self.begun and not places and self._only_of_header(row):
             self.header.append((line, row.code))
             return Row("", (), row.comments, row.comment_at)
@@ -119,7 +123,7 @@ class OldWords:
                 row, self.carried = without(row, found), line
         if (found := _SET_ZERO.search(row.code)) is not None:
             return self._set_zero(row, found, line, moves)
-        if found := _AXIS.search(row.code):
+        if (found := _AXIS.search(row.code)) and not _OVERRIDE.fullmatch(row.code):
             if found[0][0] != "Z" or (places and not self.lit):
                 what = "another axis than X, Y and Z" if found[0][0] != "Z" else "a travel that changes the height"
                 raise InputError(
@@ -155,10 +159,19 @@ class OldWords:
                 )
         return Row("", (), row.comments, row.comment_at)
 
+    def set_process(self, code: str) -> None:
+        """Keep note of a word of the control's process, by its first number."""
+        self.state[f"process {_FIRST.match(code)[0]}"] = (_spelt(code),)  # type: ignore[index]
+
     def _settings(self, row: Row) -> Row:
         """The row without tools, coordinate systems, S words without a start, and kerfs that the control adds."""
         control = self.control
         patterns = [("kerf", _KERF), ("coordinate system", _SYSTEM), ("kerf width", _KERF_WIDTH)]
+        if control.selects == 37.0:
+            if found := _OVERRIDE.fullmatch(row.code):
+                self.set_process(found[0])
+                return without(row, found)
+            patterns.append(("part options", _NO_OPTIONS))
         if "T" not in (control.torch_letter if control.selects == 37.0 else ""):
             patterns.append(("tool", _ANY_TOOL))
         if control.selects != 37.0:

@@ -8,7 +8,7 @@ control is known to move or switch by cannot be declared to be harmless.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from string import Formatter
 
@@ -50,7 +50,7 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         changes["decimal"] = dialect.decimal
     if (form := _comment_form(dialect)) is not None and not control.arcs:
         changes |= {"comment_form": form, "comments": True, "opens": "".join(c for c in "(;" if c == form[0])}
-    changes["also"] = (*control.also, *(_pattern(one, control, file) for one in dialect.also))
+    changes["also"] = (*(_pattern(one, control, file) for one in dialect.also), *control.also)
     if (reads := dialect.reads) is not None:
         changes["means"] = tuple((_regex(own), _code(known)) for own, known in reads.means)
         changes["title"] = reads.title or control.title
@@ -62,16 +62,18 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         if reads.longest is not None:
             changes["longest"] = reads.longest
     made: Control = replace(control, **changes)  # type: ignore[arg-type]
-    waits = list(_own_waits(dialect, made))
+    if rests := [s for s, _ in _own_waits(dialect.torch_off, made)]:
+        made = replace(made, rests_s=sum(rests))
+    waits = list(_own_waits(dialect.torch_on, made))
     if waits:
         made = replace(made, stands_s=sum(s for s, _ in waits), preheat_s=sum(s for s, lit in waits if not lit))
     return made
 
 
-def _own_waits(dialect: Dialect, control: Control) -> Iterator[tuple[float, bool]]:
-    """The waits, s, that stand in the blocks that start the torch, and whether it is on in them."""
+def _own_waits(blocks: Sequence[str], control: Control) -> Iterator[tuple[float, bool]]:
+    """The waits, s, that stand in the blocks of a dialect, and whether the torch has been started by these before."""
     lit = False
-    for block in dialect.torch_on if not control.arcs else ():
+    for block in blocks if not control.arcs else ():
         code = _code(block)
         for own, known in control.means:
             code = own.sub(known, code)

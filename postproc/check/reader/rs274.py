@@ -153,7 +153,10 @@ class Machine:
         for also in control.also:
             for found in reversed(list(also.pattern.finditer(row.code))):
                 self._expect_there(also, row, found.start(), line)
-                self.own_line = line
+                if also.sets and self.further is not None:
+                    self.further.set_process(found[0])
+                else:
+                    self.own_line = line
                 row = without(row, found)
         for own, known in control.means:
             for found in reversed(list(own.finditer(row.code))):

@@ -14,6 +14,7 @@ from .words import Block, Word
 # The tools that are on, and what a program's halts and its end make of them.
 
 ALL = -1
+_NO_WAIT_S = 1e-6
 HALTS = frozenset({0.0, 1.0})
 ENDS = frozenset({2.0, 30.0})
 
@@ -71,7 +72,7 @@ def finish_program(
     if track.torches:
         text = f"the program ends with torch {track.torches[0]} selected: it would burn in the next program, too"
         track.fault(line, "program-state", text)
-    if track.wait_s > 0:
+    if track.wait_s > tools.control.rests_s + _NO_WAIT_S:
         track.fault(line, "pierce-delay", f"the torch stands still for {track.wait_s:g} s after the last cut")
     return NcProgram(
         tuple(track.burns),

@@ -159,14 +159,14 @@ def test_a_word_of_the_control_is_not_harmless(tmp_path: Path) -> None:
 
 def test_a_word_where_it_may_not_stand_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="may only stand before the first cut"):
-        trusted_dialect(shop(tmp_path, "eia", {"torch_off": "[M08, M31]", "also": "[{words: M31, where: header}]"}))
+        trusted_dialect(shop(tmp_path, "eia", {"torch_off": "[M08, M210]", "also": "[{words: M210, where: header}]"}))
     with pytest.raises(InputError, match="may only stand with the torch on"):
-        trusted_dialect(shop(tmp_path, "eia", {"torch_on": "[M31, M07]", "also": "[{words: M31, where: on}]"}))
+        trusted_dialect(shop(tmp_path, "eia", {"torch_on": "[M210, M07]", "also": "[{words: M210, where: on}]"}))
 
 
 def test_an_unknown_word_is_told_with_what_settles_it(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"torch_on: 'M31' cannot be read: .* is named under also"):
-        trusted_dialect(shop(tmp_path, "eia", {"torch_on": "[M31, M07]"}))
+    with pytest.raises(InputError, match=r"torch_on: 'M210' cannot be read: .* is named under also"):
+        trusted_dialect(shop(tmp_path, "eia", {"torch_on": "[M210, M07]"}))
 
 
 def test_a_halt_in_the_middle_of_a_cut_stays_a_fault(tmp_path: Path) -> None:
