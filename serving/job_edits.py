@@ -14,10 +14,11 @@ from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import answers_of
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import LOCKS, SET, TABS, Job, job_of
-from kerfwise.jobs.nest_job.request import Names
+from kerfwise.jobs.nest_job.request import Names, with_kept
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of, read_lock
 
@@ -32,8 +33,8 @@ Undone = list[str]
 def edited(wanted: PlanRequest, given: Inputs, changes: Sequence[dict[str, Any]]) -> tuple[str | None, Undone]:
     """The text of the job file with all changes made, None for no file, and the locks that gave way to new ones.
 
-    A change is `{"lock": LINE}`, `{"unlock": LINE}`, `{"set": KEY, "to": VALUE}`, `{"unset": KEY}` or
-    `{"profile": NAME}`.
+    A change is `{"lock": LINE}`, `{"unlock": LINE}`, `{"set": KEY, "to": VALUE}`, `{"unset": KEY}`, `{"profile": NAME}`
+    or `{"answer": "QUESTION=CHOICE"}`.
 
     Raises
     ------
@@ -58,6 +59,7 @@ def _changed(text: JobText, nest: Nest, change: dict[str, Any], undone: Undone) 
         "set": lambda key: text.with_setting(key, _text(change, "to")),
         "unset": text.without_setting,
         "profile": text.with_profile,
+        "answer": lambda said: text.with_answers(dict(answers_of([said]))),
     }
     name = next((name for name in made if name in change), None)
     if name is None:
@@ -191,6 +193,12 @@ class JobText:
         root = self._root()
         root["profile"] = name
         return _written(root)
+
+    def with_answers(self, answers: Mapping[str, str]) -> JobText:
+        """With answers to questions of the drawing, each in the place of one before."""
+        if not answers:
+            return self
+        return JobText(with_kept(self.text, tuple(answers.items()), "the job file"))
 
     def without_numbers(self, contours: dict[str, str]) -> JobText:
         """With ids in the place of numbers such as #7: once the job file changes, #7 would be of another plan."""

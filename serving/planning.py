@@ -142,7 +142,8 @@ class Planning:
                 ask = partial(self.helper.ask, "solve", heard, wanted=wanted, relax=relax, **limits)
                 told = await to_thread.run_sync(ask)
             except Refused as error:
-                session.changed(solving=None, problem=error.told["message"])
+                asks = error.told.get("questions", [])
+                session.changed(solving=None, problem=error.told["message"], questions=asks)
             except Died as error:
                 asked = session.solving["ending"] == "at once"
                 session.changed(solving=None, problem="ended without a plan" if asked else str(error))

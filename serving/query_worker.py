@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import math
 import re
 from collections import OrderedDict, defaultdict
@@ -13,24 +14,31 @@ from typing import Any, TypeVar
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions as OfDrawing
-from kerfwise.encoder.readers.read import BrokenNest
+from kerfwise.encoder.readers.read import BrokenNest, seen
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.compare import Side, SideAsked, compare, side_of
 from kerfwise.jobs.edit.edited_nest import editing
 from kerfwise.jobs.explainer import Explainer, MovePreview, Mover
-from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.inputs import Inputs, plant_of, reading, silent
+from kerfwise.jobs.nest_job.request import NestRequest, profile_for
 from kerfwise.jobs.page import compared_data, page_data
 from kerfwise.jobs.page_reasons import heat_data, why_data
 from kerfwise.models.plan.explain import as_text
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
 from kerfwise.postproc.report.page import page_of
+from kerfwise.postproc.report.simple_pictures import reading_picture
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of
 
 from .job_edits import JobText, conflicting_locks, edited, settings_of
-from .plan_request import Answers, PlanRequest, Questions, already_of, request_inputs
+from .plan_request import Answers, PlanRequest, Questions, already_of, enter_nest_folder, job_in, request_inputs
 from .profile_answers import profile_answers
+
+MOST_DRAWN = 3000
+"""A picture of more lines than this is sent as dots: browsers draw that many lines slowly."""
+BOLD = 3.0
+"""How many times as thick as on paper a picture is drawn that stands beside a question."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +79,23 @@ class Desk:
             "locked": [line for line, _ in text.lines()],
             "settings": dict(settings_of(text.job())),
             "rules": [_rule(read.given, name) for name in {**profile.rules, **profile.settings()}],
+            "answers": {} if nest.reading is None else dict(nest.reading.answers),
         }
+
+    def preview(self, wanted: PlanRequest) -> str:
+        """How a drawing is understood with the answers of the wanted job file, as the address of a picture.
+
+        Questions that are still open get their likeliest answers.
+        """
+        name = enter_nest_folder(wanted)
+        job = job_in(wanted)
+        asked = NestRequest(job=False if job is None else job)
+        plant = profile_for(asked, job, silent, lambda named: plant_of(named, wanted.trust))
+        found = seen(name, reading(plant, repair=wanted.repair))
+        kind = ".png" if len(found.lines) > MOST_DRAWN else ".svg"
+        picture = reading_picture(found.lines, found.nest, "", kind, BOLD)
+        media = {".png": "image/png", ".svg": "image/svg+xml"}[kind]
+        return f"data:{media};base64,{base64.b64encode(picture).decode('ascii')}"
 
     def changed(self, wanted: PlanRequest, changes: Sequence[str]) -> dict[str, Any]:
         """The nest with parts dropped, moved, added and so on: its text, its parts, and those off another sheet.
@@ -217,7 +241,7 @@ def _rule(given: Inputs, name: str) -> dict[str, Any]:
 def desk(asking: Questions) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    names = ("ready", "prepared", "opened", "edited", "changed", "page", "compared", "heat", "why", "move")
+    names = ("ready", "prepared", "opened", "preview", "edited", "changed", "page", "compared", "heat", "why", "move")
     return {**{name: getattr(made, name) for name in names}, **profile_answers()}
 
 

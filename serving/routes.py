@@ -163,6 +163,7 @@ class Writing:
         return {
             "/api/open": self.open,
             "/api/drop": self.drop,
+            "/api/preview": self.preview,
             "/api/{id}/edit": self.edit,
             "/api/{id}/nest": self.change_nest,
             "/api/{id}/cut": self.cut,
@@ -176,15 +177,36 @@ class Writing:
         }
 
     async def open(self, request: Request) -> Response:
-        """`{"nest": NAME, "repair": false}` gives the session's state."""
-        said = await said_in(request, "nest", "repair")
+        """`{"nest": NAME, "repair": false, "answers": {"frame": "sheet"}}` gives the session's state.
+
+        A drawing that raises questions is refused with them; answers are kept in its job file once all are given.
+        """
+        said = await said_in(request, "nest", "repair", "answers")
         path = self._server.folder.nest(str(said.get("nest", "")))
-        return JSONResponse((await self._server.open_nest(path, said.get("repair") is True)).as_json())
+        session = await self._server.open_nest(path, said.get("repair") is True, _answers_in(said.get("answers")))
+        return JSONResponse(session.as_json())
+
+    async def preview(self, request: Request) -> Response:
+        """`{"nest": NAME, "repair": false, "answers": {…}}`: a picture of how it is understood so; nothing is kept."""
+        said = await said_in(request, "nest", "repair", "answers")
+        path = self._server.folder.nest(str(said.get("nest", "")))
+        answers = _answers_in(said.get("answers"))
+        return JSONResponse({"picture": await self._server.preview(path, said.get("repair") is True, answers)})
 
     async def drop(self, request: Request) -> Response:
-        """A drawing as the body, `?name=plate.dxf&repair=0`: one that can be cut is written into the folder."""
+        """A drawing as the body, `?name=plate.dxf&repair=0`: one that can be cut is written into the folder.
+
+        `&answers={"frame": "sheet"}` answers its questions; with `&preview=1` a picture is all that is made.
+        """
         said = request.query_params
-        session = await self._server.drop(said.get("name", ""), await request.body(), said.get("repair") == "1")
+        name, repair, body = said.get("name", ""), said.get("repair") == "1", await request.body()
+        try:
+            answers = _answers_in(json.loads(said.get("answers") or "{}"))
+        except json.JSONDecodeError:
+            answers = _answers_in("no JSON")
+        if said.get("preview") == "1":
+            return JSONResponse({"picture": await self._server.preview_of_drop(name, body, repair, answers)})
+        session = await self._server.drop(name, body, repair, answers)
         return JSONResponse(session.as_json(), HTTPStatus.CREATED)
 
     async def edit(self, request: Request) -> Response:
@@ -276,6 +298,14 @@ class Writing:
         session, said = self._session(request), await said_in(request, "version", *keys)
         session.expect(said.get("version"))
         return session, said
+
+
+def _answers_in(said: Any) -> dict[str, str]:
+    """`{"frame": "sheet"}` as answers to questions of a drawing."""
+    answers = {} if said is None else said
+    if not isinstance(answers, dict) or not all(isinstance(one, str) and one for row in answers.items() for one in row):
+        raise InputError(f'answers: expected {{"QUESTION": "CHOICE"}}, got {said!r}')
+    return answers
 
 
 # The server's own pages and their files: read from the package, put together with nothing that a nest says.

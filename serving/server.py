@@ -6,7 +6,8 @@ import hashlib
 import json
 import re
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -28,6 +29,9 @@ from .plan_request import PlanRequest, earlier_plan_name, sha256_of
 from .planning import Planning
 from .session import Alternative, Background, News, Session, request_after_cuts
 from .worker import Died, Refused, Worker
+
+NONE: Mapping[str, str] = {}
+"""No answers to questions of a drawing."""
 
 
 class Server:
@@ -70,11 +74,16 @@ class Server:
             await to_thread.run_sync(helper.close)
         await self._background.end()
 
-    async def open_nest(self, path: Path, repair: bool = False) -> Session:
-        """The session of a nest in the folder; the one that is there, if it is open already."""
+    async def open_nest(self, path: Path, repair: bool = False, answers: Mapping[str, str] = NONE) -> Session:
+        """The session of a nest in the folder; the one that is there, if it is open already.
+
+        Answers to its questions are written into its job file once it can be read with them.
+        """
         name = path.relative_to(self.folder.path).as_posix()
         key = hashlib.sha256(name.encode()).hexdigest()[:12]
         disk = text_of(path.with_name(beside_name(path.name)))
+        if answers:
+            disk = await self._answered(path, disk, repair, answers)
         read = (sha256_of(path), repair, disk)
         there = self.sessions.get(key)
         if there is not None and there.read == read:
@@ -88,14 +97,51 @@ class Server:
             there.opened_again(wanted, opened, disk)
         return there
 
-    async def drop(self, name: str, drawing: bytes, repair: bool = False) -> Session:
+    async def drop(self, name: str, drawing: bytes, repair: bool = False, answers: Mapping[str, str] = NONE) -> Session:
         """The session of a drawing that was dropped on the page; it is written into the folder once it can be read."""
+        with self._aside(name, drawing) as path:
+            disk = text_of(self.folder.path / beside_name(name))
+            await self.asked("opened", wanted=self._with_answers(path, disk, repair, answers))
+        return await self.open_nest(self.folder.keep(name, drawing), repair, answers)
+
+    async def preview(self, path: Path, repair: bool, answers: Mapping[str, str]) -> str:
+        """The address of a picture of how a nest is understood with some answers; nothing is written."""
+        disk = text_of(path.with_name(beside_name(path.name)))
+        return str(await self.asked("preview", wanted=self._with_answers(path, disk, repair, answers)))
+
+    async def preview_of_drop(self, name: str, drawing: bytes, repair: bool, answers: Mapping[str, str]) -> str:
+        """The same of a drawing that was dropped on the page, and is not in the folder yet."""
+        with self._aside(name, drawing) as path:
+            return await self.preview(path, repair, answers)
+
+    @contextmanager
+    def _aside(self, name: str, drawing: bytes) -> Iterator[Path]:
+        """A drawing in a folder of its own, for as long as nobody knows whether it can be read."""
         self.folder.expect_free(name, drawing)
         with tempfile.TemporaryDirectory() as aside:
             path = Path(aside).resolve() / name
             path.write_bytes(drawing)
-            await self.asked("opened", wanted=PlanRequest(str(path), self._first_text(None, path), repair))
-        return await self.open_nest(self.folder.keep(name, drawing), repair)
+            yield path
+
+    def _with_answers(self, path: Path, disk: str | None, repair: bool, answers: Mapping[str, str]) -> PlanRequest:
+        first = self._first_text(disk, path)
+        text = JobText(first or "").with_answers(answers).text if answers else first
+        return PlanRequest(str(path), text, repair, trust=self._trust)
+
+    async def _answered(self, path: Path, disk: str | None, repair: bool, answers: Mapping[str, str]) -> str | None:
+        """The job file with the answers that a question of the nest asked for, as it is now on disk."""
+        opened = await self.asked("opened", wanted=self._with_answers(path, disk, repair, answers))
+        used = {question: choice for question, choice in answers.items() if question in opened["answers"]}
+        if not used:
+            return disk
+        job = path.with_name(beside_name(path.name))
+        self.folder.expect_inside([job])
+        text = JobText(disk or "").with_answers(used).text
+        if text_of(job) != disk:
+            raise InputError(f"{job.name} has changed on disk meanwhile: open the nest again")
+        if text != disk:
+            write_files({job: text})
+        return text
 
     def _first_text(self, disk: str | None, nest: Path) -> str | None:
         """The job file of a nest that is opened: with the profile that the server was given, where it names none."""
@@ -131,7 +177,7 @@ class Server:
         version = session.version
         opened = await self.asked("opened", wanted=wanted)
         session.expect(version)
-        session.changed(wanted=wanted, opened=opened, conflict=None, problem="", **also)
+        session.changed(wanted=wanted, opened=opened, conflict=None, problem="", questions=[], **also)
 
     async def cut_up_to(self, session: Session, upto: int) -> None:
         """Count the first cuts of the shown plan as made."""

@@ -47,6 +47,8 @@ class Session:
         What the engines have reached; None where nothing is being planned.
     conflict, problem
         Why the last planning made no plan: rules that contradict each other, or a sentence.
+    questions
+        What it could not decide, such as what becomes of narrow slots: each with its choices, as JSON.
     """
 
     id: str
@@ -61,6 +63,7 @@ class Session:
     solving: dict[str, Any] | None = None
     conflict: dict[str, Any] | None = None
     problem: str = ""
+    questions: list[dict[str, Any]] = field(default_factory=list)
     saved: dict[str, Any] | None = None
     on_disk: str | None = None
 
@@ -91,6 +94,7 @@ class Session:
         if self.solving is not None:
             raise InputError("this nest has changed on disk while it is being planned: cancel that first, or wait")
         nothing: dict[str, Any] = {"alternatives": [], "shown": 0, "conflict": None, "problem": "", "saved": None}
+        nothing["questions"] = []
         self.changed(wanted=wanted, opened=opened, on_disk=on_disk, **nothing)
 
     @property
@@ -127,7 +131,8 @@ class Session:
         kept = [*self.alternatives, made]
         if len(kept) > MOST_ALTERNATIVES:
             kept.remove(next(one for one in kept if one.number != self.shown))
-        self.changed(alternatives=kept, shown=made.number, made=made.number, solving=None, conflict=None, problem="")
+        undone: dict[str, Any] = {"solving": None, "conflict": None, "problem": "", "questions": []}
+        self.changed(alternatives=kept, shown=made.number, made=made.number, **undone)
 
     def as_json(self) -> dict[str, Any]:
         """The state as a page shows it."""
@@ -149,6 +154,7 @@ class Session:
             "solving": self.solving,
             "conflict": self.conflict,
             "problem": self.problem,
+            "questions": self.questions,
             "saved": self.saved,
         }
 

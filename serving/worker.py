@@ -172,11 +172,14 @@ def error_as_json(error: Exception) -> dict[str, Any]:
 
 
 def _drawn(error: InputError) -> dict[str, Any]:
-    """The drawing that cannot be cut, with what is wrong where."""
+    """The drawing that cannot be cut, with what is wrong where, or the questions that it raises."""
+    from kerfwise.encoder.questions import Questions as OfDrawing
     from kerfwise.encoder.readers.read import BrokenNest
 
     from .query_worker import Unmended, problems_of
 
+    if isinstance(error, OfDrawing):
+        return {"questions": error.as_json()}
     if isinstance(error, Unmended):
         return {"problems": problems_of(error.broken, error.left)}
     return {"problems": problems_of(error, None)} if isinstance(error, BrokenNest) else {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -277,7 +277,9 @@ STYLES = {
 _READING_PICTURE_MARGIN = 0.03
 
 
-def reading_picture(lines: Sequence[tuple[str, Curve]], nest: Nest | None, title: str, suffix: str) -> bytes:
+def reading_picture(
+    lines: Sequence[tuple[str, Curve]], nest: Nest | None, title: str, suffix: str, bold: float = 1.0
+) -> bytes:
     """The picture as the content of a file.
 
     Parameters
@@ -290,6 +292,8 @@ def reading_picture(lines: Sequence[tuple[str, Curve]], nest: Nest | None, title
         Stands above the drawing.
     suffix
         ".svg", ".png" or ".pdf".
+    bold
+        How many times as thick lines and letters are, for a picture that is shown small.
     """
     rows = list(lines) or ([(_of(c.kind), c.curve) for c in nest.contours] if nest is not None else [])
     if nest is not None:
@@ -298,11 +302,14 @@ def reading_picture(lines: Sequence[tuple[str, Curve]], nest: Nest | None, title
         rows += [("repaired", contour.curve) for contour in nest.contours if contour.id in fixed]
     view = View.of(_window([curve for _, curve in rows]), len(rows), 1.0)
     layers = [
-        SceneLayer(kind, tuple(Shape((view.path(curve),), style, curve.closed) for of, curve in rows if of == kind))
+        SceneLayer(
+            kind,
+            tuple(Shape((view.path(curve),), _bold(style, bold), curve.closed) for of, curve in rows if of == kind),
+        )
         for kind, (_, style) in STYLES.items()
     ]
     used = {kind for kind, _ in rows}
-    texts = (TextLine(28, 34, title, 18, INK, "start", True), *_legend(used, view.height - 26))
+    texts = (TextLine(28, 16 + 18 * bold, title, 18 * bold, INK, "start", True), *_legend(used, view.height - 26, bold))
     return render_picture(Scene(view.width, view.height, (*layers, SceneLayer("legend", tuple(texts))), title), suffix)
 
 
@@ -317,10 +324,14 @@ def _window(curves: Sequence[Curve]) -> Window:
     return x0 - room, y0 - room, x1 + room, y1 + room
 
 
-def _legend(used: set[str], y: float) -> Iterator[Item]:
+def _bold(style: Style, bold: float) -> Style:
+    return replace(style, width=style.width * bold, dash=tuple(bold * length for length in style.dash))
+
+
+def _legend(used: set[str], y: float, bold: float) -> Iterator[Item]:
     x = 28.0
     for kind, (words, style) in STYLES.items():
         if kind in used:
-            yield Shape((np.array([[x, y], [x + 34.0, y]]),), style, closed=False)
-            yield TextLine(x + 42.0, y, words, 14, INK, "start")
-            x += 66.0 + text_width(words, 14)
+            yield Shape((np.array([[x, y], [x + 34.0 * bold, y]]),), _bold(style, bold), closed=False)
+            yield TextLine(x + 42.0 * bold, y, words, 14 * bold, INK, "start")
+            x += 66.0 * bold + text_width(words, 14 * bold)

@@ -5,6 +5,7 @@ import { lockPanel } from "./locking.js";
 import { planBar } from "./planning.js";
 import { plansPanel } from "./plans.js";
 import { profilePanel } from "./profile.js";
+import { planningQuestions } from "./questions.js";
 import { tabDrawing } from "./tabdrawing.js";
 import { planViews } from "./views.js";
 import { weightSliders } from "./weights.js";
@@ -22,6 +23,7 @@ export function giveHands(app, work) {
   lockPanel(app, work, drawTab);
   plansPanel(app, work);
   conflictPanel(app, work);
+  planningQuestions(app, work);
   weightSliders(app, work);
   profilePanel(app, work);
   dragging(app, work);

@@ -1,6 +1,7 @@
 // The nests of the folder: one is opened by a click, a drawing by dropping it.
 import { askServer, sendServer } from "./asking.js";
 import { brokenDrawing } from "./broken.js";
+import { drawingQuestions } from "./questions.js";
 
 const main = document.getElementById("main");
 
@@ -14,28 +15,34 @@ function go(state) {
   location.href = `/nest/${state.id}`;
 }
 
-function problems({ told, message }, again) {
+// What stands above the list, where something could not be opened: `again` tries once more, `picture` shows how it would
+// be understood with some answers.
+function problems({ told, message }, answers, again, picture) {
   main.querySelector("section")?.remove();
-  const box = told?.problems ? brokenDrawing(told.problems, again) : element("section");
-  if (!told?.problems) box.append(element("h2", "This cannot be opened"), element("p", message));
+  let box = element("section");
+  if (told?.questions) box = drawingQuestions(told.questions, answers, picture, (all) => again(undefined, all));
+  else if (told?.problems) box = brokenDrawing(told.problems, () => again(true, answers));
+  else box.append(element("h2", "This cannot be opened"), element("p", message));
   main.prepend(box);
   scrollTo(0, 0);
 }
 
-async function open(nest, repair = false) {
+async function open(nest, repair = false, answers = {}) {
+  const picture = async (all) => (await sendServer("/api/preview", { nest, repair, answers: all })).picture;
   try {
-    go(await sendServer("/api/open", { nest, repair }));
+    go(await sendServer("/api/open", { nest, repair, answers }));
   } catch (error) {
-    problems(error, () => open(nest, true));
+    problems(error, answers, (mend, all) => open(nest, mend ?? repair, all), picture);
   }
 }
 
-async function drop(file, repair = false) {
-  const query = new URLSearchParams({ name: file.name, repair: repair ? "1" : "0" });
+async function drop(file, repair = false, answers = {}) {
+  const query = (all, more = {}) => new URLSearchParams({ name: file.name, repair: repair ? "1" : "0", answers: JSON.stringify(all), ...more });
+  const picture = async (all) => (await sendServer(`/api/drop?${query(all, { preview: "1" })}`, file)).picture;
   try {
-    go(await sendServer(`/api/drop?${query}`, file));
+    go(await sendServer(`/api/drop?${query(answers)}`, file));
   } catch (error) {
-    problems(error, () => drop(file, true));
+    problems(error, answers, (mend, all) => drop(file, mend ?? repair, all), picture);
   }
 }
 
