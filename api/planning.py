@@ -22,7 +22,8 @@ from kerfwise.jobs.resequence.result import Paths, Resequenced
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.resume import already_cut
 from kerfwise.models.engines import OLD_NAMES, STRATEGIES, Engine, Strategy
-from kerfwise.models.engines.solution import MEMORY_GB, Budget
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.load import DEFAULT
@@ -205,7 +206,7 @@ def conflict(
     limits = options_for(given.nest, given.profile, work=work, time_s=time_s)
     known = facts_of(given.nest, given.profile)
     try:
-        return find_conflict(known, given.profile, Budget.of(limits))
+        return find_conflict(known, given.profile, Deadline.of(limits))
     except NotAnswered:
         raise KerfwiseError(f"{NOT_SHOWN}: give more time_s or work") from None
 

@@ -32,7 +32,7 @@ from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.bounds import FlowBound
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
@@ -165,7 +165,7 @@ def replaced(place: tuple[str, str], make: Callable[[Callable[..., Any]], Callab
 def solved(problem: Problem, work: float) -> Row:
     """By the whole portfolio, or what is left of it."""
     options = SolveOptions(work=work)
-    known = run_portfolio(problem, options, Watch(options))
+    known = run_portfolio(problem, options)
     cost = None if known.incumbent is None else known.incumbent.cost
     return Row(cost, known.bound_um, known.proven, known.found_by, known.proved_by)
 

@@ -32,9 +32,10 @@ from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.bounds import MOST_SITES, flow_bound
 from kerfwise.models.engines.bounds.flow import CROWD
 from kerfwise.models.engines.bounds.flow_program import FEWER_MOVES, MANY_MOVES
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
@@ -226,7 +227,7 @@ def solved(contours: int, work: float, seed: int, crossed: bool) -> Row:
     options = SolveOptions(work=work)
     load_kernels()
     problem, began_s = plate(contours, seed, crossed), time.process_time()
-    known = run_portfolio(problem, options, Watch(options))
+    known = run_portfolio(problem, options)
     assert known.incumbent is not None
     taken = f"{time.process_time() - began_s:.0f}"
     name = f"{problem.n} contours{f', {CROSSED}' if crossed else ''}"
@@ -238,10 +239,10 @@ def parted(contours: int, work: float, seed: int) -> Iterator[Row]:
     """Plan and bound of one plate, with fewer statements from row to row."""
     for statements, problem in fewer(plate(contours, seed)):
         searcher = Searcher(problem)
-        searcher.run(work)
+        searcher.run(Deadline(work))
         plan = searcher.best
         assert plan is not None
-        bound = flow_bound(problem, plan, work).bound
+        bound = flow_bound(problem, plan, Deadline(work)).bound
         yield Row((statements,), plan.cost / 1e6, bound / 1e6)
 
 

@@ -55,15 +55,15 @@ that has nothing else to do takes by the clock."""
 RUN = """\
 import sys, time, types
 from kerfwise.cli import main
-from kerfwise.jobs.time_limits import WholeLimit
+from kerfwise.jobs.time_limits import CommandLimit
 from kerfwise.models import jit as kernels
 if sys.argv.pop(1) == "processor":
     kernels.time = types.SimpleNamespace(monotonic=time.process_time)
-over, planned = WholeLimit.over, []
+over, planned = CommandLimit.over, []
 def told(limit):
     planned.append(limit.planned_s)
     return over(limit)
-WholeLimit.over = told
+CommandLimit.over = told
 try:
     main(sys.argv[1:])
 finally:

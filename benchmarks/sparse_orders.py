@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.routing import Instance
 
@@ -79,7 +80,7 @@ def made(family: Family, seed: int) -> Instance:
 def by_search(instance: Instance, work: float, chains: bool) -> int:
     """The cost that the search alone finds."""
     searcher = Searcher(instance.problem, 1, chains)
-    searcher.run(work)
+    searcher.run(Deadline(work))
     assert searcher.best is not None
     return searcher.best.cost
 

@@ -29,7 +29,7 @@ from .shared_options import (
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
-    from kerfwise.jobs.time_limits import WholeLimit
+    from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.models.plan.plan import Plan
 
 
@@ -170,7 +170,7 @@ def command(
     from kerfwise.jobs.plan_nest import plan_nest
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.resume import already_cut
-    from kerfwise.jobs.time_limits import WholeLimit
+    from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.postproc.nc.ordered_drawings import write_dxf
     from kerfwise.postproc.output_files import expect_own, output_names, remnant_files, remnant_names, write_files
 
@@ -202,7 +202,7 @@ def command(
     home = given.profile.home_on(given.nest)
     beside = click.get_current_context().with_resource(DrawnBeside(given.nest, suffix, home))
     drawn = () if suffix is None else (suffix,)
-    whole = None if time_limit is None else WholeLimit(time_limit, began_s, drawn, beside=beside.draws)
+    whole = None if time_limit is None else CommandLimit(time_limit, began_s, drawn, beside=beside.draws)
     listener = ProgressLine()
     try:
         done = plan_nest(
@@ -244,7 +244,7 @@ def command(
     return 130 if listener.interrupted else 0
 
 
-def _tell_late(whole: WholeLimit | None) -> None:
+def _tell_late(whole: CommandLimit | None) -> None:
     """Say what took how long where the command, which ends now, has taken longer than its limit."""
     if whole is not None and (over := whole.over()):
         print_note(over)

@@ -22,11 +22,12 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
 from kerfwise.models.engines import ideals, member_of
 from kerfwise.models.engines.bounds import flow_bound
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals.heuristic_sweeps import polish
-from kerfwise.models.engines.ideals.lattice import TABLE_BYTES, SweepBudget, TooLarge
+from kerfwise.models.engines.ideals.lattice import TooLarge, sweeping
 from kerfwise.models.engines.ideals.priced import price
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import Incumbent, SolveOptions, Watch
+from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.jit import take_plainly
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.crossings import Crossings
@@ -107,27 +108,26 @@ def load_kernels(problem: Problem | None = None) -> None:
     """
     take_plainly(0)
     problem = problem or _problem()
-    watch = Watch(SolveOptions())
-    found = run_portfolio(problem, SolveOptions(work=LOADING_S, member="search"), watch).incumbent
+    found = run_portfolio(problem, SolveOptions(work=LOADING_S, member="search")).incumbent
     assert found is not None
     dear = Incumbent(found.route, found.cost + DEAR_UM)
     for known, stages in ((None, ()), (found, ()), (found, ideals.STAGES), (dear, ()), (dear, ideals.STAGES)):
-        ideals.prove(problem, known, LOADING_S, watch, stages)
-    flow_bound(problem, found, LOADING_S, watch)
+        ideals.prove(problem, known, Deadline(LOADING_S), stages)
+    flow_bound(problem, found, Deadline(LOADING_S))
     _load_priced(problem, found)
-    polish(problem, found, LOADING_S, watch)
+    polish(problem, found, Deadline(LOADING_S))
 
 
 def _load_priced(problem: Problem, found: Incumbent) -> None:
     """The sweeps by multipliers of linear programs, which hold no crossings and no groups."""
     bare = replace(problem, crossings=Crossings(), soft_groups=(), general=())
-    stretches = price(bare, found, LOADING_S, None, TABLE_BYTES)
+    stretches = price(bare, found, Deadline(LOADING_S))
     if stretches is None:
         return
     with ThreadPoolExecutor(1) as thread:
         for limit in (found.cost, found.cost + DEAR_UM):
             with suppress(TooLarge):
-                stretches.sweep(limit, SweepBudget.of(LOADING_S, lambda: True), thread)
+                stretches.sweep(limit, sweeping(Deadline(), LOADING_S), thread)
 
 
 def _problem() -> Problem:

@@ -13,7 +13,8 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.text import join_names
-from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.heat_prices import NEAR_BANDS
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.heat.grid import Grid, make_grid

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.engines.solution import Progress, SolveOptions
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile

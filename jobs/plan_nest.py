@@ -16,7 +16,8 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines import Engine, Strategy
-from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import IN_PASS, Plan, PlannedCut
@@ -39,7 +40,7 @@ from .inputs import Inputs, Tell, expect_one_torch, silent
 from .progress import Listener
 from .request import NoPlan, Request, common_cut_advice, facts_of, make_request
 from .resume import lock_broken_cut_first
-from .time_limits import CommandLimit, JobLimit, PlanningLimit, Took, WholeLimit
+from .time_limits import CommandLimit, JobLimit
 
 if TYPE_CHECKING:
     from .cooler_orders import CoolerOrders
@@ -68,7 +69,7 @@ def plan_nest(
     strategy: Strategy = "ours",
     listener: Listener | None = None,
     tell: Tell = silent,
-    whole: WholeLimit | None = None,
+    whole: CommandLimit | None = None,
     planned_as: Callable[[Plan], None] | None = None,
 ) -> FinishedPlan:
     """Plan a nest, or what is left of it, write the program, and judge both.
@@ -112,12 +113,12 @@ def plan_nest(
         from kerfwise.rules.minizinc.installation import solver_named
 
         solver_named(solver)  # the same goes for a MiniZinc that is missing or broken
-    limit: JobLimit = PlanningLimit(limits, tell) if whole is None else CommandLimit(whole, limits, tell)
-    listener, took = listener or Listener(), Took()
-    facts = facts_of(nest, profile, already, took)
+    limit, listener = whole or JobLimit(), listener or Listener()
+    limit.begin(limits, tell)
+    facts = facts_of(nest, profile, already, limit)
     try:
-        asked = make_request(facts, profile, relax, limit.facts_made(took))
-        left = limit.stated(took)
+        asked = make_request(facts, profile, relax, limit.facts_made())
+        left = limit.stated()
         with listener:
             made = solve_and_verify(
                 asked,
@@ -131,11 +132,12 @@ def plan_nest(
                 planned_as=planned_as,
             )
     except RulesConflict as error:
-        from kerfwise.models.engines.solution import Budget
+        from kerfwise.models.engines.deadline import Deadline
         from kerfwise.models.plan.conflict import NotAnswered, find_conflict
 
         try:
-            conflict = None if listener.interrupted else find_conflict(facts, profile, Budget.of(limit.without_plan()))
+            until = Deadline.of(limit.without_plan())
+            conflict = None if listener.interrupted else find_conflict(facts, profile, until)
         except NotAnswered:
             raise NoPlan(error, facts, profile, within_limit=False) from error
         if conflict is not None and conflict.alone:

@@ -44,7 +44,7 @@ from kerfwise.rules.stating.state_rules import (
 
 from .gantry import drop_parts, facts_of_torches, first_groups, with_best_spacing
 from .inputs import expect_torches
-from .time_limits import Took
+from .time_limits import JobLimit
 
 if TYPE_CHECKING:
     from kerfwise.models.plan.conflict import Conflict
@@ -66,15 +66,15 @@ class Request:
     seconds: float = 0.0
 
 
-def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> str:
+def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, limit: JobLimit | None = None) -> str:
     return f"measuring {nest.file or 'the nest'}"
 
 
 @long_job(_measuring)
-def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, took: Took | None = None) -> Facts:
+def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, limit: JobLimit | None = None) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
-    Where some of it is `already` cut they are those of what is left. `took` is told how long finding candidates takes.
+    Where some of it is `already` cut they are those of what is left. A `limit` notes how long finding candidates takes.
 
     Raises
     ------
@@ -107,8 +107,8 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, to
         leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
         began_s = running_s()
         candidates, met = build_with_older_kerfs(drawn, leads, already, loose)
-        if took is not None:
-            took.candidates_s = running_s() - began_s
+        if limit is not None:
+            limit.candidates_s = running_s() - began_s
     except InputError as error:
         unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
         if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
@@ -221,12 +221,14 @@ def make_request(
     """
     loose, began_s = loose_orders(facts), running_s()
     if relax:
-        from kerfwise.models.engines.solution import Budget
+        from kerfwise.models.engines.deadline import Deadline
         from kerfwise.models.plan.conflict import state_relaxed
         from kerfwise.models.plan.plan import RELAXED
 
-        budget = None if limits is None else Budget.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
-        stated = state_relaxed(facts, profile, budget=budget)
+        deadline = None
+        if limits is not None:
+            deadline = Deadline.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
+        stated = state_relaxed(facts, profile, deadline=deadline)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
         return Request(facts, replace(stated, dropped=(*stated.dropped, *left_out)), running_s() - began_s)
     if loose:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
-from kerfwise.models.engines.solution import Progress, SolveOptions
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.jit import compiled_s, counted_s, made_s, running_s
 
 from .inputs import Tell
@@ -27,17 +27,71 @@ PLANNED = 1.0
 beside the check waits for."""
 TOLD_S = 1.0
 """A command that takes so many seconds longer than its limit says so."""
+SAID_S = 5.0
+"""What takes longer beside a limit in seconds is told."""
 
 
-@dataclass(slots=True)
-class Took:
-    """What has been measured of a nest before its planning, s."""
+class JobLimit:
+    """The limits of a job, of which one in seconds counts its planning alone: what takes long beside that is told.
 
-    candidates_s: float = 0.0
+    A job asks for its limits at each of its steps, in the order of the methods. It notes in `candidates_s` how long
+    finding candidates took, s.
+    """
+
+    def __init__(self) -> None:
+        self.candidates_s = 0.0
+        self._left_s: float | None = None
+
+    def begin(self, limits: SolveOptions, tell: Tell) -> None:
+        """The job begins, under these limits; `tell` is told what the limit does not count."""
+        self._limits, self._tell = limits, tell
+        self._compiled_s = self.compiled_s()
+        self._step_s = running_s()
+
+    def facts_made(self) -> SolveOptions:
+        """The limits for stating the rules: the facts are there."""
+        self._not_counted("the facts of the nest", running_s() - self._step_s)
+        self._step_s, self._left_s = running_s(), self._limits.time_s
+        return self._limits
+
+    def stated(self) -> SolveOptions:
+        """The limits for the planning: the rules are stated, within the limit; a plan gets its share all the same."""
+        if limit_s := self._limits.time_s:
+            self._left_s = max(limit_s - (running_s() - self._step_s), LEAST_SHARE * limit_s)
+        self._step_s = running_s()
+        return replace(self._limits, time_s=self._left_s)
+
+    def watched(self, progress: Progress) -> Progress:
+        """Asks `progress`, and says stop where the seconds are over, whatever the engines count."""
+        return progress
+
+    def without_plan(self) -> SolveOptions:
+        """The limits for finding what contradicts what, in place of a plan."""
+        return self._limits
+
+    def ended(self, judging_s: float) -> None:
+        """Say what the limit did not count: the plan is judged, which took so many seconds."""
+        self._tell_compiled()
+        over_s = running_s() - self._step_s - judging_s - (self._left_s or 0.0)
+        self._not_counted("ending the planning", over_s)
+        self._not_counted("writing and checking the program", judging_s)
+
+    def compiled_s(self) -> float:
+        """Seconds so far of what is done once and not counted."""
+        return made_s()
+
+    def _not_counted(self, what: str, took_s: float) -> None:
+        if self._limits.time_s and took_s > SAID_S:
+            self._tell(f"{what} took {took_s:.0f} s, which the limit does not count")
+
+    def _tell_compiled(self) -> None:
+        took_s = self.compiled_s() - self._compiled_s
+        if (self._limits.time_s or self._limits.no_improvement_s) and took_s > SAID_S:
+            self._tell(f"kernels were compiled, which is done once: {took_s:.0f} s, not counted by the limit")
 
 
-class WholeLimit:
-    """A limit for a command, from its beginning to its last file.
+class CommandLimit(JobLimit):
+    """A limit in seconds for a command, from its beginning to its last file: it counts all but compiling.
 
     Parameters
     ----------
@@ -56,8 +110,9 @@ class WholeLimit:
     --------
     2 s have passed, 0.5 s of them for candidates: of 30 s, 1.75 s are kept for plan and check, and 0.7 s for the end.
 
-    >>> limit = WholeLimit(30.0, 0.0, clock=lambda: 2.0)
-    >>> round(limit.planning_s(Took(0.5)), 3)
+    >>> limit = CommandLimit(30.0, 0.0, clock=lambda: 2.0)
+    >>> limit.candidates_s = 0.5
+    >>> round(limit.planning_s(), 3)
     25.55
     """
 
@@ -70,6 +125,7 @@ class WholeLimit:
         *,
         beside: bool = False,
     ) -> None:
+        super().__init__()
         self.limit_s, self._clock = limit_s, clock
         self._began_s = clock() if began_s is None else began_s
         self._drawn = [DRAWN[suffix.lower()] for suffix in drawn]
@@ -87,54 +143,51 @@ class WholeLimit:
         """Seconds that the planning took, once it is over."""
         return self._planned_s[1] - self._planned_s[0]
 
-    def kept_s(self, took: Took) -> float:
+    def kept_s(self) -> float:
         """Seconds that are kept for what comes after the planning."""
-        checked_s = CHECKED * took.candidates_s
-        drawn_s = sum(times * took.candidates_s + more_s for times, more_s in self._drawn)
+        checked_s = CHECKED * self.candidates_s
+        drawn_s = sum(times * self.candidates_s + more_s for times, more_s in self._drawn)
         if self._beside:
-            return max(checked_s, PLANNED * took.candidates_s + drawn_s) + ENDED_S
+            return max(checked_s, PLANNED * self.candidates_s + drawn_s) + ENDED_S
         return checked_s + drawn_s + ENDED_S
 
-    def planning_s(self, took: Took) -> float:
+    def planning_s(self) -> float:
         """Seconds for the planning, if it begins now."""
-        return max(self.limit_s - self.spent_s - self.kept_s(took), self._least_s)
+        return max(self.limit_s - self.spent_s - self.kept_s(), LEAST_SHARE * self.limit_s)
 
-    def left_s(self) -> float:
-        """Seconds for the answer where there is no plan: nothing comes after it."""
-        return max(self.limit_s - self.spent_s, self._least_s)
-
-    @property
-    def _least_s(self) -> float:
-        return LEAST_SHARE * self.limit_s
-
-    def begin(self, limits: SolveOptions, took: Took) -> SolveOptions:
-        """The limits of a planning that begins now."""
-        self._share_s, spent_s = self.planning_s(took), self.spent_s
+    def facts_made(self) -> SolveOptions:
+        self._share_s, spent_s = self.planning_s(), self.spent_s
         self._planned_s = [spent_s, spent_s]
-        return replace(limits, time_s=self._share_s)
+        return replace(self._limits, time_s=self._share_s)
 
-    def too_short(self, took: Took) -> str:
-        """What to say where all but the planning takes so long that the limit will not hold; "" where it may."""
-        beside_s = self._planned_s[0] + self.kept_s(took)
-        if beside_s + self._share_s <= self.limit_s + TOLD_S:
-            return ""
-        return (
-            f"reading, facts, rules and the check alone take about {beside_s:.1f} s of a limit of {self.limit_s:g} s: "
-            f"the planning has {self._share_s:.1f} s all the same, and the command takes longer than its limit"
-        )
+    def stated(self) -> SolveOptions:
+        limits = self.facts_made()
+        beside_s = self._planned_s[0] + self.kept_s()
+        if beside_s + self._share_s > self.limit_s + TOLD_S:
+            self._tell(
+                f"reading, facts, rules and the check alone take about {beside_s:.1f} s of a limit of "
+                f"{self.limit_s:g} s: the planning has {self._share_s:.1f} s all the same, and the command takes "
+                "longer than its limit"
+            )
+        return limits
 
     def watched(self, progress: Progress) -> Progress:
-        """Asks `progress`, and says stop once the planning has had its seconds, loading of kernels included."""
-
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
             heard = progress(engine, cost_um, bound_um)
             return heard and self.spent_s < self._planned_s[0] + self._share_s
 
         return going
 
-    def end(self, judging_s: float) -> None:
-        """Note that the planning is over; program and check have taken some seconds since."""
+    def without_plan(self) -> SolveOptions:
+        left_s = max(self.limit_s - self.spent_s, LEAST_SHARE * self.limit_s)  # nothing comes after the answer
+        return replace(self._limits, time_s=left_s)
+
+    def ended(self, judging_s: float) -> None:
         self._planned_s[1], self._ended = self.spent_s - judging_s, True
+        self._tell_compiled()
+
+    def compiled_s(self) -> float:
+        return compiled_s()
 
     def over(self) -> str:
         """What to say where the command, which ends now, has taken longer than its limit; "" where it has not."""
@@ -149,97 +202,3 @@ class WholeLimit:
             return told + f"{spent_s - before_s:.1f} s to find that there is no plan, and why"
         planned = f"{self.planned_s:.1f} s for it (left: {self._share_s:.1f} s), "
         return told + planned + f"{spent_s - planned_s:.1f} s for program, check and files"
-
-
-# The seconds of one job: those of its planning alone, or of the command that it is part of.
-
-SAID_S = 5.0
-"""What takes longer beside a limit in seconds is told."""
-
-
-class JobLimit(Protocol):
-    """What a job asks of its limit, in this order; made when the job begins."""
-
-    def facts_made(self, took: Took) -> SolveOptions:
-        """The limits for stating the rules: the facts are there, and what finding them took."""
-
-    def stated(self, took: Took) -> SolveOptions:
-        """The limits for the planning: the rules are stated."""
-
-    def watched(self, progress: Progress) -> Progress:
-        """Asks `progress`, and says stop where the seconds are over, whatever the engines count."""
-
-    def without_plan(self) -> SolveOptions:
-        """The limits for finding what contradicts what, in place of a plan."""
-
-    def ended(self, judging_s: float) -> None:
-        """Say what the limit did not count: the plan is judged, which took so many seconds."""
-
-
-class PlanningLimit:
-    """The limits of a planning alone; what takes long beside one in seconds is told."""
-
-    def __init__(self, limits: SolveOptions, tell: Tell) -> None:
-        self._limits, self._tell = limits, tell
-        self._began_s, self._before_s = running_s(), made_s()
-        self._left_s = limits.time_s
-
-    def facts_made(self, took: Took) -> SolveOptions:
-        self._not_counted("the facts of the nest", running_s() - self._began_s)
-        self._began_s = running_s()
-        return self._limits
-
-    def stated(self, took: Took) -> SolveOptions:
-        limit_s = self._limits.time_s
-        if limit_s:  # stating the rules is inside the limit; a plan gets its share all the same
-            self._left_s = max(limit_s - (running_s() - self._began_s), LEAST_SHARE * limit_s)
-        self._began_s = running_s()
-        return replace(self._limits, time_s=self._left_s)
-
-    def watched(self, progress: Progress) -> Progress:
-        return progress
-
-    def without_plan(self) -> SolveOptions:
-        return self._limits
-
-    def ended(self, judging_s: float) -> None:
-        _tell_compiled(made_s() - self._before_s, self._limits, self._tell)
-        over_s = running_s() - self._began_s - judging_s - (self._left_s or 0.0)
-        self._not_counted("ending the planning", over_s)
-        self._not_counted("writing and checking the program", judging_s)
-
-    def _not_counted(self, what: str, took_s: float) -> None:
-        if self._limits.time_s and took_s > SAID_S:
-            self._tell(f"{what} took {took_s:.0f} s, which the limit does not count")
-
-
-class CommandLimit:
-    """The limits of a job within a command that has a limit of its own, which counts all but compiling."""
-
-    def __init__(self, whole: WholeLimit, limits: SolveOptions, tell: Tell) -> None:
-        self._whole, self._limits, self._tell = whole, limits, tell
-        self._before_s = compiled_s()
-
-    def facts_made(self, took: Took) -> SolveOptions:
-        return self._whole.begin(self._limits, took)
-
-    def stated(self, took: Took) -> SolveOptions:
-        limits = self._whole.begin(self._limits, took)
-        if told := self._whole.too_short(took):
-            self._tell(told)
-        return limits
-
-    def watched(self, progress: Progress) -> Progress:
-        return self._whole.watched(progress)
-
-    def without_plan(self) -> SolveOptions:
-        return replace(self._limits, time_s=self._whole.left_s())
-
-    def ended(self, judging_s: float) -> None:
-        self._whole.end(judging_s)
-        _tell_compiled(compiled_s() - self._before_s, replace(self._limits, time_s=self._whole.limit_s), self._tell)
-
-
-def _tell_compiled(took_s: float, limits: SolveOptions, tell: Tell) -> None:
-    if (limits.time_s or limits.no_improvement_s) and took_s > SAID_S:
-        tell(f"kernels were compiled, which is done once: {took_s:.0f} s, not counted by the limit")

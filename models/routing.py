@@ -17,8 +17,9 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.graphs import strong_components
+from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import Progress, SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.compile import MOST_UM, dearest_um
 from kerfwise.models.problem.precedence import close
 from kerfwise.models.problem.problem import Problem
@@ -360,7 +361,7 @@ def solve_instance(instance: Instance, options: SolveOptions, progress: Progress
             f"a tour could cost over {MOST_UM:,}, too much to be counted exactly: make the weights smaller"
         )
     problem = simplify(instance.problem)
-    known = run_portfolio(problem, options, Watch(options, progress))
+    known = run_portfolio(problem, options, progress)
     bound = known.bound_um if known.proved_by else None
     if known.incumbent is None:
         return Answer((), None, bound, known.infeasible, tuple(known.notes))

@@ -26,7 +26,8 @@ from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.programs import OldJob, is_of_sheet, without_comments
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import Request, make_request
-from kerfwise.models.engines.solution import Progress, SolveOptions
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import RELAXED, Plan
 from kerfwise.models.routing import Instance, solve_instance
 from kerfwise.postproc.check import CheckResult

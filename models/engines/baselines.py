@@ -27,7 +27,8 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
 
 from . import Strategy
-from .solution import Progress, Solution, SolveOptions
+from .deadline import Progress
+from .solution import Solution, SolveOptions
 from .solve import solve
 
 # Building an order step by step, always knowing what may lawfully be cut next.

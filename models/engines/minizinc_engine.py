@@ -20,8 +20,9 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.state_rules import Stated
 
+from .deadline import Progress
 from .minizinc_model import condition_arrays, data_text, model_text
-from .solution import Progress, Solution, SolveOptions
+from .solution import Solution, SolveOptions
 
 if TYPE_CHECKING:
     from minizinc import Instance, Solver

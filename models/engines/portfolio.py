@@ -19,20 +19,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
-from math import inf
 from threading import Event
 from typing import TYPE_CHECKING, NamedTuple
 
 from kerfwise.models.engines.ideals.heuristic_sweeps import polish
 from kerfwise.models.engines.ideals.stretch import series
-from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions, table_bytes
-from kerfwise.models.jit import running_s
+from kerfwise.models.engines.solution import Incumbent, SolveOptions, table_bytes
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
 from . import Member, bounds, cpsat, ideals, shared_state, solution
+from .deadline import Deadline, Progress
 from .shared_state import SharedState
-from .solution import Watch
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.search import Searcher
@@ -43,7 +41,7 @@ NOT_BEGUN = "{}: not begun, its tables alone take longer than what is left for i
 def run_portfolio(
     problem: Problem,
     options: SolveOptions,
-    watch: Watch,
+    listener: Progress | None = None,
     start: tuple[int, ...] | None = None,
     earlier: SharedState | None = None,
 ) -> SharedState:
@@ -51,12 +49,14 @@ def run_portfolio(
 
     Parameters
     ----------
+    listener
+        Told what is reached; it may end it before the limits do. The deadline of a whole that this is a part of.
     start
         A lawful route to go on from, where one is known.
     earlier
         What is known of the problem with fewer statements: its bound holds here, too.
     """
-    run = Run(problem, options, watch)
+    run = Run(problem, options, listener)
     if start is not None:
         run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
     if earlier is not None:
@@ -68,6 +68,7 @@ def run_portfolio(
         if step.suits(run):
             step.work(run, step.share(run))
     run.known.offer(run.preview, "search")  # what was shown is not lost, where the work was ended early
+    run.known.work = run.deadline.spent
     return run.known
 
 
@@ -79,28 +80,26 @@ class Run:
     on with.
     """
 
-    def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
-        self.problem, self.options, self.watch = problem, options, watch
+    def __init__(self, problem: Problem, options: SolveOptions, listener: Progress | None = None) -> None:
+        self.problem, self.options = problem, options
+        most_bytes = table_bytes(options.memory_gb, solution.crossed_bytes(problem))
+        self.deadline = Deadline.of(options, listener, most_bytes)
         self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
-        self.most_bytes = table_bytes(options.memory_gb, solution.crossed_bytes(problem))
         self.known = SharedState()
         self.count: ideals.Count | None = None
         self.swept = self.shown = False
         self.preview: Incumbent | None = None
         self.searcher: Searcher | None = None
-        self._began_s = watch.seconds
 
     def left(self) -> float:
         """Seconds of work that are left, or by the clock where that is limited."""
-        if self.options.time_s is None:
-            return max(0.0, self.options.work - self.known.work)
-        return max(0.0, self.options.time_s - (self.watch.seconds - self._began_s))
+        return max(0.0, self.deadline.left)
 
     def over(self) -> bool:
         """Whether no further member is to begin."""
-        limited = self.options.time_s is not None and self.known.incumbent is not None
+        limited = self.deadline.timed and self.known.incumbent is not None
         late = limited and self.left() < shared_state.SET_OUT_S
-        return self.known.proven or self.watch.stopped or late
+        return self.known.proven or self.deadline.stopped or late
 
     def takes(self, member: Member, why: str) -> bool:
         """Whether a member may run; it is noted why."""
@@ -120,24 +119,6 @@ class Run:
     def sets_out(self, took_s: float, share: float) -> bool:
         """Whether a member has time for more than its tables; where there is no plan yet, or it was asked for, so."""
         return self.options.member is not None or self.known.incumbent is None or took_s <= share
-
-    def limit_s(self, share: float) -> float | None:
-        """A share by the clock, where that is limited."""
-        return None if self.options.time_s is None else share
-
-    def ends_s(self, share: float) -> float:
-        """When so many seconds will be over, by `running_s`; never where no seconds are counted."""
-        return inf if self.options.time_s is None else running_s() + share
-
-    def within(self, share: float, asked: Progress | None = None) -> Progress:
-        """To be asked whether to go on, no longer than so many seconds where seconds are counted."""
-        limited, until_s = self.options.time_s is not None, self.watch.seconds + share
-        asked = asked or self.watch
-
-        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-            return asked(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
-
-        return going
 
 
 def dense(problem: Problem) -> bool:
@@ -166,7 +147,7 @@ def stretches_short(run: Run, count: ideals.Count) -> bool:
 def sweep_ends(run: Run) -> bool:
     """Whether a sweep over all sets fits well into what is left."""
     count = run.count
-    return count is not None and count.fits(run.most_bytes) and count.seconds <= shared_state.SURE * run.left()
+    return count is not None and count.fits(run.deadline.most_bytes) and count.seconds <= shared_state.SURE * run.left()
 
 
 def count_sets(run: Run) -> None:
@@ -178,20 +159,20 @@ def count_sets(run: Run) -> None:
         few = entries < shared_state.PREVIEW_AFTER_ENTRIES or run.problem.n > shared_state.PREVIEW_MOST_CONTOURS
         if not (few or run.shown or run.options.member):
             show_preview(run)
-        return run.watch("ideals", None, None)
+        return run.deadline("ideals", None, None)
 
     most = shared_state.COUNTED_FEW if run.problem.n <= shared_state.LONGEST else shared_state.COUNTED
     alone = run.options.member is not None and run.problem.n > shared_state.COUNTED_ALONE_CONTOURS
     many_s = shared_state.COUNTED_DENSE_S if dense(run.problem) else shared_state.COUNTED_S
     most *= min(1.0, run.left() / (shared_state.COUNTED_ALONE_S if alone else many_s))
     run.count = ideals.count_sets(run.of_sets, most, going)
-    run.known.work += run.count.work
+    run.deadline.spend(run.count.work)
 
 
 def swept_at_once(run: Run) -> bool:
     """Whether all sets are swept before anything else; it is noted so."""
     count = run.count
-    if count is None or not count.fits(run.most_bytes):
+    if count is None or not count.fits(run.deadline.most_bytes):
         return False
     longest_s = shared_state.AT_ONCE_S if stretches_short(run, count) else shared_state.AT_ONCE_MANY_S
     if not (run.options.member or count.seconds <= min(longest_s, shared_state.AT_ONCE * run.left())):
@@ -236,13 +217,10 @@ def _zones(run: Run) -> bool:
 
 def sweep(run: Run, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
     """A proof by sweeps, with a bound by walks in so many stages."""
-    known, before = run.known, run.known.work
+    known = run.known
     stages = stages[:1] if sweep_ends(run) else stages
-    going = run.within(max(share, run.left()))
-    proof = ideals.prove(
-        run.of_sets, known.incumbent, share, going, stages, run.limit_s(share), run.most_bytes, known.priced
-    )
-    known.work = before + (share if proof is None else proof.work)
+    proof = ideals.prove(run.of_sets, known.incumbent, run.deadline.counting(share), stages, known.priced)
+    run.deadline.spend(share if proof is None else proof.work)
     known.priced = known.priced if proof is None else proof.priced
     take_proof(run, proof)
 
@@ -258,9 +236,8 @@ def priced_suits(run: Run) -> bool:
 def sweep_priced(run: Run, share: float) -> None:
     """The ideals with multipliers of the flow: few sets are left near a good bound."""
     if (plan := run.known.incumbent) is not None:
-        going, limit_s = run.within(share), run.limit_s(share)
-        proof = ideals.prove_priced(run.problem, plan, share, going, limit_s, run.most_bytes)
-        run.known.work += share if proof is None else proof.work
+        proof = ideals.prove_priced(run.problem, plan, run.deadline.within(share))
+        run.deadline.spend(share if proof is None else proof.work)
         take_proof(run, proof)
 
 
@@ -275,8 +252,8 @@ def widening_suits(run: Run) -> bool:
 
 def widen(run: Run, share: float) -> None:
     """Sweeps of the most promising sets, each wider than the last."""
-    proof = ideals.widen(run.problem, run.known.incumbent, share, run.within(share), run.most_bytes)
-    run.known.work += proof.work
+    proof = ideals.widen(run.problem, run.known.incumbent, run.deadline.within(share))
+    run.deadline.spend(proof.work)
     take_proof(run, proof)
 
 
@@ -311,14 +288,15 @@ def show_preview(run: Run) -> None:
     from kerfwise.models.engines.search import Searcher
 
     searcher, run.shown = Searcher(run.problem, run.options.seed), True
-    searcher.run(shared_state.PREVIEW_WORK, run.options.time_s and shared_state.PREVIEW_WORK, run.watch.preview)
+    work = shared_state.PREVIEW_WORK
+    searcher.run(Deadline(work, run.options.time_s and work, run.deadline.preview))
     run.preview = searcher.best
 
 
 def search_suits(run: Run) -> bool:
     """Whether there is no plan at all, or time for a better one."""
     known = run.known
-    wanting = not known.proven and (known.incumbent is None or not run.watch.stopped)
+    wanting = not known.proven and (known.incumbent is None or not run.deadline.stopped)
     return wanting and run.takes("search", "it finds the first plan")
 
 
@@ -356,9 +334,9 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
         run.searcher = Searcher(run.problem, run.options.seed if seed is None else seed)
     if known.incumbent is not None and (first or known.found_by != "search"):
         run.searcher.stand_on(known.incumbent.route)
-    run.searcher.run(share, run.options.time_s and share, run.watch)
+    run.searcher.run(run.deadline.within(share))
     known.offer(run.searcher.best, "search")
-    known.work += share
+    run.deadline.spend(share)
 
 
 def windows(run: Run, share: float) -> None:
@@ -366,11 +344,10 @@ def windows(run: Run, share: float) -> None:
     known = run.known
     if known.incumbent is None or run.over() or solution.windows_s(run.problem) > share:
         return
-    polished = polish(
-        run.problem, known.incumbent, share, run.within(share), shared_state.WINDOWS_BYTES * run.most_bytes
-    )
+    most_bytes = shared_state.WINDOWS_BYTES * run.deadline.most_bytes
+    polished = polish(run.problem, known.incumbent, run.deadline.within(share, most_bytes))
     known.offer(polished.incumbent, "windows")
-    known.work += polished.work
+    run.deadline.spend(polished.work)
 
 
 def improve_and_bound(run: Run, _: float) -> None:
@@ -405,9 +382,8 @@ def bound_by_flows(run: Run, share: float) -> None:
     """A bound by linear programming, where there is a plan."""
     if run.known.incumbent is None or share <= 0.0:
         return
-    within, ends_s = run.within(share), run.ends_s(share)
-    found = bounds.flow_bound(run.problem, run.known.incumbent, share, within, run.most_bytes, ends_s)
-    run.known.work += found.work
+    found = bounds.flow_bound(run.problem, run.known.incumbent, run.deadline.within(share))
+    run.deadline.spend(found.work)
     take_flow(run, found.bound)
 
 
@@ -423,22 +399,22 @@ def improve_while_bounded(run: Run) -> None:
 
     So neither depends on how far the other has come. A gap that is enough would: then one follows the other.
     """
-    plan, left, began = run.known.incumbent, run.left(), run.known.work
+    plan, left, began = run.known.incumbent, run.left(), run.deadline.spent
     assert plan is not None
-    share = shared_state.FLOW * left
-    reached, within = Event(), run.within(share, lambda *_: not run.watch.stopped)
+    share, reached = shared_state.FLOW * left, Event()
 
-    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-        run.watch.overhear(bound_um)
-        return not reached.is_set() and within(engine, cost_um, bound_um)
+    def overheard(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        run.deadline.overhear(bound_um)
+        return not (reached.is_set() or run.deadline.stopped)
+
+    beside = run.deadline.within(share, (1.0 - shared_state.WINDOWS_BYTES) * run.deadline.most_bytes, overheard)
 
     def bound() -> ideals.Proof | bounds.FlowBound:
         """By flows, and by the ideals with their multipliers where these hold all that is asked."""
-        most_bytes = (1.0 - shared_state.WINDOWS_BYTES) * run.most_bytes
         if ideals.priceable(run.problem) and ideals.sets_out(run.problem, shared_state.FIRST_BOUNDS * share):
-            proof = ideals.prove_priced(run.problem, plan, share, going, run.limit_s(share), most_bytes)
+            proof = ideals.prove_priced(run.problem, plan, beside)
             return bounds.FlowBound(0, share) if proof is None else proof
-        return bounds.flow_bound(run.problem, plan, share, going, most_bytes, run.ends_s(share))
+        return bounds.flow_bound(run.problem, plan, beside)
 
     with ThreadPoolExecutor(1) as thread:
         bounding = thread.submit(bound)
@@ -446,12 +422,13 @@ def improve_while_bounded(run: Run) -> None:
             search(run, shared_state.SEARCH_BESIDE * left)
             windows(run, shared_state.WINDOWS_BESIDE * left)
             while not wait([bounding], 0.1).done:  # s between news of the bound
-                if not run.watch("bound", plan.cost, None):
+                if not run.deadline("bound", plan.cost, None):
                     reached.set()
         finally:
             reached.set()
     found = bounding.result()
-    run.known.work = began + max(found.work, run.known.work - began + found.work / 2)
+    improving = run.deadline.spent - began
+    run.deadline.spend(max(found.work, improving + found.work / 2) - improving)
     if isinstance(found, ideals.Proof):
         take_proof(run, found)
     else:
@@ -471,13 +448,14 @@ def solve_model(run: Run, share: float) -> None:
         return
     if not run.takes("cp-sat", "nothing is proven yet"):
         return
-    limits = replace(run.options, work=share, time_s=run.options.time_s and share)
-    outcome = cpsat.solve_cpsat(run.problem, limits, known.incumbent, known.bound_um, run.watch)
+    outcome = cpsat.solve_cpsat(
+        run.problem, run.deadline.within(share), known.incumbent, known.bound_um, run.options.seed
+    )
     known.offer(outcome.incumbent, "cp-sat")
     known.infeasible = outcome.infeasible
     if outcome.bound is not None:
         known.raise_bound(outcome.bound, "cp-sat")
-    known.work += min(share, outcome.work) if known.proven else share  # a proof leaves the rest to others
+    run.deadline.spend(min(share, outcome.work) if known.proven else share)  # a proof leaves the rest to others
 
 
 class Step(NamedTuple):

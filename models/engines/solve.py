@@ -18,9 +18,10 @@ from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import Statement
 
 from . import Member
+from .deadline import Deadline, Progress
 from .portfolio import run_portfolio
 from .shared_state import SharedState
-from .solution import Incumbent, Progress, Solution, SolveOptions, Watch
+from .solution import Incumbent, Solution, SolveOptions
 
 Sites = NDArray[np.int64]
 Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
@@ -63,36 +64,36 @@ def solve(
     RulesConflict
         If no lawful plan exists, or none was found (the message says which).
     """
-    watch = Watch(options, progress)
-    timed = options.time_s is not None
+    deadline = Deadline.of(options, progress)
+    timed = deadline.timed
     whole = options.work if options.time_s is None else options.time_s
     spent = 0.0
     posed: Problem | None = None
     known: SharedState | None = None
     candidates = np.array(start, dtype=np.int64) if start else None
     while True:
-        in_time = _in_time(watch, MOVES_SHARE * whole) if timed else _always
+        in_time = _in_time(deadline, MOVES_SHARE * whole) if timed else _always
         posed = make_problem(facts, statements, options.home_mm, options.feeds, posed, in_time)
         problem = simplify(posed)
-        spent = watch.seconds if timed else spent  # making a problem takes its time on large nests, as looks do
+        spent = deadline.seconds if timed else spent  # making a problem takes its time on large nests, as looks do
         share = whole - spent if refine is None else min((whole - spent) * ROUND, whole - spent - look_s)
         share = max(share, LEAST * whole) if known is None else max(share, 0.0)
-        watch.begin()
+        deadline.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
-        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates, posed), known)
+        known = run_portfolio(problem, limits, deadline, _still_lawful(problem, candidates, posed), known)
         spent += known.work
         if known.incumbent is None:
             raise _unable(options.member, known.unable) if known.unable else _no_plan(known.infeasible)
         candidates = problem.site_candidate[list(known.incumbent.route)]
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
-        began_s = watch.seconds
+        began_s = deadline.seconds
         missing = () if refine is None else refine(order)
         statements += missing
         if timed:
-            spent, look_s = watch.seconds, watch.seconds - began_s
+            spent, look_s = deadline.seconds, deadline.seconds - began_s
             if spent > whole:
                 known.notes.append(f"rounds: the last look took {look_s:.1f} s, more than was left of the limit")
-        if not missing or watch.stopped or spent + look_s >= whole * (ENOUGH if timed else ENOUGH_WORK):
+        if not missing or deadline.stopped or spent + look_s >= whole * (ENOUGH if timed else ENOUGH_WORK):
             break
     if missing:
         took = f" that ends with a look of {look_s:.1f} s" if timed else ""
@@ -106,14 +107,14 @@ def _always(share: float) -> bool:
     return True
 
 
-def _in_time(watch: Watch, most_s: float) -> Callable[[float], bool]:
+def _in_time(deadline: Deadline, most_s: float) -> Callable[[float], bool]:
     """Whether work of which some share is done ends within so many seconds by its pace since it was first asked."""
     began_s: float | None = None
 
     def going(share: float) -> bool:
         nonlocal began_s
-        began_s = watch.seconds if began_s is None else began_s
-        return watch.seconds - began_s <= most_s * (share if share > PACE_KNOWN else 1.0)
+        began_s = deadline.seconds if began_s is None else began_s
+        return deadline.seconds - began_s <= most_s * (share if share > PACE_KNOWN else 1.0)
 
     return going
 

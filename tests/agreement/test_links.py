@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.search import search
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import links_on
@@ -17,6 +17,7 @@ from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import default_pipeline
 from kerfwise.tests.models.engines.agree import disagreements
 from kerfwise.tests.models.engines.cases import Case, linked_case
+from kerfwise.tests.models.solved import searched
 from kerfwise.tests.tools.amount import few
 
 LINKED = (0, 1, 3, 5, 12, 16)
@@ -65,12 +66,12 @@ def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
 ) -> None:
     case = linked_case(seed)
     problem = make_problem(case.facts, asked(case), case.options.home_mm, case.options.feeds)
-    proof = prove(problem, None, work=10)
+    proof = prove(problem, None, Deadline(10))
     assert proof is not None
     assert proof.incumbent is not None
     for sites in (3000, 0):
         monkeypatch.setattr("kerfwise.models.engines.search.travel.MATRIX_SITES", sites)
-        found = search(problem, replace(case.options, work=0.2))
+        found = searched(problem, replace(case.options, work=0.2))
         assert found is not None
         assert found.cost == proof.incumbent.cost
 

@@ -17,8 +17,9 @@ from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.plan_nest import plan_nest as plan_nest_main_job
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import NoPlan, options_for
-from kerfwise.jobs.time_limits import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, PLANNED, Took, WholeLimit
-from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.jobs.time_limits import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, PLANNED, CommandLimit
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.jit import counted_s
 from kerfwise.postproc.report import expect_picture
 from kerfwise.rules.case import nest, part, rect
@@ -45,35 +46,43 @@ def clock() -> Wound:
     return Wound(100.0)
 
 
-def limit_of(limit_s: float, clock: Wound, *drawn: str) -> WholeLimit:
-    return WholeLimit(limit_s, drawn=drawn, clock=clock)
+def limit_of(limit_s: float, clock: Wound, *drawn: str) -> CommandLimit:
+    limit = CommandLimit(limit_s, drawn=drawn, clock=clock)
+    limit.begin(SolveOptions(), lambda text: None)
+    return limit
+
+
+def after(limit: CommandLimit, candidates_s: float) -> float:
+    """What a planning has where finding candidates took so long."""
+    limit.candidates_s = candidates_s
+    return limit.planning_s()
 
 
 def test_what_has_passed_and_what_comes_after_are_taken_off(clock: Wound) -> None:
     limit = limit_of(30.0, clock)
     clock.now_s += 5.0
     assert limit.spent_s == 5.0
-    assert limit.planning_s(Took(1.0)) == pytest.approx(30.0 - 5.0 - CHECKED - ENDED_S)
-    assert limit.planning_s(Took(2.0)) == pytest.approx(30.0 - 5.0 - 2 * CHECKED - ENDED_S)
+    assert after(limit, 1.0) == pytest.approx(30.0 - 5.0 - CHECKED - ENDED_S)
+    assert after(limit, 2.0) == pytest.approx(30.0 - 5.0 - 2 * CHECKED - ENDED_S)
 
 
 @pytest.mark.parametrize("suffix", sorted(DRAWN))
 def test_a_picture_takes_its_share(suffix: str, clock: Wound) -> None:
     plain, drawn = limit_of(90.0, clock), limit_of(90.0, clock, suffix.upper())
     times, more_s = DRAWN[suffix]
-    assert plain.planning_s(Took(1.0)) - drawn.planning_s(Took(1.0)) == pytest.approx(times + more_s)
+    assert after(plain, 1.0) - after(drawn, 1.0) == pytest.approx(times + more_s)
 
 
 @pytest.mark.parametrize("suffix", sorted(DRAWN))
 def test_a_picture_beside_the_check_counts_where_it_takes_longer(suffix: str, clock: Wound) -> None:
     times, more_s = DRAWN[suffix]
-    beside = WholeLimit(9000.0, drawn=(suffix,), clock=clock, beside=True)
-    alone, after = limit_of(9000.0, clock), limit_of(9000.0, clock, suffix)
+    beside = CommandLimit(9000.0, drawn=(suffix,), clock=clock, beside=True)
+    alone, later = limit_of(9000.0, clock), limit_of(9000.0, clock, suffix)
     for candidates_s in (0.1, 100.0):
         longer_s = max(0.0, (PLANNED + times - CHECKED) * candidates_s + more_s)
-        kept_s = alone.planning_s(Took(candidates_s)) - beside.planning_s(Took(candidates_s))
+        kept_s = after(alone, candidates_s) - after(beside, candidates_s)
         assert kept_s == pytest.approx(longer_s)
-    assert beside.planning_s(Took(100.0)) > after.planning_s(Took(100.0))
+    assert after(beside, 100.0) > after(later, 100.0)
 
 
 def test_every_kind_of_picture_has_a_share() -> None:
@@ -85,21 +94,22 @@ def test_every_kind_of_picture_has_a_share() -> None:
 def test_the_planning_keeps_its_least_share(clock: Wound) -> None:
     limit = limit_of(10.0, clock)
     clock.now_s += 9.0
-    assert limit.planning_s(Took(0.0)) == LEAST_SHARE * 10.0
+    assert after(limit, 0.0) == LEAST_SHARE * 10.0
     clock.now_s += 90.0
-    assert limit.planning_s(Took(0.0)) == LEAST_SHARE * 10.0
-    assert limit.left_s() == LEAST_SHARE * 10.0
+    assert after(limit, 0.0) == LEAST_SHARE * 10.0
+    assert limit.without_plan().time_s == LEAST_SHARE * 10.0
 
 
 def test_a_limit_that_cannot_hold_is_told_before_the_planning(clock: Wound) -> None:
-    limit, took = limit_of(10.0, clock), Took(1.0)
+    limit, told = limit_of(10.0, clock), list[str]()
+    limit.begin(SolveOptions(seed=3), told.append)
+    limit.candidates_s = 1.0
     clock.now_s += 2.0
-    limit.begin(SolveOptions(), took)
-    assert limit.too_short(took) == ""
+    limit.stated()
+    assert told == []
     clock.now_s += 5.0
-    limits = limit.begin(SolveOptions(seed=3), took)
-    assert limits == SolveOptions(seed=3, time_s=2.0)
-    assert limit.too_short(took) == (
+    assert limit.stated() == SolveOptions(seed=3, time_s=2.0)
+    assert told.pop() == (
         f"reading, facts, rules and the check alone take about {7.0 + CHECKED + ENDED_S:.1f} s of a limit of 10 s: the "
         "planning has 2.0 s all the same, and the command takes longer than its limit"
     )
@@ -108,10 +118,10 @@ def test_a_limit_that_cannot_hold_is_told_before_the_planning(clock: Wound) -> N
 def test_a_command_that_has_taken_longer_says_what_took_how_long(clock: Wound) -> None:
     limit = limit_of(10.0, clock)
     clock.now_s += 2.0
-    share_s = limit.begin(SolveOptions(), Took(0.0)).time_s
+    share_s = limit.stated().time_s
     assert share_s == pytest.approx(8.0 - ENDED_S)
     clock.now_s += 7.5
-    limit.end(0.5)
+    limit.ended(0.5)
     assert limit.planned_s == pytest.approx(7.0)
     clock.now_s += 1.0
     assert limit.over() == ""
@@ -129,8 +139,8 @@ def test_the_planning_is_stopped_when_its_seconds_are_over_whatever_the_engines_
         heard.append(engine)
         return True
 
-    limits = limit.begin(SolveOptions(), Took(0.0))
-    watch = Watch(limits, limit.watched(listener), clock=lambda: 0.0)  # as where kernels are loaded all the time
+    limits = limit.stated()
+    watch = Deadline.of(limits, limit.watched(listener), clock=lambda: 0.0)  # as where kernels are loaded all the time
     clock.now_s += 10.0 - ENDED_S - 0.01
     assert watch("search", None, None)
     clock.now_s += 0.02
@@ -148,10 +158,10 @@ def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
     seen: list[Any] = []
     facts_of, ask = plan_nest.facts_of, plan_nest.make_request
 
-    def facts(nest: Any, profile: Any, already: Any, took: Took) -> Any:
+    def facts(nest: Any, profile: Any, already: Any, limit: CommandLimit) -> Any:
         clock.now_s += 4.0
-        made = facts_of(nest, profile, already, took)
-        took.candidates_s = 1.0
+        made = facts_of(nest, profile, already, limit)
+        limit.candidates_s = 1.0
         return made
 
     def stated(facts: Any, profile: Any, relax: bool, limits: SolveOptions) -> Any:
@@ -213,19 +223,20 @@ def test_the_clock_of_the_command_runs_from_its_beginning_and_it_says_when_it_wa
 def test_the_command_keeps_time_for_its_picture_where_it_draws_it(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, from_contours: int
 ) -> None:
-    made: list[WholeLimit] = []
+    made: list[CommandLimit] = []
 
-    def noted(*given: Any, **options: Any) -> WholeLimit:
-        made.append(WholeLimit(*given, **options))
+    def noted(*given: Any, **options: Any) -> CommandLimit:
+        made.append(CommandLimit(*given, **options))
         return made[-1]
 
     monkeypatch.setattr(page_picture, "FROM_CONTOURS", from_contours)
     monkeypatch.setattr(page_picture, "LEAST_CORES", 1)
-    monkeypatch.setattr(time_limits, "WholeLimit", noted)
+    monkeypatch.setattr(time_limits, "CommandLimit", noted)
     monkeypatch.chdir(tmp_path)
     assert kerfwise("solve", NEST, "--time-limit", "50000").code == 0
     after_s = (CHECKED + DRAWN[".svg"][0]) * 100.0 + ENDED_S
-    assert made[0].kept_s(Took(100.0)) == pytest.approx(CHECKED * 100.0 + ENDED_S if from_contours == 2 else after_s)
+    made[0].candidates_s = 100.0
+    assert made[0].kept_s() == pytest.approx(CHECKED * 100.0 + ENDED_S if from_contours == 2 else after_s)
 
 
 def test_a_command_without_a_plan_says_when_it_was_late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -263,7 +274,7 @@ def test_kernels_that_are_only_loaded_are_not_said_to_be_left_out_of_a_limit_tha
 ) -> None:
     loaded_s = iter(range(0, 1000, 100))
     monkeypatch.setattr(time_limits, "made_s", lambda: next(loaded_s))
-    for whole, notes in ((WholeLimit(50_000.0), 0), (None, 1)):
+    for whole, notes in ((CommandLimit(50_000.0), 0), (None, 1)):
         told: list[str] = []
         plan_nest_main_job(
             Inputs(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0), whole=whole, tell=told.append

@@ -1,4 +1,4 @@
-"""Small nests solved exactly, without the search: `from kerfwise.tests.models.solved import …`."""
+"""Small nests solved exactly, without the search, or by it alone: `from kerfwise.tests.models.solved import …`."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
+from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.solution import Solution
+from kerfwise.models.engines.search import Searcher
+from kerfwise.models.engines.solution import Incumbent, Solution, SolveOptions
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -36,10 +39,23 @@ def proven_plan(nest: Nest, profile: Profile, stated: Stated | None = None) -> t
     facts = facts_of(nest, profile)
     stated = stated or state_rules(facts, profile)
     problem = make_problem(facts, stated.statements, profile.machine.home)
-    proof = prove(problem, None, work=10)
+    proof = prove(problem, None, Deadline(10))
     assert proof is not None
     assert proof.incumbent is not None
     route = tuple(int(problem.site_candidate[s]) for s in proof.incumbent.route)
     mm = proof.incumbent.cost / UM_PER_MM
     solution = Solution(route, mm, mm, "optimal", "ideals", "ideals", 0.0)
     return facts, stated, make_plan(facts, profile, stated, solution, "portfolio", 1)
+
+
+CYCLES = (0.05, 0.2, 0.75)
+
+
+def searched(problem: Problem, options: SolveOptions, progress: Progress | None = None) -> Incumbent | None:
+    """The best lawful route that the search alone finds within the limits, by annealings of these shares of them."""
+    searcher = Searcher(problem, options.seed)
+    for part in CYCLES:
+        time_s = None if options.time_s is None else options.time_s * part
+        if not searcher.run(Deadline(options.work * part, time_s, progress)) and time_s is None:
+            break
+    return searcher.best

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Int16s, Ints
-from kerfwise.models.engines.solution import Progress
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.jit import cores, jit
 from kerfwise.models.problem.problem import Problem
 
@@ -74,10 +74,8 @@ class Completion:
 def complete(
     problem: Problem,
     target: float | None,
-    work: float,
-    progress: Progress | None = None,
+    deadline: Deadline,
     most_neighbours: int = MOST_NEIGHBOURS,
-    most_bytes: float = math.inf,
     most: float = math.inf,
 ) -> Completion:
     """Look for prices that make the bound as high as can be.
@@ -86,14 +84,10 @@ def complete(
     ----------
     target
         Cost of a known plan.
-    work
-        Limit in deterministic seconds; at least one round is made.
-    progress
-        Asked every round whether to go on.
+    deadline
+        At least one round is made of its work. The tables take no more than a share of its bytes.
     most_neighbours
         What a walk remembers at the most; fewer where the tables would be too large.
-    most_bytes
-        Of which the tables take no more than a share.
     most
         Deterministic seconds of which a bound is of no use if it takes as many.
 
@@ -104,7 +98,7 @@ def complete(
     """
     n = problem.n
     move = least_moves(problem)
-    near = ng_sets(problem, move, _affordable(problem, most_neighbours, most_bytes))
+    near = ng_sets(problem, move, _affordable(problem, most_neighbours, deadline.most_bytes))
     back = np.ascontiguousarray(move.T)
     back[: problem.m] += problem.site_cost[:, None]
     lawful, first = problem.successors(), problem.first
@@ -129,7 +123,7 @@ def complete(
         missing = 1.0 - np.bincount(walk, minlength=n)
         if not np.isfinite(reached) or not missing.any() or (target is not None and bound > target - 1):
             break
-        if (spent + 1) * cost > work * ADDITIONS_PER_S or (progress and not progress("bound", None, None)):
+        if (spent + 1) * cost > deadline.work * ADDITIONS_PER_S or not deadline("bound", None, None):
             break
         if waited == PATIENCE:
             price, step, waited, heading = best_price, step * 0.6, 0, np.zeros(n)

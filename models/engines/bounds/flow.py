@@ -18,7 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.problem import Links, Problem
 
@@ -57,10 +58,7 @@ class FlowBound:
 def flow_bound(
     problem: Problem,
     plan: Incumbent,
-    work: float,
-    progress: Progress | None = None,
-    most_bytes: float = math.inf,
-    ends_s: float = math.inf,
+    deadline: Deadline,
 ) -> FlowBound:
     """Bound every plan from below, cutting off what no plan does until it is worth no more rounds.
 
@@ -68,32 +66,27 @@ def flow_bound(
     ----------
     plan
         A lawful plan: its moves make the flow feasible, and its cost is as high as a bound can be.
-    work
-        Limit in deterministic seconds; the round in which it is reached is finished.
-    progress
-        Told the bound after every round, asked whether to go on.
-    most_bytes
-        What tables of all moves may take where there are many sites.
-    ends_s
-        When a limit in seconds ends, by `running_s`: a linear program is broken off then.
+    deadline
+        The round in which its work is spent is finished; where its seconds are over, a linear program is broken off.
+        Told the bound after every round. Tables of all moves take no more than its bytes.
     """
     if not 0 < problem.n <= MOST_CONTOURS:
         return FlowBound(0, 0.0)
-    most_sites = int(min(MOST_SITES, math.sqrt(most_bytes / BYTES_A_MOVE)))
+    most_sites = int(min(MOST_SITES, math.sqrt(deadline.most_bytes / BYTES_A_MOVE)))
     contours, sites = size_without_inner(problem)
-    if sites > most_sites or sets_out_s(contours, sites) > SETTING_OUT * work:
+    if sites > most_sites or sets_out_s(contours, sites) > SETTING_OUT * deadline.work:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem, sites = contract_sites(problem), contours
 
     def in_time() -> bool:
         """Whether the clock leaves time; all work is counted afterwards."""
-        return progress is None or progress("bound", plan.cost, None)
+        return deadline("bound", plan.cost, None)
 
     try:
         network = network_of(problem, plan.route, plan.cost, most_sites, in_time)
     except Stopped:
         return FlowBound(0, sets_out_s(contours, sites))
-    loop = CutLoop(network, plan, work, progress, in_time, ends_s)
+    loop = CutLoop(network, plan, deadline, in_time)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)
         if loop.stalled and network.problem.m <= MOST_BRANCHED:
@@ -110,16 +103,20 @@ class CutLoop:
     """
 
     def __init__(
-        self, network: Network, plan: Incumbent, work: float, progress: Progress | None,
-        in_time: Callable[[], bool], ends_s: float, most_um: int | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        network: Network,
+        plan: Incumbent,
+        deadline: Deadline,
+        in_time: Callable[[], bool],
+        most_um: int | None = None,
+    ) -> None:
         problem = network.problem
-        self._plan, self._work, self._progress = plan, work, progress
+        self._plan, self._deadline = plan, deadline
         demands = DemandColumns(problem)
         self._separation = Separation(network, demands)
         blocks = block_inequalities(problem, len(demands.cost))
         most = plan.cost if most_um is None else most_um
-        self.flow = FlowProgram(network, blocks, demands.cost, most, in_time, ends_s)
+        self.flow = FlowProgram(network, blocks, demands.cost, most, in_time, deadline)
         self._kept, self._most = len(blocks), CROWD * problem.n
         self.best, self.stalled, self._dropped_at = 0.0, False, 0.0
         self.proving: Multipliers | None = None
@@ -132,9 +129,9 @@ class CutLoop:
         flow, best, seen = self.flow, 0.0, [0.0] * patience
         between = Between(self._separation)
         self.stalled = False
-        while flow.solve(self._work):
+        while flow.solve(self._deadline.work):
             best = self._looked(best)
-            if self._loose(flow.value - flow.bound) and flow.solve(self._work):
+            if self._loose(flow.value - flow.bound) and flow.solve(self._deadline.work):
                 best = self._looked(best)
             if best > self._plan.cost - 1 or not self.go():
                 break
@@ -171,9 +168,7 @@ class CutLoop:
 
     def go(self) -> bool:
         """Whether there is work left."""
-        if self.flow.work > self._work:
-            return False
-        return self._progress is None or self._progress("bound", self._plan.cost, _whole(self.best))
+        return self.flow.work <= self._deadline.work and self._deadline("bound", self._plan.cost, _whole(self.best))
 
 
 def _whole(bound: float) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack, vstack
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.models.jit import running_s
+from kerfwise.models.engines.deadline import Deadline
 
 from .flow_work import PRIMAL, look_s, made_s, products_s, round_s
 from .inequalities import Inequalities
@@ -47,11 +47,11 @@ class FlowProgram:
         beside: Floats,
         plan_um: int,
         in_time: Callable[[], bool] = lambda: True,
-        ends_s: float = np.inf,
+        deadline: Deadline | None = None,
     ) -> None:
         problem = network.problem
         n, m = problem.n, problem.m
-        self._n, self._m, self._in_time, self._ends_s = n, m, in_time, ends_s
+        self._n, self._m, self._in_time, self._deadline = n, m, in_time, deadline or Deadline()
         self.owner = np.append(problem.site_contour, n)
         self.plan_um, self._moves = plan_um, AllMoves(network, plan_um)
         self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -79,7 +79,7 @@ class FlowProgram:
             asked = min(at_once, left)
             if asked <= 0 or not self._in_time():
                 return False
-            solved = self._program.solve(asked, self._ends_s - running_s())
+            solved = self._program.solve(asked, self._deadline.left_s)
             self.work += (self._program.iterations + 1) * each_s * (PRIMAL if self._program.primal else 1.0)
             left -= self._program.iterations
             if solved is None and self._program.iterations < asked:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
-from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 
 from .flow import CutLoop
@@ -61,9 +62,8 @@ class ReducedCosts:
 
 
 def reduced_costs(
-    problem: Problem, plan: Incumbent, most_um: int, work: float, progress: Progress | None = None,
-    earlier: Proving | None = None,
-) -> ReducedCosts | None:  # fmt: skip
+    problem: Problem, plan: Incumbent, most_um: int, deadline: Deadline, earlier: Proving | None = None
+) -> ReducedCosts | None:
     """Solve the linear program of a problem, and say what it leaves of every move.
 
     Parameters
@@ -74,10 +74,8 @@ def reduced_costs(
         A lawful one; its cost is as high as a bound can be.
     most_um
         No plan that costs more is wanted: a condition that is dearer is not broken.
-    work
-        Limit in deterministic seconds; the round in which it is reached is finished.
-    progress
-        Asked every round whether to go on.
+    deadline
+        The round in which its work is spent is finished. Asked every round.
     earlier
         Multipliers of such a problem: where only moves from and to home cost something else, they stay.
 
@@ -87,7 +85,7 @@ def reduced_costs(
     """
 
     def in_time() -> bool:
-        return progress is None or progress("bound", plan.cost, None)
+        return deadline("bound", plan.cost, None)
 
     try:
         network = network_of(problem, plan.route, most_um, WIDE, in_time)
@@ -96,7 +94,7 @@ def reduced_costs(
         network = replace(network, cost=np.where(network.cost < NEVER, network.cost, np.inf))
         if earlier is not None and _alike(network, earlier.network):
             return _reduced(earlier._replace(network=network), made_s(network.cost.size))
-        loop = CutLoop(network, plan, work, progress, in_time, np.inf, MOST_UM)
+        loop = CutLoop(network, plan, deadline, in_time, MOST_UM)
         with suppress(Stopped):
             loop.run(PATIENCE, LEAST_GAIN)
     except Stopped:

@@ -23,7 +23,8 @@ from ortools.sat.python.cp_model import (
 )
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
+from kerfwise.models.engines.deadline import Deadline, Progress
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import broken, general_holds, missing_ms, route_cost, times_ms
 from kerfwise.models.problem.problem import Problem
 
@@ -34,10 +35,10 @@ from .variables import ArcLiterals, GoOn, OpenCrossing, Variables, always, make_
 def solve_whole(
     problem: Problem,
     arcs: ArcLiterals,
-    options: SolveOptions,
+    deadline: Deadline,
     start: Incumbent | None,
     bound_um: int,
-    progress: Progress,
+    seed: int,
     go_on: GoOn,
 ) -> CpsatOutcome:
     """Solve the model of the whole problem, given a lawful route and a proven lower bound."""
@@ -45,7 +46,7 @@ def solve_whole(
     limit_objective(model, bound_um, None if start is None else start.cost)
     if start is not None:
         add_hint(model, problem, arcs, v, start.route)
-    done = run_solver(model, options, progress)
+    done = run_solver(model, seed, deadline.work, deadline)
     bound = proven_bound(done, bound_um)
     if done.status == INFEASIBLE and start is None:
         return CpsatOutcome(None, infeasible=True, work=done.work)
@@ -230,12 +231,12 @@ class CpsatRun:
         return float(self.solver.response_proto.deterministic_time)
 
 
-def run_solver(model: CpModel, options: SolveOptions, progress: Progress) -> CpsatRun:
+def run_solver(model: CpModel, seed: int, work: float, progress: Progress) -> CpsatRun:
     """Solve until proven, out of work, told to stop by `progress`, or interrupted; what was found is kept.
 
     The solver runs in a thread of its own, so that this one can ask `progress` and hear Ctrl-C.
     """
-    solver = _solver(options)
+    solver = _solver(seed, work)
     seen = _Seen()
     solver.best_bound_callback = seen.on_bound
     going, interrupted = True, False
@@ -252,7 +253,7 @@ def run_solver(model: CpModel, options: SolveOptions, progress: Progress) -> Cps
         return CpsatRun(solver, running.result(), interrupted)
 
 
-def _solver(options: SolveOptions) -> CpSolver:
+def _solver(seed: int, work: float) -> CpSolver:
     """One worker, so that every run is the same, and linear programs with every cut: by far the fastest proofs here.
 
     Probing costs more than it finds in these models.
@@ -260,10 +261,10 @@ def _solver(options: SolveOptions) -> CpSolver:
     solver = CpSolver()
     parameters = solver.parameters
     parameters.num_workers = 1
-    parameters.random_seed = options.seed
+    parameters.random_seed = seed
     parameters.linearization_level = 2
     parameters.cp_model_probing_level = 0
-    parameters.max_deterministic_time = options.work
+    parameters.max_deterministic_time = work
     parameters.catch_sigint_signal = False
     return solver
 

@@ -9,14 +9,14 @@ from ortools.sat.python.cp_model import INFEASIBLE
 from scipy.optimize import linear_sum_assignment
 
 from kerfwise.arrays import Ints
-from kerfwise.models.engines.solution import MAX_ARCS, Incumbent, Progress, SolveOptions, count_site_arcs
-from kerfwise.models.jit import running_s
+from kerfwise.models.engines.deadline import Deadline, Progress
+from kerfwise.models.engines.solution import MAX_ARCS, Incumbent, count_site_arcs
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.problem import Durations, Links, Problem
 from kerfwise.rules.statements import Before
 
 from .model import ENGINE, CpsatOutcome, add_hint, build_model, limit_objective, proven_bound, run_solver, solve_whole
-from .variables import ArcLiterals, GoOn, Stopped, always, report_progress, site_arcs, stop_at
+from .variables import ArcLiterals, GoOn, Stopped, always, report_progress, site_arcs
 
 MOST_ARCS = 20_000_000
 """More arcs between sites than this are not even listed."""
@@ -25,15 +25,15 @@ MAX_CONTOURS = 3_000
 
 def solve_cpsat(
     problem: Problem,
-    options: SolveOptions,
+    deadline: Deadline,
     start: Incumbent | None,
     bound_um: int = 0,
-    progress: Progress | None = None,
+    seed: int = 1,
     max_arcs: int = MAX_ARCS,
 ) -> CpsatOutcome:
     """Improve on `start`, a lawful route, and prove a bound, given one (µm) that is proven already.
 
-    Ends when proven, when `options.work` or `options.time_s` is used up, when `progress` returns False, or on Ctrl-C;
+    Ends when proven, at the deadline, or on Ctrl-C;
     what was found until then comes back. A model of more than `max_arcs` arcs between sites is not built: a smaller
     one then gives a bound only; if that is too large as well, its prices alone do, or nothing.
 
@@ -42,12 +42,11 @@ def solve_cpsat(
     AssertionError
         If the model and `models/problem/evaluate` disagree about a route: a bug in one of them.
     """
-    progress = stop_at(progress, None if options.time_s is None else running_s() + options.time_s)
     if problem.n == 0:
         return CpsatOutcome(Incumbent((), 0), 0, proven_optimal=True)
     if problem.n > MAX_CONTOURS:
         return CpsatOutcome(start)
-    go_on = report_progress(ENGINE, progress, None if start is None else start.cost, bound_um)
+    go_on = report_progress(ENGINE, deadline, None if start is None else start.cost, bound_um)
     try:
         go_on()
         count = count_site_arcs(problem)
@@ -58,12 +57,12 @@ def solve_cpsat(
         if priced.bound >= NEVER:
             return CpsatOutcome(None, infeasible=True)
         bound_um = max(bound_um, priced.bound)
-        go_on = report_progress(ENGINE, progress, None if start is None else start.cost, bound_um)
+        go_on = report_progress(ENGINE, deadline, None if start is None else start.cost, bound_um)
         go_on()
         if count <= max_arcs:
-            return solve_whole(problem, arcs, options, start, bound_um, progress, go_on)
+            return solve_whole(problem, arcs, deadline, start, bound_um, seed, go_on)
         if len(priced.arcs.cost) <= max_arcs:
-            return solve_relaxed(problem, priced, options, start, bound_um, progress, go_on)
+            return solve_relaxed(problem, priced, deadline, start, bound_um, seed, go_on)
     except Stopped:
         pass
     return CpsatOutcome(start, bound_um)
@@ -75,10 +74,10 @@ def solve_cpsat(
 def solve_relaxed(
     problem: Problem,
     priced: PricedArcs,
-    options: SolveOptions,
+    deadline: Deadline,
     start: Incumbent | None,
     bound_um: int,
-    progress: Progress,
+    seed: int,
     go_on: GoOn,
 ) -> CpsatOutcome:
     """A proven lower bound from the cheapest arcs between contours; no route but `start` comes back.
@@ -91,7 +90,7 @@ def solve_relaxed(
     limit_objective(model, priced.bound, None if start is None else start.cost)
     if start is not None:
         add_hint(model, relaxed, priced.arcs, v, [int(problem.site_contour[s]) for s in start.route])
-    done = run_solver(model, options, _of_plans(progress, start, bound_um))
+    done = run_solver(model, seed, deadline.work, _of_plans(deadline, start, bound_um))
     if done.status == INFEASIBLE and start is None:
         return CpsatOutcome(None, infeasible=True, work=done.work)
     bound = max(bound_um, proven_bound(done, priced.bound))

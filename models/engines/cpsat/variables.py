@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
 from kerfwise.arrays import Bools, Int32s, Ints
-from kerfwise.models.engines.solution import Progress
-from kerfwise.models.jit import running_s
+from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before, plain
@@ -283,16 +282,6 @@ class Stopped(Exception):
 
 def always() -> None:
     """There is no limit."""
-
-
-def stop_at(progress: Progress | None, deadline: float | None) -> Progress:
-    """Asks `progress`, and says stop from the deadline on, a moment by `running_s`."""
-
-    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-        heard = progress is None or progress(engine, cost_um, bound_um)
-        return heard and (deadline is None or running_s() < deadline)
-
-    return going
 
 
 def report_progress(engine: str, progress: Progress, cost_um: int | None, bound_um: int) -> GoOn:

@@ -17,10 +17,11 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 
-from .lattice import THREADS, SweepBudget, SweptStretch, TooLarge, sweep_layers
+from .lattice import THREADS, SweptStretch, TooLarge, sweep_layers
 from .stretch import RestBound, localise, nothing_over
 from .stretch_tables import FAR, entrance_of, never, table_of
 
@@ -74,35 +75,35 @@ class Settled:
 
 
 def settle(
-    posed: Problem, relaxed: ReducedCosts, entry: Ints, begun: Settled, known: int, budget: SweepBudget
+    posed: Problem, relaxed: ReducedCosts, entry: Ints, begun: Settled, known: int, deadline: Deadline
 ) -> Settled:
-    """Find out what plans cost from every way into a stretch on, as far as the budget goes, from what is known on.
+    """Find out what plans cost from every way into a stretch on, as far as the deadline lets it, from what is known on.
 
     `posed` is its network, with no cost of sites, `entry` (ways, sites) what it costs to come to each of its sites; a
     plan with all stretches before it is `known`.
     """
-    onward, limit, whole = begun.onward, begun.limit, budget.work.left
+    onward, limit, whole = begun.onward, begun.limit, deadline.left
     least, enough, room = relaxed.bound, int(SPREAD * known), max(1, int(FIRST * known))
     with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
         backward = Backward(posed, relaxed, entry, _rest(posed, relaxed))
         while limit < min(int(onward.max()), known):
-            had = budget.work.left
+            had = deadline.left
             if least + room > limit:
                 wanted = min(least + room, known)
-                onward = np.maximum(onward, backward.onward(wanted, budget, threads))
+                onward = np.maximum(onward, backward.onward(wanted, deadline, threads))
                 limit = wanted
             spread, last = limit - int(onward.min()), room
             room = WIDER * room if spread >= enough or spread < 0 else min(WIDER * room, room + enough - spread)
-            ahead = DEARER ** (room / last - 1.0) * (had - budget.work.left)
-            if ahead > (1.0 if spread < enough else LITTLE) * budget.work.left:
+            ahead = DEARER ** (room / last - 1.0) * (had - deadline.left)
+            if ahead > (1.0 if spread < enough else LITTLE) * deadline.left:
                 break
-    return Settled(onward, limit, whole - max(0.0, budget.work.left))
+    return Settled(onward, limit, whole - max(0.0, deadline.left))
 
 
 def _rest(posed: Problem, relaxed: ReducedCosts) -> Completion:
     """What is still to come of what multipliers leave, from the end to the beginning."""
     walked = reverse_problem(replace(posed, matrix=relaxed.dear, conditions=()))
-    return bounds.complete(walked, None, 0.0, None, MOST_NEIGHBOURS)
+    return bounds.complete(walked, None, Deadline(0.0), MOST_NEIGHBOURS)
 
 
 class Backward:
@@ -115,21 +116,20 @@ class Backward:
         self._local = localise(problem, tuple(range(problem.n)), frozenset())
         self._moves, self._lows = (np.roll(table, 1, axis=0)[:, :-1] for table in (problem.matrix, relaxed.dear.T))
 
-    def onward(self, limit: int, budget: SweepBudget, threads: Executor) -> Ints:
+    def onward(self, limit: int, deadline: Deadline, threads: Executor) -> Ints:
         """What plans cost at least from every way in on, (ways,): exact, but for what is crossed, or more than `limit`.
 
         Raises
         ------
         TooLarge
-            Over the budget.
+            Over the deadline.
         """
         local, nothing = self._local, entrance_of([0], limit)
         tables = (table_of(local, table, limit) for table in (self._moves, self._lows))
         moves, lows = tables
         over = nothing_over(local.orders.needs.shape[1])
         stretch = SweptStretch(local, moves, over, self._rests, limit, never(limit), lows)
-        kept = replace(budget)  # nothing is kept of the layers
-        end = sweep_layers(stretch, nothing, kept, threads, nothing + self._bound)[-1]
+        end = sweep_layers(stretch, nothing, deadline, threads, nothing + self._bound)[-1]
         of_site = np.full(len(local.sites), FAR)
         np.minimum.at(of_site, np.searchsorted(local.sites, local.sites_of(end.contour)), end.values)
         found: Ints = np.minimum((self._entry + of_site).min(axis=1), limit + 1)

@@ -13,20 +13,20 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
-from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .lattice import (
-    TABLE_BYTES,
     THREADS,
-    SweepBudget,
     SweptLayer,
     SweptStretch,
     TooLarge,
     Width,
     sweep_layers,
     sweep_through,
+    sweeping,
     walk_back,
 )
 from .prove import MOST_SITES_BOUND, Apart, Proof, applies, bound_by_walks, held_by, rests_of
@@ -57,27 +57,19 @@ class Polished:
     work: float
 
 
-def polish(
-    problem: Problem,
-    incumbent: Incumbent,
-    work: float,
-    progress: Progress | None = None,
-    most_bytes: float = TABLE_BYTES,
-) -> Polished:
-    """Improve a route window by window, until no window has a better order or `work` is spent.
+def polish(problem: Problem, incumbent: Incumbent, deadline: Deadline) -> Polished:
+    """Improve a route window by window, until no window has a better order or the work is spent.
 
-    The tables of a window take no more than `most_bytes`. What comes back is never dearer, and lawful if the route was.
-    Where a state cannot hold what is asked, nothing is tried.
+    The tables of a window take no more than the bytes of the deadline. What comes back is never dearer, and lawful if
+    the route was. Where a state cannot hold what is asked, nothing is tried.
     """
     if not applies(problem) or problem.n == 0:
         return Polished(incumbent, 0.0)
-
-    def go() -> bool:
-        return progress is None or progress("windows", incumbent.cost, None)
-
-    budget = SweepBudget.of(work, go, most_bytes)
+    deadline.engine = "windows"
+    deadline("windows", incumbent.cost, None)
+    work = sweeping(deadline, deadline.work)
     with ThreadPoolExecutor(1) as thread:
-        windows = _Windows(problem, budget, thread)
+        windows = _Windows(problem, work, thread)
         last = max(0, problem.n - WIDTH)
         starts = [*range(0, last, STEP), last]
         waiting = set(starts)
@@ -88,17 +80,18 @@ def polish(
                     better = windows.best(incumbent, start)
                     if better is not None:
                         incumbent = better
+                        deadline("windows", better.cost, None)
                         waiting |= {s for s in starts if abs(s - start) < WIDTH and s != start}
         except TooLarge:
             pass
-    return Polished(incumbent, work - max(0.0, budget.work.left))
+    return Polished(incumbent, work.work - max(0.0, work.left))
 
 
 class _Windows:
     """What all windows of a problem share."""
 
-    def __init__(self, problem: Problem, budget: SweepBudget, thread: Executor) -> None:
-        self._problem, self._budget, self._thread = problem, budget, thread
+    def __init__(self, problem: Problem, work: Deadline, thread: Executor) -> None:
+        self._problem, self._work, self._thread = problem, work, thread
         self._least, self._dearest = LeastIn(problem), dearest(problem)
         self._parts = ConditionsByContour(problem)
 
@@ -129,13 +122,13 @@ class _Windows:
     ) -> tuple[int, list[int]] | None:
         """The cheapest way through a window from one site to another, and its cost; None if it is over the limit."""
         everything = frozenset(range(problem.n))
-        self._budget.work.spend(SETTING_UP)
+        self._work.spend(SETTING_UP)
         moves, over = make_moves(problem, local, earlier, before, limit)
         rests = least_rest(local, everything - frozenset(local.contours), self._least)
         stretch = SweptStretch(local, moves, over, rests, limit, never(limit))
-        allowed = replace(self._budget, work=self._budget.work.part(1.0))
+        allowed = self._work.part(1.0)
         layers = sweep_layers(stretch, entrance_of([0], limit), allowed, self._thread)
-        self._budget.work.spend(allowed.work.operations_spent)
+        self._work.spend(allowed.operations_spent)
         if not len(layers[-1].contour):
             return None
         total = layers[-1].values + self._onward(local, earlier, layers[-1], after)
@@ -168,9 +161,7 @@ ROUNDING = 1e-3
 def widen(
     problem: Problem,
     incumbent: Incumbent | None,
-    work: float,
-    progress: Progress | None = None,
-    most_bytes: float = TABLE_BYTES,
+    deadline: Deadline,
     width: int = FIRST_WIDTH,
 ) -> Proof:
     """The best plan of sweeps of so many states and more, until it is proven or the work is spent.
@@ -181,36 +172,30 @@ def widen(
         One that the ideals are fit for (`prove.unfit`).
     incumbent
         A lawful plan: states that cannot lead to a cheaper one are dropped without a loss.
-    work
-        Limit in deterministic seconds.
-    progress
-        Asked now and then whether to go on.
-    most_bytes
-        What the tables may take.
     """
-    best, least = incumbent, 0
-
-    def go() -> bool:
-        return progress is None or progress("ideals", None if best is None else best.cost, None)
-
+    best, least, work = incumbent, 0, deadline.work
+    deadline.engine = "ideals"
+    deadline("ideals", None if best is None else best.cost, None)
     bound: Completion | Apart | None = None
     if incumbent is not None and incumbent.cost < FAR and (len(series(problem)) > 1 or problem.m <= MOST_SITES_BOUND):
         with suppress(bounds.TooMuch):
-            bound = bound_by_walks(problem, incumbent, BOUND * work, progress, most_bytes, work)
+            bound = bound_by_walks(problem, incumbent, deadline.counting(BOUND * work), work)
     spent = 0.0 if bound is None else bound.work
-    budget = SweepBudget.of(work - spent, go, most_bytes - held_by(bound))
+    swept = sweeping(deadline, work - spent, held_by(bound))
     with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
-        rests, root = rests_of(problem, bound, budget, threads)
+        rests, root = rests_of(problem, bound, swept, threads)
         least = 0 if isinf(root) else max(0, ceil(root - ROUNDING))
         while True:
-            had, kept = budget.work.left, Width(width)
+            had, kept = swept.left, Width(width)
             limit = None if best is None else best.cost - 1
-            found = sweep_through(problem, limit, rests, replace(budget), threads, kept)
-            best = found or best
+            found = sweep_through(problem, limit, rests, swept, threads, kept)
+            if found is not None:
+                best = found
+                deadline("ideals", best.cost, None)
             if isinf(kept.dropped) or (best is not None and kept.dropped > best.cost - 1 + ROUNDING):
-                return Proof(best, work - budget.work.left)
+                return Proof(best, work - swept.left)
             least = max(least, ceil(kept.dropped - ROUNDING))
-            if budget.work.left < WIDER * (had - budget.work.left):
+            if swept.left < WIDER * (had - swept.left):
                 break
             width *= WIDER
-    return Proof(None, work - max(0.0, budget.work.left), least, better=best)
+    return Proof(None, work - max(0.0, swept.left), least, better=best)

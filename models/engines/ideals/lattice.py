@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,7 +11,8 @@ from math import inf
 import numpy as np
 
 from kerfwise.arrays import Floats, Int16s, Int32s, Ints
-from kerfwise.models.engines.solution import MEMORY_GB, Budget, Incumbent, table_bytes
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.jit import cores, suited
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
@@ -87,27 +88,33 @@ class Width:
 def sweep_layers(
     stretch: SweptStretch,
     entrance: Costs,
-    budget: SweepBudget,
+    deadline: Deadline,
     threads: Executor,
     lows: Costs | None = None,
     width: Width | None = None,
+    held: float = 0.0,
 ) -> list[SweptLayer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
     States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.
     `lows` are what plans cost at least by their ways in, where the stretch has two costs. With a `width` only so many
-    states of a layer are kept.
+    states of a layer are kept. `held` bytes of the deadline's are taken by stretches before it.
+
+    Raises
+    ------
+    TooLarge
+        Over the deadline.
     """
     local, orders = stretch.local, stretch.local.orders
     sets = Sets.empty(orders, len(entrance))
     layers = [SweptLayer(np.array([0, 1]), np.array([-1], np.int16), np.array([-1], np.int32), entrance)]
     begin, alive = np.array([0, len(entrance)]), np.array([0])
-    wide, times = entrance.itemsize, 1 if lows is None else 2
+    wide, times, free = entrance.itemsize, 1 if lows is None else 2, deadline.most_bytes - held
     lows = entrance[:0] if lows is None else lows
     low_moves = stretch.moves if stretch.dear is None else stretch.dear
     for depth in range(1, len(local.contours) + 1):
         ahead = growth(orders, sets, alive)
-        budget.expect(ahead, len(sets), sets.masks.shape[1], wide, times)
+        expect(deadline, ahead, len(sets), sets.masks.shape[1], wide, free, times)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
         ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries)(
             contour, target, entry_from, alive, len(grown), orders.size
@@ -126,7 +133,7 @@ def sweep_layers(
         sweep_span = partial(suited(sweep, turns), steps, came, goes)
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
-            budget.check()
+            _check(deadline)
         if width is not None and width.narrow(suited(promises, turns)(steps, came, goes), values, stretch.never):
             living = np.logical_or.reduceat(values < stretch.never, new_begin[:-1])
         if living.sum() <= WORTH_CLEARING * len(living):
@@ -142,7 +149,7 @@ def sweep_layers(
             grown = replace(grown, width=np.diff(new_begin[ideal_entry]))
         lives = np.append(0, np.cumsum(living))
         alive = np.flatnonzero(np.diff(lives[ideal_entry]))
-        budget.keep(len(last), len(values), wide)
+        free -= bytes_of(layers[-2:])
         sets, begin, lows = grown, new_begin, new_lows
     return layers
 
@@ -193,49 +200,41 @@ NEW_SETS_PER_SET = 4
 """How many new sets a set leads to at the most, where there are many."""
 
 
-TABLE_BYTES = table_bytes(MEMORY_GB)
-
-
 class TooLarge(Exception):
     """There are more ideals than the budget allows; nothing is proven."""
 
 
-@dataclass(slots=True)
-class SweepBudget:
-    """What sweeps may spend: `work` in additions, and of the memory the `bytes` that are free."""
+def sweeping(deadline: Deadline, work: float, held: float = 0.0) -> Deadline:
+    """So much work for sweeps, counted in additions, with the bytes that are free beside what is held."""
+    return deadline.counting(work, ADDITIONS_PER_S, deadline.most_bytes - held)
 
-    work: Budget
-    bytes: float
-    go: Callable[[], bool]
 
-    @staticmethod
-    def of(work: float, go: Callable[[], bool], most_bytes: float = TABLE_BYTES) -> SweepBudget:
-        """So many deterministic seconds, and bytes, as long as `go` says so."""
-        return SweepBudget(Budget(work, per_s=ADDITIONS_PER_S), most_bytes, go)
+def expect(deadline: Deadline, ahead: Growth, sets: int, words: int, width: int, free: float, times: int = 1) -> None:
+    """Pay for the layer after one of so many sets before it is made; a state has `times` values of `width` bytes.
 
-    def expect(self, ahead: Growth, sets: int, words: int, width: int, times: int = 1) -> None:
-        """Pay for the layer after one of so many sets before it is made; a state has `times` values of `width` bytes.
+    Raises
+    ------
+    TooLarge
+        If it is more than is left of the work, or of the `free` bytes, or it is time to stop.
+    """
+    deadline.spend(additions_of(times * ahead.additions, ahead.entries, times * ahead.states))
+    new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
+    taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width * times
+    taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
+    if deadline.left < 0 or taken > free:
+        raise TooLarge
+    _check(deadline)
 
-        Raises
-        ------
-        TooLarge
-            If it is more than is left of either, or it is time to stop.
-        """
-        self.work.spend(additions_of(times * ahead.additions, ahead.entries, times * ahead.states))
-        new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
-        taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width * times
-        taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
-        if self.work.left < 0 or taken > self.bytes or not self.go():
-            raise TooLarge
 
-    def keep(self, entries: int, states: int, width: int) -> None:
-        """A layer is made, and kept."""
-        self.bytes -= entries * BYTES_AN_ENTRY + states * width
+def _check(deadline: Deadline) -> None:
+    """`TooLarge` if it is time to stop."""
+    if not deadline.go():
+        raise TooLarge
 
-    def check(self) -> None:
-        """`TooLarge` if it is time to stop."""
-        if not self.go():
-            raise TooLarge
+
+def bytes_of(layers: Sequence[SweptLayer]) -> float:
+    """What layers take that are kept for the way back."""
+    return float(sum(len(layer.contour) * BYTES_AN_ENTRY + layer.values.nbytes for layer in layers[1:]))
 
 
 # One sweep through all stretches, and the way back.
@@ -248,11 +247,11 @@ def sweep_through(
     problem: Problem,
     known: int | None,
     rests: Rests,
-    budget: SweepBudget,
+    deadline: Deadline,
     threads: Executor,
     width: Width | None = None,
 ) -> Incumbent | None:
-    """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget.
+    """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the deadline.
 
     With a `width` it is the best of those by the states that are kept.
 
@@ -260,25 +259,26 @@ def sweep_through(
     """
     most = dearest(problem) if known is None else known
     if known is None and most >= NARROW:
-        found = _sweep(problem, NARROW - 1, rests, budget, threads, width)
+        found = _sweep(problem, NARROW - 1, rests, deadline, threads, width)
         if found is not None:
             return found
-    return _sweep(problem, most, rests, budget, threads, width)
+    return _sweep(problem, most, rests, deadline, threads, width)
 
 
 def _sweep(
-    problem: Problem, limit: int, rests: Rests, budget: SweepBudget, threads: Executor, width: Width | None
+    problem: Problem, limit: int, rests: Rests, deadline: Deadline, threads: Executor, width: Width | None
 ) -> Incumbent | None:
     swept: list[tuple[SweptStretch, list[SweptLayer]]] = []
     ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
-    total = None
+    total, held = None, 0.0
     parts = ConditionsByContour(problem)
     for number, group in enumerate(series(problem)):
         inside = parts.of(group)
         local = localise(inside, group, earlier)
         moves, over = make_moves(inside, local, earlier, ways, limit)
         stretch = SweptStretch(local, moves, over, rests(number, local, earlier), limit, never(limit))
-        layers = sweep_layers(stretch, costs, budget, threads, width=width)
+        layers = sweep_layers(stretch, costs, deadline, threads, width=width, held=held)
+        held += bytes_of(layers)
         swept.append((stretch, layers))
         earlier |= frozenset(group)
         last, costs = layers[-1].contour, layers[-1].values

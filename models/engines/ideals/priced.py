@@ -22,7 +22,8 @@ from kerfwise.models.engines import bounds
 from kerfwise.models.engines.bounds.move_costs import Moves, open_crossings, passages_of, stand_for
 from kerfwise.models.engines.bounds.network import Network
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts, entering, reduced_costs
-from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.bitsets import Masks, words
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
@@ -31,7 +32,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 
 from .backward import MOST_NEIGHBOURS, Settled, settle
-from .lattice import SweepBudget
+from .lattice import sweeping
 from .priced_stretches import Priced, PricedStretches, StretchPrices
 from .stretch import ConditionsByContour, CrossingAlternatives, nothing_over, series
 from .stretch_tables import (
@@ -54,17 +55,22 @@ SEVERAL = 3.0
 
 
 def price(
-    problem: Problem, incumbent: Incumbent, work: float, progress: Progress | None, most_bytes: float,
-    earlier: Sequence[StretchPrices] = (), swept: float = 0.0,
-) -> PricedStretches | None:  # fmt: skip
+    problem: Problem,
+    incumbent: Incumbent,
+    deadline: Deadline,
+    earlier: Sequence[StretchPrices] = (),
+    swept: float = 0.0,
+) -> PricedStretches | None:
     """Solve the linear program of every stretch, the last first, and sweep it backwards.
 
     Parameters
     ----------
     incumbent
         A lawful plan.
-    work, swept
-        Limits in deterministic seconds, of all programs and of all sweeps backwards.
+    deadline
+        Its work is that of all programs.
+    swept
+        Deterministic seconds of all sweeps backwards.
     earlier
         What was found of the same problem with fewer statements: it stays where a stretch is as it was.
 
@@ -76,21 +82,19 @@ def price(
     weight = np.array([float(np.diff(problem.first)[list(group)].sum()) ** 2 for group in groups])
     until = np.cumsum([len(group) for group in groups]).tolist()
     parts = ConditionsByContour(problem)
-
-    def in_time() -> bool:
-        return progress is None or progress("ideals", incumbent.cost, None)
-
+    deadline.engine = "ideals"
+    deadline("ideals", incumbent.cost, None)
     found: list[Priced] = []
-    spent, swept_left, left_bytes = 0.0, swept, most_bytes
+    spent, swept_left, left_bytes = 0.0, swept, deadline.most_bytes
     for k in reversed(range(len(groups))):
-        share = (work - spent) * float(weight[k] / weight[: k + 1].sum())
+        share = (deadline.work - spent) * float(weight[k] / weight[: k + 1].sum())
         before = ends_of(problem, groups[k - 1])[1] if k else np.array([HOME])
         out = frozenset(c for group in groups[:k] for c in group)
         route = incumbent.route[until[k] - len(groups[k]) : until[k]]
         known = earlier[k] if len(earlier) == len(groups) else None
         onward = found[-1].onward if found else home_from(problem, ends_of(problem, groups[k])[1])
         asked = _Asked(parts.of(groups[k]), groups[k], before, out, onward, known)
-        here, took = asked.priced(route, incumbent.cost, share, progress, left_bytes)
+        here, took = asked.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes))
         spent += took
         if here is None:
             return None
@@ -98,7 +102,7 @@ def price(
         if left_bytes < 0.0:
             return None
         if swept > 0.0:
-            most = SweepBudget.of(swept_left * (SEVERAL / (k + SEVERAL)), in_time, left_bytes)
+            most = sweeping(deadline, swept_left * (SEVERAL / (k + SEVERAL)), deadline.most_bytes - left_bytes)
             settled = settle(here.posed, here.relaxed, here.entry, here.settled, incumbent.cost, most)
             swept_left -= settled.work
             here = replace(here, settled=settled)
@@ -120,9 +124,7 @@ class _Asked:
     onward: Ints
     known: StretchPrices | None
 
-    def priced(
-        self, route: Sequence[int], known: int, work: float, progress: Progress | None, most_bytes: float
-    ) -> tuple[Priced | None, float]:
+    def priced(self, route: Sequence[int], known: int, deadline: Deadline) -> tuple[Priced | None, float]:
         """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there."""
         problem, own = self.problem, self.problem.sites_of(self.group)
         leave = ends_of(problem, self.group)[1]
@@ -134,13 +136,14 @@ class _Asked:
         apart = crossing_within(problem, self.group, own, self.earlier, apart)
         plan = tuple(np.searchsorted(own, route).tolist())
         of_plan = Incumbent(plan, route_cost(apart, plan))
-        relaxed = reduced_costs(apart, of_plan, known, (1.0 - WALKS) * work, progress, self.known and self.known.by)
+        programs = deadline.counting((1.0 - WALKS) * deadline.work)
+        relaxed = reduced_costs(apart, of_plan, known, programs, self.known and self.known.by)
         if relaxed is None:
-            return None, work
+            return None, deadline.work
         posed = _posed(relaxed)
         target = float(max(1, of_plan.cost - relaxed.bound))
         walked = replace(posed, matrix=relaxed.dear, conditions=())
-        rest = bounds.complete(walked, target, WALKS * work, progress, MOST_NEIGHBOURS, most_bytes)
+        rest = bounds.complete(walked, target, deadline.counting(WALKS * deadline.work), MOST_NEIGHBOURS)
         entry = entering(relaxed.network, travel)
         enter = np.minimum(relaxed.network.cost[-1, :-1], FAR).astype(np.int64)
         lows = np.minimum(relaxed.dear[-1, :-1] + entry - enter, FAR)

@@ -17,13 +17,14 @@ from scipy.sparse import csr_matrix
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.engines.bounds.move_costs import Moves, best_way, open_crossings, passages_of
 from kerfwise.models.engines.bounds.reduced_costs import Proving, ReducedCosts
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .backward import Settled
 from .kernels import Costs
-from .lattice import SweepBudget, SweptLayer, SweptStretch, TooLarge, sweep_layers, walk_back
+from .lattice import SweptLayer, SweptStretch, TooLarge, bytes_of, sweep_layers, walk_back
 from .stretch import CrossingAlternatives, Local, RestBound, localise
 from .stretch_tables import FAR, HOME, crossing_price, entrance_of, home_from, never, table_of
 
@@ -84,19 +85,23 @@ class Priced:
         """What is still to come after so many contours of the network."""
         return RestBound(np.ascontiguousarray(self.rest.to_go[depth]), self.rest.near, self.rest.price, 0.0)
 
-    def swept(self, ways: Ints, costs: Costs, limit: int, budget: SweepBudget, threads: Executor) -> SweptPart:
+    def swept(
+        self, ways: Ints, costs: Costs, limit: int, deadline: Deadline, threads: Executor, held: float = 0.0
+    ) -> SweptPart:
         """It swept from some of its ways in, which it costs so much to come to, for plans of no more than `limit`.
+
+        Stretches before it have `held` bytes of the deadline's.
 
         Raises
         ------
         TooLarge
-            Over the budget.
+            Over the deadline.
         """
         local = localise(self.posed, tuple(range(self.posed.n)), frozenset())
         stretch = _stretch(self, local, np.searchsorted(self.ways, ways), limit)
         lows = np.minimum(costs + np.int64(self.relaxed.bound), stretch.never).astype(costs.dtype)
         costs = np.where(lows > limit, stretch.never, costs).astype(costs.dtype)
-        layers = sweep_layers(stretch, costs, budget, threads, lows)
+        layers = sweep_layers(stretch, costs, deadline, threads, lows, held=held)
         return SweptPart(self, stretch, layers, ways, self.sites[local.sites_of(layers[-1].contour)])
 
 
@@ -123,19 +128,20 @@ class PricedStretches:
         """What the tables take."""
         return sum(stretch.nbytes for stretch in self.stretches)
 
-    def sweep(self, limit: int | None, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+    def sweep(self, limit: int | None, deadline: Deadline, threads: Executor) -> Incumbent | None:
         """The best route of all that cost no more than `limit`; None where there is none.
 
         Raises
         ------
         TooLarge
-            Over the budget.
+            Over the deadline.
         """
         assert limit is not None  # a plan is known
         swept: list[SweptPart] = []
-        ways, costs = np.array([HOME]), entrance_of([0], limit)
+        ways, costs, held = np.array([HOME]), entrance_of([0], limit), 0.0
         for here in self.stretches:
-            swept.append(here.swept(ways, costs, limit, budget, threads))
+            swept.append(here.swept(ways, costs, limit, deadline, threads, held))
+            held += bytes_of(swept[-1].layers)
             ways, costs = swept[-1].ends, swept[-1].costs
             if not (costs < never(limit)).any():
                 return None
@@ -153,7 +159,7 @@ class PricedStretches:
             raise TooLarge  # the tables do not say what plans cost: nothing is proven by them
         return Incumbent(tuple(route), cost)
 
-    def descend(self, known: int, budget: SweepBudget, threads: Executor) -> Incumbent | None:
+    def descend(self, known: int, deadline: Deadline, threads: Executor) -> Incumbent | None:
         """A route through one stretch after the other, each the best from where the last one ended by what is to come.
 
         None where it would cost more than a plan that is `known`.
@@ -161,7 +167,7 @@ class PricedStretches:
         Raises
         ------
         TooLarge
-            Over the budget.
+            Over the deadline.
         """
         route: list[int] = []
         way, cost = HOME, 0
@@ -171,8 +177,7 @@ class PricedStretches:
                 limit = cost + int(here.onward[np.searchsorted(here.ways, way)]) + room
                 if limit > known:
                     return None
-                once = replace(budget)  # nothing is kept of the layers
-                part = here.swept(np.array([way]), entrance_of([cost], limit), limit, once, threads)
+                part = here.swept(np.array([way]), entrance_of([cost], limit), limit, deadline, threads)
                 total = part.costs + self._onward(number, part.ends)
                 found = bool(total.min(initial=never(limit)) <= limit)
                 room = max(2 * room, int(ROOM * known), 1)

@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kerfwise.models.engines import bounds
-from kerfwise.models.engines.solution import Incumbent, Progress
-from kerfwise.models.jit import running_s
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 
-from .lattice import TABLE_BYTES, THREADS, Rests, SweepBudget, TooLarge, sweep_through
+from .lattice import THREADS, Rests, TooLarge, sweep_through, sweeping
 from .stretch import Local, RestBound, series
 from .stretch_bounds import (
     WIDER,
@@ -111,37 +111,22 @@ def _sizes(problem: Problem) -> list[tuple[int, int]]:
 def prove_priced(
     problem: Problem,
     incumbent: Incumbent,
-    work: float,
-    progress: Progress | None = None,
-    time_s: float | None = None,
-    most_bytes: float = TABLE_BYTES,
+    deadline: Deadline,
 ) -> Proof | None:
     """As `prove`, by linear programs of the stretches alone, of which one may be all there is; it must be `priceable`.
 
-    Parameters
-    ----------
-    incumbent
-        A lawful plan.
-    time_s
-        Wall-clock time, s, of which the programs take no more than their share.
+    `incumbent` is a lawful plan. Of the seconds, where they count, the programs take no more than their share.
     """
-
-    def go() -> bool:
-        return progress is None or progress("ideals", incumbent.cost, None)
-
     if incumbent.cost >= FAR:
         return None
-    return _Rounds(problem, incumbent.cost, work, go, most_bytes).priced(incumbent, (), PRICED_ALONE, time_s)
+    return _Rounds(problem, incumbent.cost, deadline).priced(incumbent, (), PRICED_ALONE)
 
 
 def prove(
     problem: Problem,
     incumbent: Incumbent | None,
-    work: float,
-    progress: Progress | None = None,
+    deadline: Deadline,
     stages: tuple[float, ...] = STAGES,
-    time_s: float | None = None,
-    most_bytes: float = TABLE_BYTES,
     earlier: tuple[StretchPrices, ...] = (),
 ) -> Proof | None:
     """Solve exactly, or say what is proven if the budget does not suffice; None if nothing is.
@@ -152,27 +137,18 @@ def prove(
         Anything; where a state cannot hold what is asked, the answer is None.
     incumbent
         Makes it faster, never different: no plan is looked for that costs more.
-    work
-        Deterministic limit, in seconds or so.
-    progress
-        Asked now and then whether to go on.
+    deadline
+        Of its bytes the tables take no more, those of the bound included.
     stages
-        Shares of the work for a bound by walks, which takes its time and drops far more states.
-    time_s
-        Wall-clock time, s, of which the bound takes no more than its share.
-    most_bytes
-        What the tables may take, those of the bound included.
+        Shares of the work, and of as many seconds where they count, for a bound by walks, which takes its time and
+        drops far more states.
     earlier
         Multipliers of the stretches of the same problem with fewer statements.
     """
     if unfit(problem):
         return None
-    known = incumbent.cost if incumbent else None
-
-    def go() -> bool:
-        return progress is None or progress("ideals", known, None)
-
-    rounds = _Rounds(problem, known, work, go, most_bytes)
+    known, work = incumbent.cost if incumbent else None, deadline.work
+    rounds = _Rounds(problem, known, deadline)
     apart = len(series(problem)) > 1
     if not stages or incumbent is None or known is None or (not apart and problem.m > MOST_SITES_BOUND):
         return rounds.sweep(None, work)
@@ -181,21 +157,16 @@ def prove(
         tried = share != stages[0] or earlier
         if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
             return found
-        until_s = np.inf if time_s is None else running_s() + share * time_s
-
-        def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
-            return go() and running_s() < until_s
-
         most = rounds.left if not programs and rounds.least <= 0 else inf  # with as much no sweep is left, and no bound
         try:
-            bound = bound_by_walks(problem, incumbent, share * work, pricing, most_bytes, most)
+            bound = bound_by_walks(problem, incumbent, deadline.within(share * work), most)
         except bounds.TooMuch:
             return None
         rounds.left -= bound.work
         more = programs and share == stages[0]  # linear programs come next
         last = share == stages[-1] or (bound.work <= AS_GOOD_AS_IT_GETS * share * work and not more)
         proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
-        if proof is not None or last or not go():
+        if proof is not None or last or not deadline.go():
             return proof or rounds.proven
         del bound  # the next has tables of its own
     return rounds.proven
@@ -204,12 +175,10 @@ def prove(
 def bound_by_walks(
     problem: Problem,
     incumbent: Incumbent,
-    work: float,
-    progress: Progress | None,
-    most_bytes: float,
+    deadline: Deadline,
     most: float = inf,
 ) -> Completion | Apart:
-    """Bounds of every stretch apart, or of the one that there is; `progress` is asked whether to go on.
+    """Bounds of every stretch apart, or of the one that there is.
 
     Raises
     ------
@@ -217,12 +186,12 @@ def bound_by_walks(
         If the least that they take is `most` deterministic seconds or more.
     """
     if len(series(problem)) > 1:
-        return Apart(look_ahead(problem, incumbent.route, work, progress, most_bytes, most), incumbent)
-    return bounds.complete(problem, float(incumbent.cost), work, progress, most_bytes=most_bytes, most=most)
+        return Apart(look_ahead(problem, incumbent.route, deadline, most), incumbent)
+    return bounds.complete(problem, float(incumbent.cost), deadline, most=most)
 
 
 def rests_of(
-    problem: Problem, bound: Completion | Apart | None, budget: SweepBudget, threads: Executor
+    problem: Problem, bound: Completion | Apart | None, deadline: Deadline, threads: Executor
 ) -> tuple[Rests, float]:
     """What a sweep needs of a bound by walks, or of none, and what plans cost at least; infinite where that is unknown.
 
@@ -232,7 +201,7 @@ def rests_of(
         Over the budget.
     """
     if isinstance(bound, Apart):
-        return bound.rests(problem, budget, threads)
+        return bound.rests(problem, deadline, threads)
     if bound is not None:
         return (lambda number, local, earlier: walked_rest(local, earlier, bound)), bound.root
     least = LeastIn(problem)
@@ -251,7 +220,7 @@ class Apart:
         """Deterministic seconds that they took."""
         return sum(stretch.bound.work for stretch in self.ahead)
 
-    def rests(self, problem: Problem, budget: SweepBudget, threads: Executor) -> tuple[Rests, float]:
+    def rests(self, problem: Problem, deadline: Deadline, threads: Executor) -> tuple[Rests, float]:
         """What a sweep of all stretches needs of them, sharpened by what they miss, and what plans cost at least.
 
         Raises
@@ -259,7 +228,7 @@ class Apart:
         TooLarge
             Over the budget.
         """
-        missed = missed_in(problem, self.ahead, self.plan.route, self.plan.cost, budget, threads)
+        missed = missed_in(problem, self.ahead, self.plan.route, self.plan.cost, deadline, threads)
 
         def rests(number: int, local: Local, earlier: frozenset[int]) -> Callable[[int], RestBound]:
             return self.ahead[number].rests(local, sum(missed[number + 1 :]))
@@ -269,31 +238,31 @@ class Apart:
 
 @dataclass(slots=True)
 class _Rounds:
-    """Sweeps of a problem, paid from `work` seconds of which `left` are left; all plans cost `least` or more."""
+    """Sweeps of a problem, paid from the deadline's work, of which `left` is left; all plans cost `least` or more."""
 
     problem: Problem
     known: int | None
-    work: float
-    go: Callable[[], bool]
-    most_bytes: float
+    deadline: Deadline
     left: float = field(init=False)
     least: int = 0
     better: Incumbent | None = None
 
     def __post_init__(self) -> None:
-        self.left = self.work
+        self.left = self.deadline.work
+        self.deadline.engine = "ideals"
+        self.deadline("ideals", self.known, None)
 
     @property
     def proven(self) -> Proof | None:
         """What is proven where no sweep came to its end."""
-        return Proof(None, self.work - self.left, self.least, better=self.better) if self.least > 0 else None
+        return Proof(None, self.deadline.work - self.left, self.least, better=self.better) if self.least > 0 else None
 
     def sweep(self, bound: Completion | Apart | None, most: float) -> Proof | None:
         """What sweeps of no more than so many seconds prove."""
 
-        def sweeps(budget: SweepBudget, threads: Executor) -> tuple[_Sweep, float]:
-            rests, least = rests_of(self.problem, bound, budget, threads)
-            return (lambda limit: sweep_through(self.problem, limit, rests, replace(budget), threads)), least
+        def sweeps(deadline: Deadline, threads: Executor) -> tuple[_Sweep, float]:
+            rests, least = rests_of(self.problem, bound, deadline, threads)
+            return (lambda limit: sweep_through(self.problem, limit, rests, deadline, threads)), least
 
         return self._rise(sweeps, held_by(bound), most)
 
@@ -302,50 +271,45 @@ class _Rounds:
         incumbent: Incumbent,
         earlier: tuple[StretchPrices, ...],
         part: float = PRICED,
-        time_s: float | None = None,
     ) -> Proof | None:
         """What sweeps prove by linear programs of all stretches, which take so much at the most; None for nothing."""
         from . import priced  # its programs take long to load
 
         share = part * self.left
-        until_s = inf if time_s is None else running_s() + part * time_s
-
-        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-            return self.go() and running_s() < until_s
-
         apart = len(series(self.problem)) > 1
         swept = BACKWARD * self.left if apart else 0.0
-        stretches = priced.price(self.problem, incumbent, share, going, self.most_bytes, earlier, swept)
+        within = self.deadline.within(part * self.deadline.work).counting(share)
+        stretches = priced.price(self.problem, incumbent, within, earlier, swept)
         if stretches is None:
             self.left -= share
             return self.proven
         self.left -= stretches.work
         self.least = max(self.least, int(stretches.root))
 
-        def sweeps(budget: SweepBudget, threads: Executor) -> tuple[_Sweep, float]:
-            found = stretches.descend(incumbent.cost, budget, threads) if apart else None
+        def sweeps(deadline: Deadline, threads: Executor) -> tuple[_Sweep, float]:
+            found = stretches.descend(incumbent.cost, deadline, threads) if apart else None
             self.better = incumbent if found is None or found.cost >= incumbent.cost else found
             self.known = self.better.cost
-            return (lambda limit: stretches.sweep(limit, replace(budget), threads)), stretches.root
+            return (lambda limit: stretches.sweep(limit, deadline, threads)), stretches.root
 
         proof = self._rise(sweeps, stretches.nbytes, self.left, None if apart else PRICED_WIDER) or self.proven
         return None if proof is None else replace(proof, priced=stretches.found)
 
     def _rise(
         self,
-        sweeps: Callable[[SweepBudget, Executor], tuple[_Sweep, float]],
+        sweeps: Callable[[Deadline, Executor], tuple[_Sweep, float]],
         held: int,
         most: float,
         wider: float | None = WIDER,
     ) -> Proof | None:
-        budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - held)
+        deadline = sweeping(self.deadline, max(0.0, most), held)
         best: Incumbent | None = None
         swept = False
         with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
-            sweep_to, least = sweeps(budget, threads)
+            sweep_to, least = sweeps(deadline, threads)
             if self.better is not None and self.better.cost <= least:
                 best = self.better
-            for limit in () if best is not None else self._limits(least, wider, budget):
+            for limit in () if best is not None else self._limits(least, wider, deadline):
                 if limit is not None and limit < self.least:
                     continue
                 best = sweep_to(limit)  # layers are kept for once
@@ -353,14 +317,14 @@ class _Rounds:
                     break
                 self.least = max(self.least, limit + 1)
             swept = True
-        self.left -= most - max(0.0, budget.work.left)
-        return Proof(best, self.work - self.left) if swept else None
+        self.left -= most - max(0.0, deadline.left)
+        return Proof(best, self.deadline.work - self.left) if swept else None
 
-    def _limits(self, least: float, wider: float | None, budget: SweepBudget) -> Iterator[int | None]:
+    def _limits(self, least: float, wider: float | None, deadline: Deadline) -> Iterator[int | None]:
         """Limits that rise, each so many times `wider`; None for such that each sweep will end."""
 
         def left() -> float:
-            return budget.work.left
+            return deadline.left
 
         if wider is None and self.known is not None:
             return limits_within_work(least, self.known, left)

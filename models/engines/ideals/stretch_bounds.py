@@ -14,11 +14,11 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines import bounds
-from kerfwise.models.engines.solution import Progress
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.problem.precedence import Followers
 from kerfwise.models.problem.problem import Problem
 
-from .lattice import SweepBudget, SweptStretch, TooLarge, sweep_layers
+from .lattice import SweptStretch, TooLarge, sweep_layers
 from .stretch import ConditionsByContour, Local, RestBound, chain_orders, localise, series
 from .stretch_tables import FAR, HOME, ends_of, entrance_of, make_moves, never, stretch_problem, travel_between
 
@@ -65,9 +65,7 @@ class Ahead:
 def look_ahead(
     problem: Problem,
     route: Sequence[int],
-    work: float,
-    progress: Progress | None,
-    most_bytes: float,
+    deadline: Deadline,
     most: float = inf,
 ) -> list[Ahead]:
     """What is ahead in every stretch of a problem, in their order.
@@ -84,7 +82,7 @@ def look_ahead(
     ends = [ends_of(problem, group) for group in groups]
     weight = np.array([float(len(of)) ** 2 * len(group) for of, group in zip(sites, groups, strict=True)])
     numbers = sum((len(group) + 1) * len(of) for of, group in zip(sites, groups, strict=True))
-    remembered = int(np.log2(max(1.0, SHARE * most_bytes / BYTES_A_NUMBER / max(1, numbers))))
+    remembered = int(np.log2(max(1.0, SHARE * deadline.most_bytes / BYTES_A_NUMBER / max(1, numbers))))
     until = np.cumsum([len(group) for group in groups]).tolist()
     found: list[Ahead] = []
     parts, shelf = ConditionsByContour(problem), Arena()
@@ -97,8 +95,8 @@ def look_ahead(
         own = list(route[until[k] - len(groups[k]) : until[k]])
         known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
         known += int(onward[ends[k][1] == own[-1]][0])
-        share = work * float(weight[k] / weight.sum())
-        bound = bounds.complete(apart, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes, most)
+        share = deadline.counting(deadline.work * float(weight[k] / weight.sum()))
+        bound = bounds.complete(apart, known, share, min(MOST_NEIGHBOURS, remembered), most)
         most -= bound.work
         kept = replace(bound, to_go=shelf.put(bound.to_go))
         found.append(Ahead(groups[k], sites[k], *ends[k], onward, kept))
@@ -129,7 +127,7 @@ SHARES = 0.25, 0.5, 0.75, 1.0
 
 
 def missed_in(
-    problem: Problem, ahead: Sequence[Ahead], route: Sequence[int], known: int, budget: SweepBudget, threads: Executor
+    problem: Problem, ahead: Sequence[Ahead], route: Sequence[int], known: int, deadline: Deadline, threads: Executor
 ) -> list[int]:
     """What every stretch costs more than its bound says, at least, µm: 0 for the first, which nothing comes before.
 
@@ -151,7 +149,7 @@ def missed_in(
         stays = localise(inside, tuple(order.tolist()), earlier)
         stays = replace(stays, orders=chain_orders(stays.orders))
         promised = int(before.onward[before.onward < FAR].max())
-        through = _Through(inside, before, here, earlier, promised, budget, threads)
+        through = _Through(inside, before, here, earlier, promised, deadline, threads)
         most = through.least(stays, _nothing(stays), promised + known)
         local = localise(inside, here.group, earlier)
         missed.append(max(0, through.rising(local, here.rests(local, 0), most) - promised))
@@ -163,13 +161,13 @@ class _Through:
 
     def __init__(
         self, problem: Problem, before: Ahead, here: Ahead, earlier: frozenset[int], promised: int,
-        budget: SweepBudget, threads: Executor,
+        deadline: Deadline, threads: Executor,
     ) -> None:  # fmt: skip
         passable = before.onward < FAR
         self._ways, self._entrance = before.out_of[passable], (promised - before.onward[passable]).tolist()
         self._promised = promised
         self._problem, self._here, self._earlier = problem, here, earlier
-        self._budget, self._threads = budget, threads
+        self._deadline, self._threads = deadline, threads
 
     def rising(self, local: Local, rests: Callable[[int], RestBound], most: int) -> int:
         """What the cheapest of them costs at least, `most` at the most: little more than promised is tried first.
@@ -187,8 +185,7 @@ class _Through:
                     return found
                 above = limit + 1
         except TooLarge:
-            self._budget.check()
-            if self._budget.work.left < 0:
+            if self._deadline.left < 0 or not self._deadline.go():
                 raise
         return above
 
@@ -196,8 +193,7 @@ class _Through:
         """What the cheapest of them costs, of those up to `limit`; more than that where there is none."""
         moves, over = make_moves(self._problem, local, self._earlier, self._ways, limit)
         stretch = SweptStretch(local, moves, over, rests, limit, never(limit))
-        budget = replace(self._budget)  # nothing is kept of the layers
-        end = sweep_layers(stretch, entrance_of(self._entrance, limit), budget, self._threads)[-1]
+        end = sweep_layers(stretch, entrance_of(self._entrance, limit), self._deadline, self._threads)[-1]
         at = np.searchsorted(self._here.out_of, local.sites_of(end.contour))
         whole = end.values + self._here.onward[at]
         return int(whole.min(initial=stretch.never))

@@ -12,7 +12,8 @@ from operator import methodcaller
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.engines.deadline import Deadline, Progress
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.jit import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -75,32 +76,29 @@ class Searcher:
         assert cost == route_cost(self._problem, found.route)
         return found
 
-    def run(self, work: float, time_s: float | None = None, progress: Progress | None = None) -> bool:
+    def run(self, deadline: Deadline) -> bool:
         """Anneal, from the routes it stands on, the longer the later; just once where there is little time.
 
         Parameters
         ----------
-        work
-            How long, in seconds of a machine like the one this was measured on, counted in each walker's operations.
-        time_s
-            Wall-clock limit, s; the cooling then follows whichever of the two runs out first.
-        progress
-            Asked now and then; the search stops when it answers False.
+        deadline
+            Its work is counted in each walker's operations; the cooling follows whichever of work and seconds runs out
+            first. Asked now and then whether to go on.
 
         Returns
         -------
         bool
-            False if it was asked to stop, by `progress` or by an interrupt from the keyboard.
+            False if it was asked to stop, by the deadline or by an interrupt from the keyboard.
         """
         if self._problem.n == 0:
             return True
         try:
             with ThreadPoolExecutor(WALKERS) as pool:
-                return self._run(pool, max(1, int(work * WORK_PER_S)), time_s, progress)
+                return self._run(pool, max(1, int(deadline.work * WORK_PER_S)), deadline.time_s, deadline)
         except KeyboardInterrupt:
             return False
 
-    def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
+    def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress) -> bool:
         """See `run`; `budget` is in operations."""
         if self._regions is None:
             return self._by_annealing(pool, budget, time_s, progress)
@@ -117,16 +115,14 @@ class Searcher:
         self._longest = max(self._longest, whole)
         return self._by_regions(self._regions, pool, budget - whole, ends_s, progress)
 
-    def _by_regions(
-        self, regions: Regions, pool: Executor, budget: int, ends_s: float, progress: Progress | None
-    ) -> bool:
+    def _by_regions(self, regions: Regions, pool: Executor, budget: int, ends_s: float, progress: Progress) -> bool:
         """Improve the best route region by region until `ends_s`, by `running_s`; answers as `run` does."""
         spent, best = 0, self.best
         if best is None:
             return True
         route = np.array(best.route, dtype=np.int64)
         while spent + REGIONS <= budget and running_s() < ends_s:
-            if progress is not None and not progress("search", self._best_cost(), None):
+            if not progress("search", self._best_cost(), None):
                 return False
             better, work = regions.step(pool, route, REGIONS, budget - spent, ends_s)
             spent += work
@@ -135,7 +131,7 @@ class Searcher:
                 self._walkers[0].stand_on(route)
         return True
 
-    def _by_annealing(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
+    def _by_annealing(self, pool: Executor, budget: int, time_s: float | None, progress: Progress) -> bool:
         """Anneal the whole route; answers as `run` does."""
         started_s, spent = running_s(), 0
         likely = _likely(budget, time_s)
@@ -146,7 +142,7 @@ class Searcher:
                 return False
             spent = self._walkers[0].work
         while spent < budget:
-            if progress is not None and not progress("search", self._best_cost(), None):
+            if not progress("search", self._best_cost(), None):
                 return False
             pace = 1 / likely  # share of the whole that an operation takes
             if time_s is not None and spent > 0:
@@ -168,12 +164,12 @@ class Searcher:
         heats = [self._heat * part.heat(k) for k in range(WALKERS)]
         list(pool.map(lambda walker, heat: walker.anneal(chunk, part, heat), self._walkers, heats))
 
-    def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress | None) -> bool:
+    def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress) -> bool:
         """First routes, improved without going uphill; answers as `run` does."""
         list(pool.map(methodcaller("start"), self._walkers))
         left = min(most, FIRST_DESCENT * self._problem.n)
         while left > 0 and (end_s is None or running_s() < end_s):
-            if progress is not None and not progress("search", self._best_cost(), None):
+            if not progress("search", self._best_cost(), None):
                 return False
             list(pool.map(methodcaller("descend", min(CHUNK, left)), self._walkers))
             left -= CHUNK

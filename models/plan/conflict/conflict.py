@@ -14,8 +14,9 @@ from ortools.sat.python.cp_model import OPTIMAL, CpModel
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.text import join_names
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import Budget, SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.problem.compile import make_problem
@@ -113,24 +114,24 @@ class Conflict:
             yield f"  relax {rule}: {count}" + (f" about {join_names(names, MOST_NAMED)}" if names else "")
 
 
-def find_conflict(facts: Facts, profile: Profile, budget: Budget | None = None) -> Conflict | None:
+def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = None) -> Conflict | None:
     """Why no plan of this nest can hold every hard rule of the profile; None if no contradiction is shown.
 
     Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
-    seconds included, by the engines. No more is spent than the budget holds: what is told then was shown before.
+    seconds included, by the engines. No more is spent than the deadline allows: what is told then was shown before.
 
     Raises
     ------
     NotAnswered
         If it was not shown whether there is a contradiction.
     """
-    budget = budget or Budget(DEFAULT_WORK)
+    deadline = deadline or Deadline(DEFAULT_WORK)
     statements, _ = every_statement(facts, profile)
-    finder = _Finder(facts, profile, budget)
+    finder = _Finder(facts, profile, deadline)
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
         return Conflict(alone, True, relax, stuck, (), alone=True, compared=finder.compared)
-    core = finder.core(hard_groups(_asked(facts, profile, statements)), budget.part(CORE))
+    core = finder.core(hard_groups(_asked(facts, profile, statements)), deadline.part(CORE))
     if core is None:
         return None
     clash = tuple(group.about for group in core.groups)
@@ -141,7 +142,7 @@ def find_conflict(facts: Facts, profile: Profile, budget: Budget | None = None) 
     return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
 
 
-def state_relaxed(facts: Facts, profile: Profile, *, budget: Budget | None = None) -> Stated:
+def state_relaxed(facts: Facts, profile: Profile, *, deadline: Deadline | None = None) -> Stated:
     """As `state_rules`, but where hard rules contradict each other the cheapest way out is taken.
 
     What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
@@ -155,7 +156,8 @@ def state_relaxed(facts: Facts, profile: Profile, *, budget: Budget | None = Non
         If nothing that may give way helps, or nothing was found within the work allowed.
     """
     statements, exempt = every_statement(facts, profile)
-    out = _way_out(facts, profile, statements, _Finder(facts, profile, budget or Budget(DEFAULT_WORK), trusting=True))
+    finder = _Finder(facts, profile, deadline or Deadline(DEFAULT_WORK), trusting=True)
+    out = _way_out(facts, profile, statements, finder)
     relaxed = set(out)
     never_met = set(hopeless(statements))
     left = [s for s in soften(statements, relaxed) if s.about not in never_met]  # they would only add to every cost
@@ -166,19 +168,19 @@ def state_relaxed(facts: Facts, profile: Profile, *, budget: Budget | None = Non
 
 
 class _Finder:
-    """Finds contradictions, with so much work of the engines in all, and no more than the budget holds.
+    """Finds contradictions, with so much work of the engines in all, and no more than the deadline allows.
 
     With `trusting`, what the engines show nothing of counts as none: whoever solves will see. `compared` says whether
     plans were made for every way out that is as short as the one found.
     """
 
-    def __init__(self, facts: Facts, profile: Profile, budget: Budget, trusting: bool = False) -> None:
-        self.facts, self.gives_way, self.trusting, self.budget = facts, _gives_way(profile), trusting, budget
-        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), budget=budget)
+    def __init__(self, facts: Facts, profile: Profile, deadline: Deadline, trusting: bool = False) -> None:
+        self.facts, self.gives_way, self.trusting, self.deadline = facts, _gives_way(profile), trusting, deadline
+        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), deadline=deadline)
         self.compared = True
 
-    def core(self, groups: Sequence[Group], part: Budget | None = None) -> Core | None:
-        """A contradiction, on order and entries alone where there is one, within a part of the budget.
+    def core(self, groups: Sequence[Group], part: Deadline | None = None) -> Core | None:
+        """A contradiction, on order and entries alone where there is one, within a part of the deadline.
 
         Raises
         ------
@@ -187,10 +189,10 @@ class _Finder:
         """
         left = part.left if part else 0.0
         try:
-            found = find_core(self.facts, order_groups(groups), self.gives_way, part or self.budget)
+            found = find_core(self.facts, order_groups(groups), self.gives_way, part or self.deadline)
         finally:
             if part is not None:
-                self.budget.spend(left - part.left)
+                self.deadline.spend(left - part.left)
         if found is not None or not moves_or_seconds(groups):
             return found
         try:
@@ -220,12 +222,12 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     clashes: list[frozenset[About]] = []
     more = 0
     while True:
-        began = finder.budget.left
+        began = finder.deadline.left
         left = soften(statements, out)
         try:
             groups = hard_groups(_asked(facts, profile, left))
             known = opposites(orders_of(facts, groups))
-            found = find_relaxation(groups, book, finder.core, finder.budget, known)
+            found = find_relaxation(groups, book, finder.core, finder.deadline, known)
         except NotAnswered:
             if finder.trusting and more:  # what was found so far may do, or nothing was left to ask
                 return tuple(out)
@@ -234,7 +236,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
             raise RulesConflict(NO_HELP)
         if not found.groups:
             first = out[: len(out) - more]
-            if finder.budget.timed and finder.budget.left < PLANS * (began - finder.budget.left):
+            if finder.deadline.timed and finder.deadline.left < PLANS * (began - finder.deadline.left):
                 finder.compared = not more
                 return tuple(out)
             left = soften(statements, first)
@@ -301,7 +303,7 @@ def find_relaxation(
     groups: Sequence[Group],
     book: Mapping[str, Rule[Any]],
     core_of: Callable[[Sequence[Group]], Core | None],
-    budget: Budget | None = None,
+    deadline: Deadline | None = None,
     known: Iterable[Sequence[int]] = (),
 ) -> Relaxation | None:
     """The fewest groups without which the others can hold; None if no rule that may be soft helps.
@@ -317,14 +319,14 @@ def find_relaxation(
     NotAnswered
         If no answer was found within the work, or the time, allowed.
     """
-    budget = budget or Budget(DEFAULT_WORK)
+    deadline = deadline or Deadline(DEFAULT_WORK)
     weights = _weights(groups, book)
     clashes = [[k for k in clash if weights[k] is not None] for clash in known]
     if not all(clashes):
         return None
     asked = 0.0
     while True:
-        out = _lightest(clashes, weights, budget)
+        out = _lightest(clashes, weights, deadline)
         left = [k for k in range(len(groups)) if k not in out]
         whole = True
         if asked > MOST_ASKED:
@@ -334,7 +336,7 @@ def find_relaxation(
             soft = [k for k in left if groups[k].about in named and weights[k] is not None]
             if not soft:
                 return None
-            if budget.timed and budget.left <= 0:
+            if deadline.timed and deadline.left <= 0:
                 raise NotAnswered  # a contradiction that is shown without a solver takes time as well
             clashes.append(soft)
             asked += len(groups) * (SOON if core.soon else 1.0)
@@ -350,16 +352,16 @@ def may_give_way(rule: Rule[Any]) -> bool:
     return not rule.of_fallen_metal and ("soft" in rule.strengths or rule.relaxable)
 
 
-def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], budget: Budget) -> set[int]:
+def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], deadline: Deadline) -> set[int]:
     """The groups of least total weight that hit every clash."""
     model = CpModel()
     taken = {k: model.new_bool_var("") for clash in clashes for k in clash}
     for clash in clashes:
         model.add_bool_or(taken[k] for k in clash)
     model.minimize(sum((weights[k] or 0) * literal for k, literal in taken.items()))
-    solver = solver_within(budget, WORK)
+    solver = solver_within(deadline, WORK)
     status = solver.solve(model)
-    budget.spend(solver.response_proto.deterministic_time)
+    deadline.spend(solver.response_proto.deterministic_time)
     if status != OPTIMAL:
         raise NotAnswered
     return {k for k, literal in taken.items() if solver.boolean_value(literal)}
@@ -412,11 +414,11 @@ def cheapest(
     sets = [given for given in ways if set(given) != set(found)]
     if not sets or engines.facts.n > MOST_CONTOURS:
         return tuple(found), whole and not sets
-    budget, began = engines.budget, engines.budget.left
+    deadline, began = engines.deadline, engines.deadline.left
     best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
-    took = began - budget.left
+    took = began - deadline.left
     for given in sets:
-        if budget.left <= 0 or (budget.timed and budget.left < took):
+        if deadline.left <= 0 or (deadline.timed and deadline.left < took):
             return best, False
         other, problem = _cost(engines, statements, given, gives_way, first)
         alike = first is None or problem is None or first.left_out == problem.left_out
@@ -453,13 +455,13 @@ def _cost(
 ) -> tuple[int | None, Problem | None]:
     """The cost of the best plan that was found once these have given way, µm, and the problem that it solves.
 
-    With a budget that counts seconds no plan takes much more than its share of them: moves over parts that are out have
-    no price where looking at them takes longer, or had none in an `earlier` problem.
+    Where seconds count no plan takes much more than its share: moves over parts that are out have no price where
+    looking at them takes longer, or had none in an `earlier` problem.
     """
-    budget = engines.budget
-    work = min(CHEAPEST_WORK, 0.5 * max(budget.left, 0.0))
-    most_s = min(CHEAPEST_WORK, SHARE * max(budget.left, 0.0))
-    until = budget.left - MOVES * most_s
+    deadline = engines.deadline
+    work = min(CHEAPEST_WORK, 0.5 * max(deadline.left, 0.0))
+    most_s = min(CHEAPEST_WORK, SHARE * max(deadline.left, 0.0))
+    until = deadline.left - MOVES * most_s
     try:
         stated = resolve(soften(statements, given), engines.facts.n, gives_way).statements
         problem = make_problem(
@@ -468,11 +470,11 @@ def _cost(
             engines.home_mm,
             engines.feeds,
             earlier,
-            lambda share: not budget.timed or budget.left > until,
+            lambda share: not deadline.timed or deadline.left > until,
         )
     except RulesConflict:
         return None, None
-    options = SolveOptions(work=work, time_s=most_s if budget.timed else None)
-    known = run_portfolio(simplify(problem), options, Watch(options))
-    budget.spend(known.work)
+    options = SolveOptions(work=work, time_s=most_s if deadline.timed else None)
+    known = run_portfolio(simplify(problem), options)
+    deadline.spend(known.work)
     return None if known.incumbent is None else known.incumbent.cost, problem

@@ -12,8 +12,9 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.graphs import Link
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import Budget, SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.simplify import simplify
@@ -56,7 +57,7 @@ class Core:
 
 
 def find_core(
-    facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int], budget: Budget | None = None
+    facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int], deadline: Deadline | None = None
 ) -> Core | None:
     """A minimal contradiction among the groups; None if there is none.
 
@@ -70,16 +71,16 @@ def find_core(
     NotAnswered
         If it was not shown whether all can hold.
     """
-    budget = budget or Budget(DEFAULT_WORK)
+    deadline = deadline or Deadline(DEFAULT_WORK)
     said = orders_of(facts, groups)
     if of_orders := clash_of_orders(facts.n, groups, said, gives_way):
-        return _firmest(facts, groups, _of_orders(facts, groups, of_orders, budget), gives_way, budget)
+        return _firmest(facts, groups, _of_orders(facts, groups, of_orders, deadline), gives_way, deadline)
     if whole_order(facts, groups, said) is not None:
         return None
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
-    if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], budget):
-        return _firmest(facts, groups, in_order(groups, *locked, soon=True), gives_way, budget)
-    at_once = partial(clash_at_once, facts, budget=budget)
+    if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], deadline):
+        return _firmest(facts, groups, in_order(groups, *locked, soon=True), gives_way, deadline)
+    at_once = partial(clash_at_once, facts, deadline=deadline)
     try:
         if at_once(ranked) is None:
             return None
@@ -89,50 +90,52 @@ def find_core(
         shown = True
         ranked, _ = shrink(drop_unneeded_rules(ranked, gives_way, at_once), at_once)
     try:
-        left = clash(facts, ranked, budget)
+        left = clash(facts, ranked, deadline)
     except NotAnswered:
         if not shown:
             raise
         return in_order(groups, ranked, minimal=False)
     if left is None:
         return None
-    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts, budget=budget))
+    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts, deadline=deadline))
     return in_order(groups, core, minimal)
 
 
-def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], budget: Budget) -> Core:
+def _of_orders(facts: Facts, groups: Sequence[Group], clashing: list[Group], deadline: Deadline) -> Core:
     """The core among groups whose orders clash, none of which the orders can do without."""
     minimal = True
     if not is_exact(orders_of(facts, clashing)):
-        clashing, minimal = shrink(clashing, partial(clash, facts, budget=budget))
+        clashing, minimal = shrink(clashing, partial(clash, facts, deadline=deadline))
     return in_order(groups, clashing, minimal, soon=True)
 
 
-def _firmest(facts: Facts, groups: Sequence[Group], core: Core, gives_way: Mapping[str, int], budget: Budget) -> Core:
+def _firmest(
+    facts: Facts, groups: Sequence[Group], core: Core, gives_way: Mapping[str, int], deadline: Deadline
+) -> Core:
     """The core, or one without what gives way first in it, where little work shows one that is minimal."""
     most = max(gives_way.get(group.about.rule, 0) for group in core.groups)
-    had = budget.left
+    had = deadline.left
     if not most or had <= 0:
         return core
     firmer = [group for group in groups if gives_way.get(group.about.rule, 0) < most]
-    part = budget.part(min(1.0, FIRM / had))
+    part = deadline.part(min(1.0, FIRM / had))
     left = part.left
     try:
         found = find_core(facts, firmer, gives_way, part)
     except NotAnswered:
         return core
     finally:
-        budget.spend(left - part.left)
+        deadline.spend(left - part.left)
     return found if found is not None and found.minimal else core
 
 
-def _among(facts: Facts, suspected: list[Group], budget: Budget) -> tuple[list[Group], bool] | None:
+def _among(facts: Facts, suspected: list[Group], deadline: Deadline) -> tuple[list[Group], bool] | None:
     """A contradiction among a few groups, and whether it is minimal; None where none is shown."""
     try:
-        left = clash(facts, suspected, budget)
+        left = clash(facts, suspected, deadline)
     except NotAnswered:
         return None
-    return None if left is None else shrink([suspected[k] for k in left], partial(clash, facts, budget=budget))
+    return None if left is None else shrink([suspected[k] for k in left], partial(clash, facts, deadline=deadline))
 
 
 def in_order(groups: Sequence[Group], core: Sequence[Group], minimal: bool, soon: bool = False) -> Core:
@@ -152,13 +155,13 @@ ALL_QUESTIONS = 45.0
 
 
 class Engines:
-    """What the engines answer, as long as their work and the budget last."""
+    """What the engines answer, as long as their work and the deadline last."""
 
     def __init__(
-        self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS, budget: Budget | None = None
+        self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS, deadline: Deadline | None = None
     ) -> None:
         self.facts, self.home_mm, self.feeds, self.left = facts, home_mm, feeds, work
-        self.budget = budget or Budget(DEFAULT_WORK)
+        self.deadline = deadline or Deadline(DEFAULT_WORK)
 
     def clash(self, groups: Sequence[Group]) -> list[int] | None:
         """All the groups by number if they cannot all hold, None if they can.
@@ -168,17 +171,17 @@ class Engines:
         NotAnswered
             If neither was shown, or all work is done.
         """
-        if self.left <= 0 or self.budget.left <= 0:
+        if self.left <= 0 or self.deadline.left <= 0:
             raise NotAnswered
         statements = tuple(s for group in groups for s in group.statements)
         try:
             problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds, going=self._going))
         except RulesConflict:
             return list(range(len(groups)))
-        options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.budget.left) if self.budget.timed else None)
-        known = run_portfolio(problem, options, Watch(options, lambda engine, cost_um, bound_um: cost_um is None))
+        options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.deadline.left) if self.deadline.timed else None)
+        known = run_portfolio(problem, options, lambda engine, cost_um, bound_um: cost_um is None)
         self.left -= known.work
-        self.budget.spend(known.work)
+        self.deadline.spend(known.work)
         if known.incumbent is not None:
             return None
         if not known.infeasible:
@@ -187,7 +190,7 @@ class Engines:
 
     def _going(self, share: float) -> bool:
         """Asked while moves are looked at, as many as there are; there is no answer once nothing is left."""
-        if self.budget.timed and self.budget.left <= 0:
+        if self.deadline.timed and self.deadline.left <= 0:
             raise NotAnswered
         return True
 

@@ -9,7 +9,7 @@ from typing import assert_never
 from ortools.sat.python.cp_model import CpSolver
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.engines.solution import Budget
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import (
     About,
@@ -107,7 +107,7 @@ def _about(facts: Facts, group: Group, contour_of: Sequence[int]) -> set[int]:
     return contours_of(group, contour_of)
 
 
-# CP-SAT as the look for contradictions asks it: small questions, out of one budget for all of them.
+# CP-SAT as the look for contradictions asks it: small questions, under one deadline for all of them.
 
 DEFAULT_WORK = 200.0
 """Work for all of them, where nobody says how much."""
@@ -119,7 +119,7 @@ class NotAnswered(Exception):
     """The question was too hard for the work allowed."""
 
 
-def solver_within(budget: Budget, most: float) -> CpSolver:
+def solver_within(deadline: Deadline, most: float) -> CpSolver:
     """A solver that stops when `most` work, or what is left, is done.
 
     Raises
@@ -127,13 +127,13 @@ def solver_within(budget: Budget, most: float) -> CpSolver:
     NotAnswered
         If nothing is left.
     """
-    if budget.left <= 0:
+    if deadline.left <= 0:
         raise NotAnswered
     solver = quiet_solver(most)
-    if budget.timed:
-        solver.parameters.max_time_in_seconds = budget.left
+    if deadline.timed:
+        solver.parameters.max_time_in_seconds = deadline.left
     else:
-        solver.parameters.max_deterministic_time = min(most, budget.left)
+        solver.parameters.max_deterministic_time = min(most, deadline.left)
     return solver
 
 

@@ -24,7 +24,7 @@ from ortools.sat.python.cp_model import (
 )
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.engines.solution import Budget
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.rules.statements import (
     AtLeast,
     Before,
@@ -198,21 +198,21 @@ def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
             assert_never(statement)
 
 
-def clash(facts: Facts, groups: Sequence[Group], budget: Budget) -> list[int] | None:
+def clash(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> list[int] | None:
     """Numbers of groups that cannot all hold, not yet the fewest; None if all can.
 
     Raises
     ------
     NotAnswered
-        If neither was shown within `WORK`, or nothing is left in the budget.
+        If neither was shown within `WORK`, or the deadline is reached.
     """
     if not groups:
         return None
-    built = _built(facts, groups, budget)
+    built = _built(facts, groups, deadline)
     built.model.add_assumptions(built.holds)
-    solver = solver_within(budget, WORK)
+    solver = solver_within(deadline, WORK)
     status = solver.solve(built.model)
-    budget.spend(solver.response_proto.deterministic_time)
+    deadline.spend(solver.response_proto.deterministic_time)
     if status in (OPTIMAL, FEASIBLE):
         return None
     if status != INFEASIBLE:
@@ -221,7 +221,7 @@ def clash(facts: Facts, groups: Sequence[Group], budget: Budget) -> list[int] | 
     return [k for k, holds in enumerate(built.holds) if holds.index in named]
 
 
-def clash_at_once(facts: Facts, groups: Sequence[Group], budget: Budget) -> list[int] | None:
+def clash_at_once(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> list[int] | None:
     """All the groups by number if they cannot all hold, None if they can, where it takes next to nothing to see which.
 
     With every group fixed, presolve sees most contradictions, which is much faster than asking which groups they need.
@@ -230,27 +230,27 @@ def clash_at_once(facts: Facts, groups: Sequence[Group], budget: Budget) -> list
     Raises
     ------
     NotAnswered
-        If neither is seen at once, or nothing is left in the budget.
+        If neither is seen at once, or the deadline is reached.
     """
     if not groups:
         return None
     for presolve in (False, True):
-        answer = _answer(facts, groups, budget, presolve)
+        answer = _answer(facts, groups, deadline, presolve)
         if answer != UNKNOWN:
             return list(range(len(groups))) if answer == INFEASIBLE else None
     raise NotAnswered
 
 
-def _answer(facts: Facts, groups: Sequence[Group], budget: Budget, presolve: bool) -> CpSolverStatus:
+def _answer(facts: Facts, groups: Sequence[Group], deadline: Deadline, presolve: bool) -> CpSolverStatus:
     """Whether all can hold, as far as next to no work tells."""
-    built = _built(facts, groups, budget)
+    built = _built(facts, groups, deadline)
     for holds in built.holds:
         built.model.add(holds == 1)
     _hint(built, groups)
-    solver = solver_within(budget, QUICK)
+    solver = solver_within(deadline, QUICK)
     solver.parameters.cp_model_presolve = presolve
     status = solver.solve(built.model)
-    budget.spend(solver.response_proto.deterministic_time)
+    deadline.spend(solver.response_proto.deterministic_time)
     return status
 
 
@@ -275,9 +275,9 @@ def _hint(built: OrderModel, groups: Sequence[Group]) -> None:
             built.model.add_hint(position, places[number[contour]])
 
 
-def _built(facts: Facts, groups: Sequence[Group], budget: Budget) -> OrderModel:
+def _built(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> OrderModel:
     """The model, as long as anything is left to ask it with."""
-    if budget.left <= 0:
+    if deadline.left <= 0:
         raise NotAnswered
-    budget.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
+    deadline.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
     return build_order_model(facts, groups)

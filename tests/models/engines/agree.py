@@ -7,6 +7,7 @@ from math import factorial, prod
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.cpsat import solve_cpsat
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.minizinc_engine import solve_minizinc
@@ -55,7 +56,7 @@ def optima(problem: Problem) -> dict[str, int | None]:
     """Engine → the least cost, µm, as it proves it; None where it says that there is no plan."""
     found: dict[str, int | None] = {}
     if applies(problem):
-        proof = prove(problem, None, work=10)
+        proof = prove(problem, None, Deadline(10))
         if proof is not None:
             found["ideals"] = None if proof.incumbent is None else proof.incumbent.cost
     else:

@@ -12,9 +12,10 @@ from typing import Any
 import pytest
 
 from kerfwise.models.engines import Member, bounds, cpsat, ideals, shared_state
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
-from kerfwise.models.engines.solution import Incumbent, SolveOptions, Watch
+from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import AtLeast, Lag, Pick
@@ -25,7 +26,7 @@ from kerfwise.tests.tools.amount import few
 
 def found(given: Problem, member: Member | None = None, work: float = 0.5) -> SharedState:
     options = SolveOptions(work=work, member=member)
-    return run_portfolio(given, options, Watch(options))
+    return run_portfolio(given, options)
 
 
 @pytest.mark.slow
@@ -129,7 +130,7 @@ def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
     best = found(six)
     assert best.incumbent is not None
     options = SolveOptions(work=1e-6, member="search")
-    again = run_portfolio(six, options, Watch(options), best.incumbent.route, best)
+    again = run_portfolio(six, options, start=best.incumbent.route, earlier=best)
     assert again.incumbent == best.incumbent
     assert again.proven
     assert (again.bound_um, again.proved_by) == (best.bound_um, best.proved_by)
@@ -143,8 +144,8 @@ def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> Non
     for module, name in ((bounds, "flow_bound"), (cpsat, "solve_cpsat")):
         monkeypatch.setattr(module, name, lambda *given, name=name: set_out.append(name))
     limits = SolveOptions(time_s=5.0)
-    watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
-    assert run_portfolio(given, limits, watch).incumbent is not None
+    whole = Deadline.of(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
+    assert run_portfolio(given, limits, whole).incumbent is not None
     assert set_out == []
 
 
@@ -152,9 +153,9 @@ def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_with_little_memory_other_members_take_over() -> None:
     given = scattered(1, contours=9, sites=2)
     plenty, scarce = (SolveOptions(work=2.0, memory_gb=gb) for gb in (2.0, 1e-6))
-    proven = run_portfolio(given, plenty, Watch(plenty))
+    proven = run_portfolio(given, plenty)
     assert proven.proved_by == "ideals"
-    found = run_portfolio(given, scarce, Watch(scarce))
+    found = run_portfolio(given, scarce)
     assert found.incumbent is not None
     assert proven.incumbent is not None
     assert found.incumbent.cost == proven.incumbent.cost
@@ -205,10 +206,10 @@ def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(
 
 def test_what_a_bound_has_reached_in_another_thread_is_told_with_the_next_news() -> None:
     told = []
-    watch = Watch(SolveOptions(), lambda engine, cost, bound: told.append((engine, cost, bound)) is None)
-    watch.overhear(70)
-    watch.overhear(60)
-    assert watch("search", 100, None)
+    deadline = Deadline.of(SolveOptions(), lambda engine, cost, bound: told.append((engine, cost, bound)) is None)
+    deadline.overhear(70)
+    deadline.overhear(60)
+    assert deadline("search", 100, None)
     assert told == [("search", 100, 70)]
 
 
@@ -236,7 +237,7 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
     for entries in (0.0, inf):
         monkeypatch.setattr(shared_state, "PREVIEW_AFTER_ENTRIES", entries)
         told.clear()
-        known = run_portfolio(many, options, Watch(options, listen))
+        known = run_portfolio(many, options, listen)
         assert known.incumbent is not None
         assert told == sorted(told, reverse=True)
         plans.append((known.incumbent, known.bound_um, known.work, known.notes))

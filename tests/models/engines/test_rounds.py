@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import pytest
@@ -10,8 +9,8 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.models.engines import portfolio, solve
-from kerfwise.models.engines.solution import Solution, SolveOptions, Watch
+from kerfwise.models.engines import deadline, portfolio, solve
+from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.problem import compile as compile_
 from kerfwise.models.problem.precedence import close
 from kerfwise.rules.case import nest, part, rect
@@ -47,7 +46,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> Any:
     def run(
         geometry: Geometry, time_s: float | None = None, look_s: float = 0.0, options: SolveOptions | None = None
     ) -> Solution:
-        monkeypatch.setattr(solve, "Watch", partial(Watch, clock=geometry.clock))
+        monkeypatch.setattr(deadline, "running_s", geometry.clock)
         options = options or SolveOptions(time_s=time_s)
         return solve.solve(asked.facts, asked.stated.statements, options, None, geometry, look_s)
 

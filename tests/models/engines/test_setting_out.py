@@ -10,7 +10,7 @@ import pytest
 from kerfwise.models.engines import cpsat, solution
 from kerfwise.models.engines.ideals import Count
 from kerfwise.models.engines.portfolio import Run, run_portfolio, swept_at_once
-from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.tests.models.problems import scattered
 
@@ -31,7 +31,7 @@ def _never_begun(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_cp_sat_is_not_begun_with_less_than_its_model_takes() -> None:
     many = scattered(1, contours=45, sites=1)
     options = SolveOptions(work=0.2)
-    known = run_portfolio(many, options, Watch(options))
+    known = run_portfolio(many, options)
     assert known.incumbent is not None
     assert "cp-sat: not begun, its tables alone take longer than what is left for it" in known.notes
 
@@ -41,13 +41,13 @@ def test_cp_sat_is_begun_with_more_than_its_model_takes(monkeypatch: pytest.Monk
     monkeypatch.setattr(solution, "cpsat_s", lambda _: 0.0)
     options = SolveOptions(work=0.2)
     with pytest.raises(_Begun):
-        run_portfolio(scattered(1, contours=45, sites=1), options, Watch(options))
+        run_portfolio(scattered(1, contours=45, sites=1), options)
 
 
 def test_cp_sat_that_was_asked_for_is_begun_with_any_work() -> None:
     options = SolveOptions(work=0.001, member="cp-sat")
     with pytest.raises(_Begun):
-        run_portfolio(scattered(1, contours=45, sites=1), options, Watch(options))
+        run_portfolio(scattered(1, contours=45, sites=1), options)
 
 
 def test_what_it_takes_grows_with_what_is_made() -> None:
@@ -62,6 +62,6 @@ def test_what_it_takes_grows_with_what_is_made() -> None:
 def test_a_sweep_of_many_contours_may_take_longer_before_any_search(
     longest: int, entries: float, at_once: bool
 ) -> None:
-    run = Run(scattered(1, contours=8, sites=1), SolveOptions(work=30.0), Watch(SolveOptions()))
+    run = Run(scattered(1, contours=8, sites=1), SolveOptions(work=30.0))
     run.count = Count(1, longest, 10**6, int(entries), 10**6, 0.0, True)
     assert swept_at_once(run) == at_once

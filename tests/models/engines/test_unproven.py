@@ -18,7 +18,7 @@ from kerfwise.models.engines import Member
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
-from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -65,7 +65,7 @@ SLACK: tuple[tuple[Callable[[int, int], Problem], int, int, float], ...] = (
 
 def found(given: Problem, member: Member | None, work: float) -> SharedState:
     options = SolveOptions(work=work, member=member)
-    return run_portfolio(given, options, Watch(options))
+    return run_portfolio(given, options)
 
 
 def holds(given: Problem, known: SharedState) -> bool:

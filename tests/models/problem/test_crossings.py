@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from itertools import count
 
 import numpy as np
@@ -11,8 +10,8 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines import solve
-from kerfwise.models.engines.solution import SolveOptions, Watch
+from kerfwise.models.engines import deadline
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.solve import solve as solve_rounds
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.make_plan import make_plan
@@ -131,7 +130,7 @@ def test_the_clock_counts_under_a_limit_in_seconds_alone(
 ) -> None:
     ticks = count()
     monkeypatch.setattr(crossings, "GROUPS_AT_ONCE", 1)
-    monkeypatch.setattr(solve, "Watch", partial(Watch, clock=lambda: float(next(ticks))))
+    monkeypatch.setattr(deadline, "running_s", lambda: float(next(ticks)))
     profile = with_tips("soft")
     asked = make_request(facts_of(ROW, profile), profile)
     options = SolveOptions(work=1.0, time_s=time_s, feeds=feeds_of(profile))

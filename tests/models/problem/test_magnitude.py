@@ -11,8 +11,8 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.engines.cpsat import solve_cpsat
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import MOST_COUNTED, MOST_UM, check_magnitude, dearest_um, make_problem
 from kerfwise.models.problem.evaluate import route_cost
@@ -55,9 +55,9 @@ def test_the_rule_whose_weight_is_too_much_is_named(tmp_path: Path) -> None:
 )
 def test_the_largest_costs_are_added_up_alike_by_every_engine(tmp_path: Path, text: str) -> None:
     problem = posed(tmp_path, text)
-    proof = prove(problem, None, 30.0)
+    proof = prove(problem, None, Deadline(30.0))
     assert proof is not None
-    answer = solve_cpsat(problem, SolveOptions(1, 30.0, None, (0.0, 0.0)), None)
+    answer = solve_cpsat(problem, Deadline(30.0), None)
     assert answer.incumbent is not None
     assert answer.incumbent.cost == proof.incumbent.cost == route_cost(problem, proof.incumbent.route)
     assert proof.incumbent.cost <= sum(dearest_um(problem).values()) <= MOST_UM
@@ -86,7 +86,7 @@ def test_large_weights_that_can_be_counted_are_planned_by() -> None:
     facts = facts_of(ROW, load_profile())
     first = AtLeast((Before(3, 0),), (MOST_COUNTED // 2,), MOST_COUNTED // 2, OWN)
     problem = simplify(make_problem(facts, (first, IdleTravel(OWN)), (0.0, 0.0)))
-    found = prove(problem, None, 5.0)
+    found = prove(problem, None, Deadline(5.0))
     assert found is not None
     order = problem.site_contour[list(found.incumbent.route)].tolist()
     assert order.index(3) < order.index(0)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import flow_bound
 from kerfwise.models.engines.bounds.flow import branch_cases
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
@@ -24,20 +25,20 @@ def test_orders_and_entries_are_proven_exactly_whatever_plan_is_known(seed: int,
     tiny = scattered(seed, contours=5, sites=2, pairs=pairs)
     best = cheapest(tiny)
     assert best is not None
-    assert flow_bound(tiny, best, 20.0).bound == best.cost
+    assert flow_bound(tiny, best, Deadline(20.0)).bound == best.cost
     for route in list(lawful(tiny))[:2]:
-        assert flow_bound(tiny, Incumbent(route, route_cost(tiny, route)), 20.0).bound <= best.cost
+        assert flow_bound(tiny, Incumbent(route, route_cost(tiny, route)), Deadline(20.0)).bound <= best.cost
 
 
 @pytest.mark.slow
 def test_25_contours_of_4_entries_without_any_order_are_proven() -> None:
     given_ = scattered(1, contours=25, sites=4)
     searcher = Searcher(given_)
-    searcher.run(0.5)
+    searcher.run(Deadline(0.5))
     best = searcher.best
     assert best is not None
-    assert flow_bound(given_, best, 20.0).bound == best.cost
-    assert flow_bound(given_, Incumbent(best.route, best.cost + 1000), 20.0).bound <= best.cost
+    assert flow_bound(given_, best, Deadline(20.0)).bound == best.cost
+    assert flow_bound(given_, Incumbent(best.route, best.cost + 1000), Deadline(20.0)).bound <= best.cost
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import Completion, complete
 from kerfwise.models.engines.bounds.flow import contract_sites
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
@@ -37,7 +38,7 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) ->
     best = cheapest(tiny)
     if best is None:
         return
-    bound = complete(tiny, best.cost, 0.0001, most_neighbours=neighbours)
+    bound = complete(tiny, best.cost, Deadline(0.0001), most_neighbours=neighbours)
     assert bound.root <= best.cost
     for number, route in enumerate(lawful(tiny)):
         if number == 50:
@@ -54,19 +55,19 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) ->
 def test_contours_for_all_their_sites_cost_no_more(tiny: Problem) -> None:
     best = cheapest(tiny)
     if best is not None:
-        assert complete(contract_sites(tiny), best.cost, 0.0001).root <= best.cost
+        assert complete(contract_sites(tiny), best.cost, Deadline(0.0001)).root <= best.cost
 
 
 def test_a_walk_that_remembers_all_is_a_plan() -> None:
     tiny = scattered(3, 5, 2)
     best = cheapest(tiny)
     assert best is not None
-    assert np.ceil(complete(tiny, best.cost, 0.5).root) == best.cost
+    assert np.ceil(complete(tiny, best.cost, Deadline(0.5)).root) == best.cost
 
 
 def test_remembering_more_bounds_better() -> None:
     seen = scattered(2, 10, 3)
-    roots = [complete(seen, None, 0.1, most_neighbours=g).root for g in (0, 3, 7)]
+    roots = [complete(seen, None, Deadline(0.1), most_neighbours=g).root for g in (0, 3, 7)]
     assert roots == sorted(roots)
     assert np.isfinite(roots).all()
     assert roots[0] < roots[2]

@@ -19,8 +19,8 @@ from kerfwise.models.engines.bounds.inequalities import DemandColumns, block_ine
 from kerfwise.models.engines.bounds.move_costs import Stopped, by_threads
 from kerfwise.models.engines.bounds.network import Network, network_of
 from kerfwise.models.engines.bounds.separation import Flow, Separation
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
-from kerfwise.models.jit import running_s
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
@@ -45,7 +45,7 @@ def test_no_plan_costs_less(tiny: Problem) -> None:
     best = cheapest(tiny)
     if best is not None:
         dear = replace(best, cost=best.cost + 10**9)  # nothing but the bound itself keeps it below
-        assert flow_bound(tiny, dear, 1.0).bound <= best.cost
+        assert flow_bound(tiny, dear, Deadline(1.0)).bound <= best.cost
 
 
 @pytest.mark.slow
@@ -56,7 +56,7 @@ def test_moves_that_are_closed_for_a_known_plan_are_not_those_of_a_better_one(ti
     for route in list(lawful(tiny))[:4]:
         assert best is not None
         known = Incumbent(route, route_cost(tiny, route))
-        assert flow_bound(tiny, known, 1.0).bound <= best.cost
+        assert flow_bound(tiny, known, Deadline(1.0)).bound <= best.cost
 
 
 @pytest.mark.slow
@@ -67,7 +67,7 @@ def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed:
     drawn = replace(tiny, matrix=matrix)
     best = cheapest(drawn)
     if best is not None:
-        assert flow_bound(drawn, replace(best, cost=best.cost + 10**9), 1.0).bound <= best.cost
+        assert flow_bound(drawn, replace(best, cost=best.cost + 10**9), Deadline(1.0)).bound <= best.cost
 
 
 @pytest.mark.slow
@@ -127,9 +127,9 @@ def test_what_a_route_pays_beside_its_moves_is_no_more_than_its_conditions_cost(
 def test_large_problems_by_contours(monkeypatch: pytest.MonkeyPatch) -> None:
     seen = scattered(4, 5, 2)
     best = best_of(seen)
-    by_sites = flow_bound(seen, best, 5.0).bound
+    by_sites = flow_bound(seen, best, Deadline(5.0)).bound
     monkeypatch.setattr(flow, "MOST_SITES", 3)
-    assert 0 < flow_bound(seen, best, 5.0).bound <= by_sites <= best.cost
+    assert 0 < flow_bound(seen, best, Deadline(5.0)).bound <= by_sites <= best.cost
 
 
 @pytest.mark.slow
@@ -146,7 +146,7 @@ def test_where_a_first_bound_takes_longer_than_there_is_work_contours_stand_for_
 
     monkeypatch.setattr(flow, "network_of", noted)
     for work in (0.9, 1.1):
-        flow_bound(seen, best, work * sets_out_s(seen.n, seen.m) / flow.SETTING_OUT)
+        flow_bound(seen, best, Deadline(work * sets_out_s(seen.n, seen.m) / flow.SETTING_OUT))
     assert sizes == [5, 10]
 
 
@@ -154,19 +154,29 @@ def test_where_a_first_bound_takes_longer_than_there_is_work_contours_stand_for_
 def test_what_is_stopped_says_nothing_or_what_was_proven_so_far() -> None:
     seen = scattered(4, 5, 2)
     best = best_of(seen)
-    assert flow_bound(seen, best, 5.0, lambda *_: False).bound == 0
-    whole = flow_bound(seen, best, 5.0).bound
+    assert flow_bound(seen, best, Deadline(5.0, listener=lambda *_: False)).bound == 0
+    whole = flow_bound(seen, best, Deadline(5.0)).bound
     for most in range(2, 40, 5):
         asked = iter(range(most))
-        assert 0 <= flow_bound(seen, best, 5.0, lambda *_: next(asked, None) is not None).bound <= whole  # noqa: B023
+        until = Deadline(5.0, listener=lambda *_, asked=asked: next(asked, None) is not None)
+        assert 0 <= flow_bound(seen, best, until).bound <= whole
+
+
+class Late(Deadline):
+    """It is over, and nobody says so when asked."""
+
+    left_s = 0.0
+
+    def __call__(self, *_: object) -> bool:
+        return True
 
 
 @pytest.mark.slow
 def test_a_limit_by_the_clock_breaks_the_program_off() -> None:
     seen = scattered(4, 5, 2)
     best = best_of(seen)
-    assert flow_bound(seen, best, 5.0, ends_s=running_s()).bound == 0
-    assert flow_bound(seen, best, 5.0, ends_s=running_s() + 600).bound == flow_bound(seen, best, 5.0).bound > 0
+    assert flow_bound(seen, best, Late(5.0)).bound == 0
+    assert flow_bound(seen, best, Deadline(5.0, 600.0)).bound == flow_bound(seen, best, Deadline(5.0)).bound > 0
 
 
 def test_rows_are_each_worked_out_once_unless_there_is_no_time() -> None:
@@ -180,13 +190,13 @@ def test_rows_are_each_worked_out_once_unless_there_is_no_time() -> None:
 def test_an_order_that_leads_back_and_forth_is_proven() -> None:
     crossed = problem([*ROW, [(40.0, 0.0)]], pairs=[(3, 0), (0, 2), (2, 1)])
     best = best_of(crossed)
-    assert flow_bound(crossed, best, 5.0).bound == best.cost == 40_000 + 30_000 + 20_000 + 10_000 + 20_000
+    assert flow_bound(crossed, best, Deadline(5.0)).bound == best.cost == 40_000 + 30_000 + 20_000 + 10_000 + 20_000
 
 
 def test_two_clusters_are_not_two_cycles() -> None:
     far = problem([[(1.0, 0.0)], [(500.0, 0.0)], [(501.0, 0.0)], [(502.0, 0.0)]])
     best = best_of(far)
-    assert flow_bound(far, best, 5.0).bound == best.cost == 2 * 502_000
+    assert flow_bound(far, best, Deadline(5.0)).bound == best.cost == 2 * 502_000
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -194,17 +204,17 @@ def test_a_contour_is_left_from_where_it_was_come_to(seed: int) -> None:
     places = np.random.default_rng(seed).integers(0, 100, (5, 2, 2)).tolist()
     far = problem([[(float(x), float(y)) for x, y in sites] for sites in places])
     best = best_of(far)
-    assert flow_bound(far, best, 5.0).bound == best.cost
+    assert flow_bound(far, best, Deadline(5.0)).bound == best.cost
 
 
 def test_a_block_is_entered_once() -> None:
     mixed = problem([[(0.0, 100.0)], [(0.0, 200.0)], [(50.0, 100.0)]], blocks=[(0, 1)])
     best = best_of(mixed)
-    assert flow_bound(mixed, best, 5.0).bound == best.cost
+    assert flow_bound(mixed, best, Deadline(5.0)).bound == best.cost
 
 
 def test_nothing_is_said_of_nothing() -> None:
-    assert flow_bound(problem([]), Incumbent((), 0), 1.0).bound == 0
+    assert flow_bound(problem([]), Incumbent((), 0), Deadline(1.0)).bound == 0
 
 
 def test_a_site_that_must_be_cut_early_is_not_used_late() -> None:
@@ -214,14 +224,16 @@ def test_a_site_that_must_be_cut_early_is_not_used_late() -> None:
     orders = [(0, 1), (0, 2)]
     best, free = (best_of(problem(places, pairs=orders, conditions=asked)) for asked in ([held], []))
     assert best.route == (0, 2, 1)
-    assert free.cost < flow_bound(problem(places, pairs=orders, conditions=[held]), best, 5.0).bound == best.cost
+    assert (
+        free.cost < flow_bound(problem(places, pairs=orders, conditions=[held]), best, Deadline(5.0)).bound == best.cost
+    )
 
 
 def test_an_excuse_is_in_the_bound() -> None:
     row = [[(10.0, 0.0)], [(20.0, 0.0)]]
     dear = problem(row, pairs=[(0, 1)], conditions=[Condition(1, (0,), (-1,), 0, About("held", (), ""), cost=10**9)])
     best = best_of(dear)
-    assert flow_bound(dear, best, 5.0).bound in (best.cost - 1, best.cost)
+    assert flow_bound(dear, best, Deadline(5.0)).bound in (best.cost - 1, best.cost)
 
 
 @pytest.mark.slow
@@ -229,7 +241,7 @@ def test_an_excuse_is_in_the_bound() -> None:
 def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = scattered(seed, 5, 2, pairs=seed)
     best = best_of(seen)
-    whole = flow_bound(seen, best, 5.0).bound
+    whole = flow_bound(seen, best, Deadline(5.0)).bound
     dropped: list[int] = []
     drop_dear = FlowProgram.drop_dear
 
@@ -241,7 +253,7 @@ def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, m
     monkeypatch.setattr(FlowProgram, "drop_dear", noted)
     monkeypatch.setattr(flow_program, "MANY_MOVES", 0)
     monkeypatch.setattr(flow_program, "FEWER_MOVES", 0)
-    assert 0.999 * whole <= flow_bound(seen, best, 5.0).bound <= best.cost
+    assert 0.999 * whole <= flow_bound(seen, best, Deadline(5.0)).bound <= best.cost
     assert sum(dropped) > 0
 
 
@@ -258,7 +270,7 @@ def test_no_plan_costs_less_where_sites_rest(tiny: Problem, seed: int) -> None:
             best = cheapest(seen)
             if best is not None:
                 for dear in (0, 10**9):
-                    assert flow_bound(seen, replace(best, cost=best.cost + dear), 1.0).bound <= best.cost
+                    assert flow_bound(seen, replace(best, cost=best.cost + dear), Deadline(1.0)).bound <= best.cost
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -267,7 +279,7 @@ def test_a_bound_is_as_high_where_sites_rest_again_and_again(seed: int, monkeypa
     route = next(iter(lawful(seen)))
     dear = Incumbent(route, 2 * route_cost(seen, route))  # nothing is closed
     monkeypatch.setattr(flow, "MOST_BRANCHED", 0)
-    whole = flow_bound(seen, dear, 20.0).bound
+    whole = flow_bound(seen, dear, Deadline(20.0)).bound
     rested: list[int] = []
     lay_down = flow_program.Resting.lay_down
 
@@ -279,5 +291,5 @@ def test_a_bound_is_as_high_where_sites_rest_again_and_again(seed: int, monkeypa
     monkeypatch.setattr(flow_program.Resting, "lay_down", noted)
     monkeypatch.setattr(flow_program, "FEW_SITES", 0)
     monkeypatch.setattr(flow_program, "AWAKE", 1.0)
-    assert flow_bound(seen, dear, 20.0).bound == pytest.approx(whole, rel=0.005)
+    assert flow_bound(seen, dear, Deadline(20.0)).bound == pytest.approx(whole, rel=0.005)
     assert sum(rested) > 0

@@ -18,6 +18,7 @@ from kerfwise.models.engines.bounds.move_costs import (
     size_without_inner,
 )
 from kerfwise.models.engines.bounds.network import network_of
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
@@ -89,9 +90,9 @@ def test_a_bound_over_last_contours_holds_and_knows_conditions_on_blocks(seed: i
     seen = blocks(seed, [2, 1, 2], held=[held, Condition(2, (0,), (-1,), 0, ABOUT, when=5, cost=200)])
     best = cheapest(seen)
     assert best is not None
-    bound = flow_bound(seen, replace(best, cost=best.cost + 10**6), 2.0).bound
+    bound = flow_bound(seen, replace(best, cost=best.cost + 10**6), Deadline(2.0)).bound
     assert 0.9 * best.cost < bound <= best.cost
-    assert flow_bound(seen, best, 2.0).bound == best.cost
+    assert flow_bound(seen, best, Deadline(2.0)).bound == best.cost
 
 
 def test_what_is_asked_of_an_inner_contour_keeps_its_block_whole() -> None:

@@ -9,6 +9,7 @@ from scipy.sparse import csr_matrix
 from kerfwise.models.engines.bounds import flow_bound, move_costs
 from kerfwise.models.engines.bounds.inequalities import Inequalities
 from kerfwise.models.engines.bounds.network import Multipliers, kinds, network_of, whole
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problem, scattered
 
@@ -18,9 +19,9 @@ def test_a_bound_by_narrow_numbers_holds(seed: int, monkeypatch: pytest.MonkeyPa
     tiny = scattered(seed, contours=5, sites=2, pairs=seed)
     best = cheapest(tiny)
     assert best is not None
-    wide = flow_bound(tiny, best, 5.0).bound
+    wide = flow_bound(tiny, best, Deadline(5.0)).bound
     monkeypatch.setattr(move_costs, "WIDE", 0)
-    assert 0.99 * wide < flow_bound(tiny, best, 5.0).bound <= best.cost
+    assert 0.99 * wide < flow_bound(tiny, best, Deadline(5.0)).bound <= best.cost
 
 
 def test_narrow_numbers_are_rounded_down(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,8 @@ import pytest
 
 from kerfwise.models.engines.cpsat import model, solve, solve_cpsat
 from kerfwise.models.engines.cpsat.variables import LOOKS
-from kerfwise.models.engines.solution import Incumbent, SolveOptions
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import scattered
 
@@ -27,7 +28,7 @@ def test_with_a_deadline_in_the_past_nothing_is_begun(best: Incumbent, monkeypat
         raise AssertionError("arcs are listed although there is no time")
 
     monkeypatch.setattr(solve, "site_arcs", begun)
-    outcome = solve_cpsat(scattered(1, 5, 2), SolveOptions(time_s=0.0), best, 17)
+    outcome = solve_cpsat(scattered(1, 5, 2), Deadline(time_s=0.0), best, 17)
     assert (outcome.incumbent, outcome.bound, outcome.proven_optimal) == (best, 17, False)
 
 
@@ -50,12 +51,12 @@ def test_told_no_at_any_step_it_goes_no_further(
 
     last = 0  # never told no
     with pytest.raises(Reached):
-        solve_cpsat(seen, SolveOptions(), best, 0, count, max_arcs)
+        solve_cpsat(seen, Deadline(30.0, listener=count), best, max_arcs=max_arcs)
     families, whole = 15, questions
     assert whole > 2 + families  # arcs, rounds of prices, and every family of constraints
     for last in range(1, whole + 1):
         questions = 0
-        outcome = solve_cpsat(seen, SolveOptions(), best, 0, count, max_arcs)
+        outcome = solve_cpsat(seen, Deadline(30.0, listener=count), best, max_arcs=max_arcs)
         assert (outcome.incumbent, questions) == (best, last)
         assert outcome.bound is not None
         assert outcome.bound <= best.cost

@@ -6,13 +6,11 @@ import pytest
 from hypothesis import given
 
 from kerfwise.models.engines.cpsat import solve_cpsat
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problems
 from kerfwise.tests.tools.amount import examples
-
-ENOUGH = SolveOptions(work=20.0)
 
 
 @pytest.mark.slow
@@ -20,7 +18,7 @@ ENOUGH = SolveOptions(work=20.0)
 @examples(60)
 def test_same_optimum_as_by_trying_every_route(drawn: Problem) -> None:
     best = cheapest(drawn)
-    outcome = solve_cpsat(drawn, ENOUGH, None)
+    outcome = solve_cpsat(drawn, Deadline(20.0), None)
     assert outcome.infeasible == (best is None)
     if best is not None:
         assert outcome.incumbent is not None

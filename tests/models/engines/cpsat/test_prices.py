@@ -7,6 +7,7 @@ from hypothesis import given
 
 from kerfwise.models.engines.cpsat.solve import NEVER, price_sites
 from kerfwise.models.engines.cpsat.variables import site_arcs
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
@@ -31,7 +32,7 @@ def test_no_route_comes_to_one_end_and_leaves_from_the_other_for_nothing() -> No
 
 def test_prices_raise_the_bound_of_a_dozen_contours() -> None:
     dozen = scattered(5, 12, 8, pairs=20)
-    proof = prove(dozen, None, work=10)
+    proof = prove(dozen, None, Deadline(10))
     assert proof is not None
     assert proof.incumbent is not None
     arcs = site_arcs(dozen, dozen.successors())

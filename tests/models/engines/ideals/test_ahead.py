@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.lattice import SweepBudget, TooLarge, sweep_through
+from kerfwise.models.engines.ideals.lattice import TooLarge, sweep_through, sweeping
 from kerfwise.models.engines.ideals.stretch import series
 from kerfwise.models.engines.ideals.stretch_bounds import Ahead, look_ahead, missed_in
 from kerfwise.models.engines.ideals.stretch_tables import FAR
@@ -61,12 +62,12 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem) -> None:
     best = cheapest(tiny)
     if best is None:
         return
-    ahead = look_ahead(tiny, best.route, 0.001, None, 1e9)
+    ahead = look_ahead(tiny, best.route, Deadline(0.001, most_bytes=1e9))
     assert [here.group for here in ahead] == series(tiny)
     with ThreadPoolExecutor(1) as thread:
-        missed = missed_in(tiny, ahead, best.route, best.cost, SweepBudget.of(1.0, lambda: True), thread)
+        missed = missed_in(tiny, ahead, best.route, best.cost, sweeping(Deadline(), 1.0), thread)
         worst = max(lawful(tiny), key=lambda route: route_cost(tiny, route))
-        from_worst = missed_in(tiny, ahead, worst, route_cost(tiny, worst), SweepBudget.of(1.0, lambda: True), thread)
+        from_worst = missed_in(tiny, ahead, worst, route_cost(tiny, worst), sweeping(Deadline(), 1.0), thread)
     assert from_worst == missed  # whatever plan is known
     assert min(missed) >= 0
     assert ahead[0].bound.root + sum(missed) <= best.cost
@@ -84,14 +85,14 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem) -> None:
 @examples(40)
 @given(in_zones())
 def test_the_best_plan_zone_after_zone_is_found_with_bounds_and_without(tiny: Problem) -> None:
-    free, best = prove(tiny, None, work=10), cheapest(tiny)
+    free, best = prove(tiny, None, Deadline(10)), cheapest(tiny)
     assert free is not None
     assert (free.incumbent is None) == (best is None)
     if best is None or free.incumbent is None:
         return
     assert free.incumbent.cost == best.cost
     worst = max(lawful(tiny), key=lambda route: route_cost(tiny, route))
-    bounded = prove(tiny, Incumbent(worst, route_cost(tiny, worst)), work=10)
+    bounded = prove(tiny, Incumbent(worst, route_cost(tiny, worst)), Deadline(10))
     assert bounded is not None
     assert bounded.incumbent is not None
     assert bounded.incumbent.cost == best.cost
@@ -115,7 +116,7 @@ def test_where_the_budget_ends_at_a_limit_what_is_proven_is_a_bound(tiny: Proble
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(PROVING, "sweep_through", ends)
-        proof = prove(tiny, Incumbent(worst, route_cost(tiny, worst)), work=10, stages=(1.0,))
+        proof = prove(tiny, Incumbent(worst, route_cost(tiny, worst)), Deadline(10), stages=(1.0,))
     assert limits == sorted(limits)
     if len(limits) < ends_at:
         assert proof is not None
@@ -139,15 +140,16 @@ def rows(zones: int, contours: int, sites: int) -> Problem:
 def test_what_is_missed_is_not_looked_for_a_second_time() -> None:
     """The last of three zones cannot be left as cheaply as its bound says: the sweep of the first knows."""
     three = rows(3, 5, 2)
-    best = prove(three, None, work=10)
+    best = prove(three, None, Deadline(10))
     assert best is not None
     assert best.incumbent is not None
-    ahead = look_ahead(three, best.incumbent.route, 0.0, None, 0.0)  # one round of walks that remember nothing
+    remembering_nothing = Deadline(0.0, most_bytes=0.0)  # and one round of walks
+    ahead = look_ahead(three, best.incumbent.route, remembering_nothing)
     with ThreadPoolExecutor(1) as thread:
-        budget = SweepBudget.of(1.0, lambda: True)
+        budget = sweeping(Deadline(), 1.0)
         missed = missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, budget, thread)
         with pytest.raises(TooLarge):
-            missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, SweepBudget.of(0.0, bool), thread)
+            missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, sweeping(Deadline(), 0.0), thread)
         assert missed_in(three, ahead, best.incumbent.route, FAR, budget, thread) == [0, 0, 0]
     assert missed[0] == 0
     assert sum(missed) > 0
@@ -157,7 +159,7 @@ def test_what_is_missed_is_not_looked_for_a_second_time() -> None:
 def test_bounds_that_take_more_than_there_is_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are not begun, and what is proven is the same as if they were."""
     three = rows(3, 5, 2)
-    best = prove(three, None, work=10)
+    best = prove(three, None, Deadline(10))
     assert best is not None
     assert best.incumbent is not None
     completion = import_module("kerfwise.models.engines.bounds.completion")
@@ -169,8 +171,8 @@ def test_bounds_that_take_more_than_there_is_are_left_alone(monkeypatch: pytest.
         rounds.clear()
         with monkeypatch.context() as patched:
             if at_all:
-                patched.setattr(PROVING, "look_ahead", lambda *given: look_ahead(*given[:5]))
-            return prove(three, best.incumbent, work), len(rounds)
+                patched.setattr(PROVING, "look_ahead", lambda *given: look_ahead(*given[:3]))
+            return prove(three, best.incumbent, Deadline(work)), len(rounds)
 
     limits = [10 ** (-k / 2) for k in range(2, 17)]
     found, whatever = ([told(work, at_all) for work in limits] for at_all in (False, True))

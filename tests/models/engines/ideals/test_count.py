@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import pytest
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import count_sets
-from kerfwise.models.engines.ideals.lattice import TABLE_BYTES, SweepBudget, TooLarge
+from kerfwise.models.engines.ideals.lattice import TooLarge, expect
 from kerfwise.models.engines.ideals.sets import Growth
-from kerfwise.models.engines.solution import Budget
+from kerfwise.models.engines.solution import TABLE_BYTES
 from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import problem, scattered
 
@@ -60,16 +60,16 @@ def test_counting_ends_where_nobody_wants_it_any_more() -> None:
     assert 0 < count.sets < count_sets(scattered(1, contours=10, sites=3), math.inf).sets
 
 
-def budget(additions: float, most_bytes: float, go: Callable[[], bool]) -> SweepBudget:
-    return SweepBudget(Budget(additions), most_bytes, go)
-
-
 def test_a_layer_that_does_not_fit_is_not_begun() -> None:
     layer = Growth(entries=1000, states=8000, additions=1e6)
+
+    def begin(additions: float, free: float, going: bool) -> None:
+        expect(Deadline(additions, listener=lambda *_: going), layer, 500, 1, 4, free)
+
     with pytest.raises(TooLarge):
-        budget(1e12, 1e4, lambda: True).expect(layer, 500, 1, 4)
+        begin(1e12, 1e4, going=True)
     with pytest.raises(TooLarge):
-        budget(1e6, 1e9, lambda: True).expect(layer, 500, 1, 4)
+        begin(1e6, 1e9, going=True)
     with pytest.raises(TooLarge):
-        budget(1e12, 1e9, lambda: False).expect(layer, 500, 1, 4)
-    budget(1e12, 1e9, lambda: True).expect(layer, 500, 1, 4)
+        begin(1e12, 1e9, going=False)
+    begin(1e12, 1e9, going=True)

@@ -12,8 +12,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds.reduced_costs import reduced_costs
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import priced
-from kerfwise.models.engines.ideals.lattice import SweepBudget
+from kerfwise.models.engines.ideals.lattice import sweeping
 from kerfwise.models.engines.ideals.prove import applies, priceable, prove, prove_priced
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
@@ -31,11 +32,11 @@ PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package h
 
 def swept(tiny: Problem, known: Incumbent, limit: int, work: float = 1.0, backwards: float = 0.0) -> Incumbent | None:
     """The best of all plans up to the limit; no bound is above it, and no plan from stretch to stretch below."""
-    stretches = priced.price(tiny, known, work, None, 1e9, (), backwards)
+    stretches = priced.price(tiny, known, Deadline(work, most_bytes=1e9), (), backwards)
     assert stretches is not None
     with ThreadPoolExecutor(1) as thread:
-        found = stretches.sweep(limit, SweepBudget.of(10.0, lambda: True), thread)
-        one = stretches.descend(known.cost, SweepBudget.of(10.0, lambda: True), thread)
+        found = stretches.sweep(limit, sweeping(Deadline(), 10.0), thread)
+        one = stretches.descend(known.cost, sweeping(Deadline(), 10.0), thread)
     if found is not None:
         assert stretches.root <= found.cost
         assert one is None or one.cost >= found.cost
@@ -78,11 +79,11 @@ def test_swept_backwards_to_the_end_stretches_promise_what_the_best_plan_costs(d
     plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
     assume(plans)
     (best, _), (most, worst) = plans[0], plans[-1]
-    settled = priced.price(tiny, Incumbent(worst, most), 1e-3, None, 1e9, (), 1.0)
+    settled = priced.price(tiny, Incumbent(worst, most), Deadline(1e-3, most_bytes=1e9), (), 1.0)
     assert settled is not None
     assert settled.root == best
     with ThreadPoolExecutor(1) as thread:
-        one = settled.descend(most, SweepBudget.of(10.0, lambda: True), thread)
+        one = settled.descend(most, sweeping(Deadline(), 10.0), thread)
     assert one is not None
     assert one.cost == best
 
@@ -103,7 +104,7 @@ def test_from_the_dearest_plan_on_programs_alone_prove_the_best(drawn: Problem) 
     assume(priceable(tiny))
     plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
     assume(plans)
-    proof = prove_priced(tiny, Incumbent(plans[-1][1], plans[-1][0]), work=1.0)
+    proof = prove_priced(tiny, Incumbent(plans[-1][1], plans[-1][0]), Deadline(1.0))
     assert proof is not None
     assert proof.incumbent is not None
     assert proof.incumbent.cost == plans[0][0] == route_cost(tiny, proof.incumbent.route)
@@ -196,13 +197,13 @@ def test_multipliers_found_with_fewer_statements_hold_with_more(tiny: Problem) -
     assume(best is not None)
     assert best is not None
     known = Incumbent(best.route, route_cost(fewer, best.route))
-    earlier = priced.price(fewer, known, 1.0, None, 1e9, (), 1.0)
-    stretches = priced.price(tiny, best, 1.0, None, 1e9, () if earlier is None else earlier.found, 1.0)
+    earlier = priced.price(fewer, known, Deadline(1.0, most_bytes=1e9), (), 1.0)
+    stretches = priced.price(tiny, best, Deadline(1.0, most_bytes=1e9), () if earlier is None else earlier.found, 1.0)
     assert stretches is not None
     assert stretches.root <= best.cost
     with ThreadPoolExecutor(1) as thread:
-        found = stretches.sweep(best.cost, SweepBudget.of(10.0, lambda: True), thread)
-        assert stretches.sweep(best.cost - 1, SweepBudget.of(10.0, lambda: True), thread) is None
+        found = stretches.sweep(best.cost, sweeping(Deadline(), 10.0), thread)
+        assert stretches.sweep(best.cost - 1, sweeping(Deadline(), 10.0), thread) is None
     assert found is not None
     assert found.cost == best.cost
 
@@ -213,7 +214,7 @@ def test_no_plan_costs_less_than_the_bound_and_what_is_left_of_its_moves(tiny: P
     best = cheapest(tiny)
     assume(best is not None)
     assert best is not None
-    found = reduced_costs(tiny, best, best.cost, 1.0, None)
+    found = reduced_costs(tiny, best, best.cost, Deadline(1.0))
     assert found is not None
     assert found.dear.min() >= 0
     network = found.network
@@ -229,7 +230,7 @@ def two_zones() -> tuple[Problem, Incumbent]:
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=30_000) for k in (0, 2, 6)]
     lags = [Lag(0, 1, ABOUT, cuts=1), Lag(4, 5, ABOUT, cuts=1, weight=400.0), Lag(7, 8, ABOUT, cuts=1, weight=90.0)]
     given = replace(bare, before=before, conditions=tuple(held), lags=tuple(lags))
-    far = prove(replace(given, home_um=given.home_um + 9_000_000), None, work=1.0)
+    far = prove(replace(given, home_um=given.home_um + 9_000_000), None, Deadline(1.0))
     assert far is not None
     assert far.incumbent is not None
     return given, Incumbent(far.incumbent.route, route_cost(given, far.incumbent.route))
@@ -238,8 +239,8 @@ def two_zones() -> tuple[Problem, Incumbent]:
 def test_what_is_proven_is_the_same_each_time() -> None:
     given, known = two_zones()
     stages = 0.0, 0.1, 0.4  # the first sweeps do not suffice
-    plain = prove(given, None, work=1.0)
-    proof, again = (prove(given, known, work=1.0, stages=stages) for _ in range(2))
+    plain = prove(given, None, Deadline(1.0))
+    proof, again = (prove(given, known, Deadline(1.0), stages=stages) for _ in range(2))
     assert plain is not None
     assert proof is not None
     assert again is not None
@@ -249,7 +250,7 @@ def test_what_is_proven_is_the_same_each_time() -> None:
     assert proof.incumbent is not None
     assert proof.incumbent.cost == plain.incumbent.cost < known.cost
     assert (again.incumbent, again.work) == (proof.incumbent, proof.work)
-    tables = [priced.price(given, known, 1.0, None, 1e9, found.priced) for found in (proof, again)]
+    tables = [priced.price(given, known, Deadline(1.0, most_bytes=1e9), found.priced) for found in (proof, again)]
     assert tables[0] is not None
     assert tables[1] is not None
     for one, other in zip(tables[0].stretches, tables[1].stretches, strict=True):
@@ -259,8 +260,8 @@ def test_what_is_proven_is_the_same_each_time() -> None:
 
 def test_without_memory_for_tables_there_are_none() -> None:
     given, known = two_zones()
-    assert priced.price(given, known, 1.0, None, 1e9) is not None
-    assert priced.price(given, known, 1.0, None, 1e3) is None
+    assert priced.price(given, known, Deadline(1.0, most_bytes=1e9)) is not None
+    assert priced.price(given, known, Deadline(1.0, most_bytes=1e3)) is None
 
 
 def test_where_groups_cost_or_crossings_have_several_prices_there_are_no_linear_programs() -> None:

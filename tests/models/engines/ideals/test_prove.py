@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, given
 
 from kerfwise.models import jit
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.ideals.stretch import series
@@ -33,7 +34,7 @@ from kerfwise.tests.tools.amount import examples
 @given(problems())
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
-    best, proof = cheapest(tiny), prove(tiny, None, work=10)
+    best, proof = cheapest(tiny), prove(tiny, None, Deadline(10))
     assert proof is not None
     if best is None:
         assert proof.incumbent is None
@@ -49,12 +50,12 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
 @given(problems())
 def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
-    compiled = prove(tiny, None, work=10)
+    compiled = prove(tiny, None, Deadline(10))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Kernel, "made", False)
         patch.setattr(jit._process, "plain_steps", math.inf)
         patch.setattr(Kernel, "dispatcher", None)
-        plain = prove(tiny, None, work=10)
+        plain = prove(tiny, None, Deadline(10))
     assert compiled is not None
     assert plain is not None
     assert plain.incumbent == compiled.incumbent
@@ -66,7 +67,7 @@ def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
 def test_plans_that_cost_more_than_narrow_numbers_hold_are_found_too(drawn: Problem) -> None:
     assume(drawn.n > 0)
     tiny = replace(drawn, general=(), lags=(), site_cost=drawn.site_cost + NARROW)
-    best, proof = cheapest(tiny), prove(tiny, None, work=10)
+    best, proof = cheapest(tiny), prove(tiny, None, Deadline(10))
     assert proof is not None
     assert (proof.incumbent and proof.incumbent.cost) == (best and best.cost)
     assert best is None or best.cost >= NARROW
@@ -77,13 +78,13 @@ def test_plans_that_cost_more_than_narrow_numbers_hold_are_found_too(drawn: Prob
 @given(problems())
 def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=())
-    free = prove(tiny, None, work=10)
+    free = prove(tiny, None, Deadline(10))
     assert free is not None
     assume(free.incumbent is not None)
     assert free.incumbent is not None
-    assert prove(tiny, free.incumbent, work=10) == free
+    assert prove(tiny, free.incumbent, Deadline(10)) == free
     dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
-    assert prove(tiny, dearer, work=10) == free
+    assert prove(tiny, dearer, Deadline(10)) == free
 
 
 @pytest.mark.slow
@@ -91,13 +92,13 @@ def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
 @given(problems())
 def test_with_and_without_the_bound_by_walks_it_finds_the_same(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=())
-    free = prove(tiny, None, work=10)
+    free = prove(tiny, None, Deadline(10))
     assume(free is not None and free.incumbent is not None)
     assert free is not None
     assert free.incumbent is not None
     dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
-    assert prove(tiny, dearer, work=10, stages=()) == free
-    assert prove(tiny, dearer, work=10) == free
+    assert prove(tiny, dearer, Deadline(10), stages=()) == free
+    assert prove(tiny, dearer, Deadline(10)) == free
 
 
 def zones(count: int, size: int, sites: int) -> Problem:
@@ -113,7 +114,7 @@ def zones(count: int, size: int, sites: int) -> Problem:
 def test_zones_are_swept_one_after_the_other() -> None:
     many = zones(10, 8, 8)
     assert [len(group) for group in series(many)] == [8] * 10
-    proof = prove(many, None, work=10)
+    proof = prove(many, None, Deadline(10))
     assert proof is not None
     assert proof.incumbent is not None
     assert broken(many, proof.incumbent.route) == ()
@@ -123,7 +124,7 @@ def test_zones_are_swept_one_after_the_other() -> None:
 def test_a_soft_group_across_two_zones_joins_them() -> None:
     two = replace(zones(2, 2, 1), soft_groups=(SoftGroup((1, 2), 1000, ABOUT),))
     assert [len(group) for group in series(two)] == [1, 2, 1] or len(series(two)) < 3
-    proof, best = prove(two, None, work=10), cheapest(two)
+    proof, best = prove(two, None, Deadline(10)), cheapest(two)
     assert proof is not None
     assert proof.incumbent is not None
     assert best is not None
@@ -132,20 +133,20 @@ def test_a_soft_group_across_two_zones_joins_them() -> None:
 
 @pytest.mark.slow
 def test_says_so_when_it_does_not_fit() -> None:
-    assert prove(scattered(1, 20, 4), None, work=0.001) is None
-    assert prove(scattered(1, 70, 1), None, work=10) is None
+    assert prove(scattered(1, 20, 4), None, Deadline(0.001)) is None
+    assert prove(scattered(1, 70, 1), None, Deadline(10)) is None
 
 
 def test_does_not_claim_what_a_state_cannot_hold() -> None:
     lagged = replace(scattered(1, 4, 1), lags=(Lag(0, 1, ABOUT, cuts=2),))
     assert not applies(lagged)
-    assert prove(lagged, None, work=10) is None
+    assert prove(lagged, None, Deadline(10)) is None
 
 
 def test_no_contours_at_all_is_not_a_proof() -> None:
     empty = problem([])
     assert series(empty) == []
-    assert prove(empty, None, work=1) is None
+    assert prove(empty, None, Deadline(1)) is None
     assert np.size(empty.before) == 0
 
 
@@ -171,17 +172,17 @@ def cheapest_of_chains(two: Problem) -> int:
 @pytest.mark.slow
 def test_more_contours_in_a_stretch_than_a_word_has_bits() -> None:
     two = chains(2, 35)
-    proof = prove(two, None, work=10)
+    proof = prove(two, None, Deadline(10))
     assert proof is not None
     assert proof.incumbent is not None
     assert broken(two, proof.incumbent.route) == ()
     assert proof.incumbent.cost == route_cost(two, proof.incumbent.route) == cheapest_of_chains(two)
-    assert prove(two, Incumbent(proof.incumbent.route, proof.incumbent.cost + 1), work=10) == proof
+    assert prove(two, Incumbent(proof.incumbent.route, proof.incumbent.cost + 1), Deadline(10)) == proof
 
 
 def test_costs_that_need_wide_integers() -> None:
     far = problem([[(400_000.0 * (x % 3), 300_000.0 * (x % 2))] for x in range(6)], pairs=[(3, 0)])
-    proof, best = prove(far, None, work=10), cheapest(far)
+    proof, best = prove(far, None, Deadline(10)), cheapest(far)
     assert proof is not None
     assert proof.incumbent is not None
     assert best is not None
@@ -195,19 +196,19 @@ def test_it_stops_when_it_is_told_to() -> None:
         asked.append(engine)
         return len(asked) < 5
 
-    assert prove(scattered(1, 16, 2), None, 10, stop) is None
+    assert prove(scattered(1, 16, 2), None, Deadline(10, listener=stop)) is None
     assert asked == ["ideals"] * 5
 
 
 def test_what_does_not_fit_into_the_memory_is_not_begun() -> None:
     """Layers are paid for in bytes before they are made, and so are the tables of the bound."""
     given = scattered(1, contours=9, sites=2)
-    found = prove(given, None, work=10)
+    found = prove(given, None, Deadline(10))
     assert found is not None
     assert found.incumbent is not None
-    assert prove(given, None, work=10, most_bytes=2000) is None
-    assert prove(given, found.incumbent, work=10, most_bytes=2000) is None
-    assert prove(given, None, work=10, most_bytes=1e6) == found
+    assert prove(given, None, Deadline(10, most_bytes=2000)) is None
+    assert prove(given, found.incumbent, Deadline(10, most_bytes=2000)) is None
+    assert prove(given, None, Deadline(10, most_bytes=1e6)) == found
 
 
 def test_a_move_pays_for_every_statement_of_a_contour_that_it_crosses() -> None:
@@ -217,7 +218,7 @@ def test_a_move_pays_for_every_statement_of_a_contour_that_it_crosses() -> None:
     moves = list(permutations((1, 2, 3), 2))
     rows = np.array([(*move, 0, 15_000, statement) for move in moves for statement in (0, 1)])
     twice = problem(points, conditions=wants, crossings=Crossings(*rows.T.copy()))
-    proof, best = prove(twice, None, work=1.0), cheapest(twice)
+    proof, best = prove(twice, None, Deadline(1.0)), cheapest(twice)
     assert proof is not None
     assert proof.incumbent is not None
     assert best is not None

@@ -14,6 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import complete
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge
 from kerfwise.models.engines.ideals.stretch_bounds import DEARER, limits_within_work, rising_limits
@@ -64,7 +65,7 @@ def test_without_orders_the_proof_is_the_best_of_every_order(sites: int) -> None
         problem, least = instance.problem, least_of_every_order(instance)
         route = tuple(int(problem.first[c]) for c in range(problem.n))
         far = Incumbent(route, route_cost(problem, route))
-        found = prove(problem, far, WORK[seed % len(WORK)])
+        found = prove(problem, far, Deadline(WORK[seed % len(WORK)]))
         if found is None or found.incumbent is None:
             assert found is None or (found.least is not None and found.least <= least)
             left += 1

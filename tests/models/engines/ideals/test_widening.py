@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import heuristic_sweeps, prove, widen
 from kerfwise.models.engines.ideals.prove import Proof
 from kerfwise.models.engines.solution import Incumbent
@@ -29,7 +30,7 @@ def one_sweep(asked: Problem, width: int, known: Incumbent | None = None) -> Pro
     """What a single sweep of so many states says."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(heuristic_sweeps, "WIDER", 1e9)
-        return widen(asked, known, 5.0, width=width)
+        return widen(asked, known, Deadline(5.0), width=width)
 
 
 @pytest.mark.slow
@@ -40,8 +41,8 @@ def test_whatever_it_starts_with_it_ends_with_the_best_plan(drawn: Problem, widt
     best = cheapest(tiny)
     told = None if best is None else Incumbent(best.route, best.cost + 1)
     for found in (
-        widen(tiny, None, 5.0, width=width),
-        *(() if told is None else (widen(tiny, told, 5.0, width=width),)),
+        widen(tiny, None, Deadline(5.0), width=width),
+        *(() if told is None else (widen(tiny, told, Deadline(5.0), width=width),)),
     ):
         assert found.least is None
         assert (found.incumbent is None) == (best is None)
@@ -71,7 +72,7 @@ def test_a_narrow_sweep_claims_no_more_than_it_knows(drawn: Problem, width: int)
 
 def test_a_narrow_sweep_does_drop_states() -> None:
     plain = scattered(3, 12, 2)
-    narrow, wide = one_sweep(plain, 2), widen(plain, None, 5.0, width=2)
+    narrow, wide = one_sweep(plain, 2), widen(plain, None, Deadline(5.0), width=2)
     assert narrow.incumbent is None
     assert narrow.better is not None
     assert wide.incumbent is not None
@@ -82,7 +83,7 @@ def test_a_narrow_sweep_does_drop_states() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_same_optimum_as_the_whole_program(seed: int) -> None:
     plain = scattered(seed, 12, 3, pairs=8, blocks=[(2, 3, 4), (7, 8)])
-    proof, found = prove(plain, None, work=10), widen(plain, None, 10.0)
+    proof, found = prove(plain, None, Deadline(10)), widen(plain, None, Deadline(10.0))
     assert proof is not None
     assert proof.incumbent is not None
     assert found.incumbent is not None
@@ -91,9 +92,9 @@ def test_same_optimum_as_the_whole_program(seed: int) -> None:
 
 def test_a_plan_that_is_known_is_no_worse_for_it_and_proven_with_less() -> None:
     plain = scattered(2, 12, 2, pairs=6)
-    free = widen(plain, None, 5.0, width=4)
+    free = widen(plain, None, Deadline(5.0), width=4)
     assert free.incumbent is not None
-    told = widen(plain, free.incumbent, 5.0, width=4)
+    told = widen(plain, free.incumbent, Deadline(5.0), width=4)
     assert told.incumbent == free.incumbent
     assert told.work < free.work
 
@@ -108,7 +109,7 @@ def zones(count: int, size: int) -> Problem:
 
 def test_stretches_one_after_the_other_with_more_contours_than_a_word_has_bits() -> None:
     many = zones(14, 5)
-    proof, found = prove(many, None, work=10), widen(many, None, 10.0, width=8)
+    proof, found = prove(many, None, Deadline(10)), widen(many, None, Deadline(10.0), width=8)
     assert proof is not None
     assert proof.incumbent is not None
     assert found.incumbent is not None
@@ -118,9 +119,9 @@ def test_stretches_one_after_the_other_with_more_contours_than_a_word_has_bits()
 def test_without_work_it_says_nothing() -> None:
     plain = scattered(3, 12, 2)
     known = Incumbent(tuple(range(0, plain.m, 2)), 10**9)
-    assert widen(plain, known, 0.0).incumbent is None
-    assert widen(plain, known, 0.0).better == known
-    assert widen(plain, None, 5.0, lambda *_: False).least == 0
+    assert widen(plain, known, Deadline(0.0)).incumbent is None
+    assert widen(plain, known, Deadline(0.0)).better == known
+    assert widen(plain, None, Deadline(5.0, listener=lambda *_: False)).least == 0
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -131,12 +132,12 @@ def test_moves_that_cross_for_several_prices_cost_what_they_say(seed: int) -> No
     leave, reach, over = np.concatenate([rows, rows[::3]]).T  # some cross the same contour by two statements
     cost = rng.choice([20_000, 50_000, 90_000], len(leave))
     crossed = replace(plain, crossings=Crossings(leave, reach, over, cost, np.zeros(len(leave), dtype=np.int64)))
-    best, proof = cheapest(crossed), prove(crossed, None, work=10)
+    best, proof = cheapest(crossed), prove(crossed, None, Deadline(10))
     assert best is not None
     assert proof is not None
     assert proof.incumbent is not None
     assert proof.incumbent.cost == best.cost == route_cost(crossed, proof.incumbent.route)
     assert best.cost != route_cost(plain, best.route), "something is crossed"
-    found = widen(crossed, Incumbent(best.route, best.cost + 1), 5.0, width=3)
+    found = widen(crossed, Incumbent(best.route, best.cost + 1), Deadline(5.0), width=3)
     assert found.incumbent is not None
     assert found.incumbent.cost == best.cost

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals.heuristic_sweeps import polish
 from kerfwise.models.engines.ideals.stretch_bounds import NOWHERE, LeastIn
 from kerfwise.models.engines.search import Searcher
@@ -27,11 +28,11 @@ def test_a_window_over_the_whole_route_makes_it_the_best(drawn: Problem) -> None
     tiny = replace(drawn, general=(), lags=())
     best, first = cheapest(tiny), Searcher(tiny)
     assume(best is not None)
-    first.run(0.0001)
+    first.run(Deadline(0.0001))
     assert best is not None
     assume(first.best is not None)
     assert first.best is not None
-    assert polish(tiny, first.best, work=10).incumbent.cost == best.cost
+    assert polish(tiny, first.best, Deadline(10)).incumbent.cost == best.cost
 
 
 def ring(n: int) -> Problem:
@@ -45,7 +46,7 @@ def test_two_contours_in_each_others_place_are_put_right(at: int) -> None:
     circle = ring(40)
     route = list(range(40))
     route[at], route[at + 1] = route[at + 1], route[at]
-    found = polish(circle, Incumbent(tuple(route), route_cost(circle, route)), work=10).incumbent
+    found = polish(circle, Incumbent(tuple(route), route_cost(circle, route)), Deadline(10)).incumbent
     assert found.route == tuple(range(40))
 
 
@@ -53,9 +54,9 @@ def test_routes_stay_lawful_and_never_become_dearer() -> None:
     for seed in range(4):
         drawn = scattered(seed, contours=40, sites=3, pairs=30, blocks=[(3, 6), (20, 22)])
         search = Searcher(drawn, seed)
-        search.run(0.001)
+        search.run(Deadline(0.001))
         assert search.best is not None
-        found = polish(drawn, search.best, work=1).incumbent
+        found = polish(drawn, search.best, Deadline(1)).incumbent
         assert found.cost <= search.best.cost
         assert found.cost == route_cost(drawn, found.route)
         assert broken(drawn, found.route) == ()
@@ -64,7 +65,7 @@ def test_routes_stay_lawful_and_never_become_dearer() -> None:
 def test_no_work_no_change() -> None:
     line = problem([[(10.0, 0.0)], [(20.0, 30.0)], [(10.0, 1.0)]])
     crooked = Incumbent((0, 1, 2), route_cost(line, (0, 1, 2)))
-    assert polish(line, crooked, work=0.0).incumbent == crooked
+    assert polish(line, crooked, Deadline(0.0)).incumbent == crooked
 
 
 def test_little_work_looks_at_few_of_many_contours(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -74,7 +75,7 @@ def test_little_work_looks_at_few_of_many_contours(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(LeastIn, "_least", lambda known, contour: looked.append(contour) or least(known, contour))
     many = ring(400)
     route = tuple(range(400))
-    polish(many, Incumbent(route, route_cost(many, route)), 1e-6)
+    polish(many, Incumbent(route, route_cost(many, route)), Deadline(1e-6))
     assert 0 < len(looked) <= 24
     assert len(set(looked)) == len(looked)
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.search.lin_kernighan import stretches
 from kerfwise.models.engines.search.lin_kernighan_tables import detour_share, nearest_lawful, reduced_costs
@@ -147,7 +148,7 @@ def test_chains_are_for_sparse_orders_and_costs_that_are_no_distances() -> None:
 def test_a_search_by_chains_is_lawful_and_beats_its_first_route() -> None:
     problem = _tabled(9, contours=90, pairs=80)
     searcher = Searcher(problem)
-    searcher.run(0.2)
+    searcher.run(Deadline(0.2))
     assert searcher.best is not None
     assert broken(problem, searcher.best.route) == ()
     first = route_cost(problem, nearest_lawful(_walker(problem).tables).tolist())

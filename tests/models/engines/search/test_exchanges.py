@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.search.travel import make_arcs, make_legs
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -25,7 +26,7 @@ def _tabled(seed: int, contours: int, pairs: int, even: bool) -> Problem:
 def test_tiny_problems_are_solved_to_the_optimum(seed: int, even: bool) -> None:
     tiny = _tabled(seed, contours=7, pairs=seed, even=even)
     searcher = Searcher(tiny, seed)
-    searcher.run(0.02)
+    searcher.run(Deadline(0.02))
     expected = cheapest(tiny)
     assert expected is not None
     assert searcher.best is not None
@@ -37,7 +38,7 @@ def test_tiny_problems_are_solved_to_the_optimum(seed: int, even: bool) -> None:
 def test_answers_are_lawful_and_cost_what_they_say(pairs: int, even: bool) -> None:
     wide = _tabled(pairs, contours=60, pairs=pairs, even=even)
     searcher = Searcher(wide)
-    searcher.run(0.1)
+    searcher.run(Deadline(0.1))
     assert searcher.best is not None
     assert broken(wide, searcher.best.route) == ()
     assert searcher.best.cost == route_cost(wide, searcher.best.route)
@@ -46,7 +47,7 @@ def test_answers_are_lawful_and_cost_what_they_say(pairs: int, even: bool) -> No
 def test_what_a_site_costs_is_paid() -> None:
     dear = replace(_tabled(3, contours=6, pairs=2, even=True), site_cost=np.arange(6) * 100)
     searcher = Searcher(dear)
-    searcher.run(0.01)
+    searcher.run(Deadline(0.01))
     expected = cheapest(dear)
     assert searcher.best is not None
     assert expected is not None
@@ -59,7 +60,7 @@ def test_a_way_round_a_circle_is_found() -> None:
     around[np.arange(81), (np.arange(81) * 1 + 1) % 81] = 1
     mixed = np.append(np.random.default_rng(1).permutation(80), 80)
     searcher = Searcher(replace(_tabled(1, 80, 0, False), matrix=around[np.ix_(mixed, mixed)]))
-    searcher.run(0.3)
+    searcher.run(Deadline(0.3))
     assert searcher.best is not None
     assert searcher.best.cost == 81
 

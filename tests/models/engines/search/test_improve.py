@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher, searcher
 from kerfwise.models.engines.search.route_state import make_tables
 from kerfwise.models.engines.search.searcher import Regions, Stage, regional
@@ -49,7 +50,7 @@ def test_a_route_becomes_cheaper_and_stays_lawful(seed: int) -> None:
     problem = plate(seed)
     assert regional(problem)
     search = Searcher(problem, seed)
-    search.run(0.001)
+    search.run(Deadline(0.001))
     assert search.best is not None
     route, fields = np.array(search.best.route), make_tables(problem)
     ways = []
@@ -83,7 +84,7 @@ def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch
     for _ in range(2):
         search = Searcher(problem, 1)
         for _ in range(2):
-            search.run(0.1)
+            search.run(Deadline(0.1))
         assert search.best is not None
         assert broken(problem, search.best.route) == ()
         found.append(search.best)
@@ -100,7 +101,7 @@ def test_where_no_region_fits_all_that_was_asked_for_is_annealed(monkeypatch: py
     for _ in range(2):
         search, costs, before = Searcher(problem, 1), [], 0
         for _ in range(3):
-            search.run(asked / searcher.WORK_PER_S)
+            search.run(Deadline(asked / searcher.WORK_PER_S))
             done = min(walker.work for walker in search._walkers)
             assert done - before >= 0.9 * asked
             before = done
@@ -114,7 +115,7 @@ def test_where_no_region_fits_all_that_was_asked_for_is_annealed(monkeypatch: py
 def test_a_longer_search_by_regions_goes_the_way_of_a_shorter_one() -> None:
     problem = plate(4)
     search = Searcher(problem, 1)
-    search.run(0.001)
+    search.run(Deadline(0.001))
     assert search.best is not None
     start, fields, ways = np.array(search.best.route), make_tables(problem), []
     with ThreadPoolExecutor(2) as threads:
@@ -133,7 +134,7 @@ def test_no_region_takes_much_more_than_what_is_left(monkeypatch: pytest.MonkeyP
         monkeypatch.setattr(searcher, name, 0)
     problem = plate(5)
     search = Searcher(problem, 1)
-    search.run(0.001)
+    search.run(Deadline(0.001))
     assert search.best is not None
     fields, route = make_tables(problem), np.array(search.best.route)
     with ThreadPoolExecutor(2) as threads:
@@ -147,7 +148,7 @@ def test_a_region_is_left_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(searcher, "REGION_CHUNK", 100_000)
     problem = plate(6)
     search = Searcher(problem, 1)
-    search.run(0.001)
+    search.run(Deadline(0.001))
     assert search.best is not None
     seconds = iter(range(10**6))
     monkeypatch.setattr(searcher, "running_s", lambda: float(next(seconds)))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.search.tour_merging import merge, mergeable
 from kerfwise.models.engines.search.walker import SIZE, Elite, Pool
@@ -41,7 +42,7 @@ def test_smaller_routes_are_whole_ones_less_their_stretches(seed: int) -> None:
     merged = merge(plate, *routes)
     left_out = route_cost(plate, routes[0].tolist()) - route_cost(merged.problem, merged.route.tolist())
     searcher = Searcher(merged.problem, seed)
-    searcher.run(0.005)
+    searcher.run(Deadline(0.005))
     assert searcher.best is not None
     whole = merged.whole(np.array(searcher.best.route)).tolist()
     assert broken(plate, whole) == ()
@@ -75,6 +76,6 @@ def test_a_child_takes_the_place_of_its_elder_unless_worse_or_there_already() ->
 
 def _found(plate: Problem, seed: int) -> np.ndarray:
     searcher = Searcher(plate, seed)
-    searcher.run(0.002)
+    searcher.run(Deadline(0.002))
     assert searcher.best is not None
     return np.array(searcher.best.route)

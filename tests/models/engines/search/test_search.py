@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from kerfwise.models.engines.search import Searcher, search, travel
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.search import Searcher, travel
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Durations, Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.models.solved import searched
 from kerfwise.tests.tools.amount import examples
 
 BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
@@ -22,7 +24,7 @@ BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
 @given(problems())
 @examples(150, derandomize=True)
 def test_tiny_problems_are_solved_to_the_optimum(drawn: Problem) -> None:
-    best = search(drawn, SolveOptions(work=0.015))
+    best = searched(drawn, SolveOptions(work=0.015))
     expected = cheapest(drawn)
     if expected is None:
         assert best is None
@@ -46,7 +48,7 @@ def test_a_detour_that_fills_a_lag_of_seconds_is_found(seed: int) -> None:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_answers_are_lawful_and_cost_what_they_say(seed: int) -> None:
     wide = scattered(seed, contours=40, sites=4, pairs=60, blocks=BLOCKS)
-    best = search(wide, SolveOptions(seed=seed, work=0.1))
+    best = searched(wide, SolveOptions(seed=seed, work=0.1))
     assert best is not None
     assert broken(wide, best.route) == ()
     assert best.cost == route_cost(wide, best.route)
@@ -64,7 +66,7 @@ def test_more_work_is_never_worse() -> None:
     searcher = Searcher(plate, seed=3)
     costs = []
     for _ in range(4):
-        assert searcher.run(0.05)
+        assert searcher.run(Deadline(0.05))
         assert searcher.best is not None
         costs.append(searcher.best.cost)
     assert costs == sorted(costs, reverse=True)
@@ -73,18 +75,18 @@ def test_more_work_is_never_worse() -> None:
 def test_same_seed_and_work_give_the_same_route() -> None:
     plate = scattered(2, contours=50, sites=4, pairs=50, blocks=BLOCKS)
     options = SolveOptions(seed=4, work=0.1)
-    assert search(plate, options) == search(plate, options)
+    assert searched(plate, options) == searched(plate, options)
 
 
 def test_another_seed_walks_another_way() -> None:
     plate = scattered(2, contours=120, sites=4)
-    assert search(plate, SolveOptions(seed=1, work=0.02)) != search(plate, SolveOptions(seed=2, work=0.02))
+    assert searched(plate, SolveOptions(seed=1, work=0.02)) != searched(plate, SolveOptions(seed=2, work=0.02))
 
 
 @pytest.mark.slow
 def test_legs_that_are_computed_are_those_of_the_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
     plate = scattered(3, contours=25, sites=4, pairs=20)
-    with_matrix = search(plate, SolveOptions(work=0.3))
+    with_matrix = searched(plate, SolveOptions(work=0.3))
     monkeypatch.setattr(travel, "MATRIX_SITES", 0)
     assert with_matrix is not None
     assert _cost(plate, SolveOptions(work=0.3)) == with_matrix.cost
@@ -93,14 +95,14 @@ def test_legs_that_are_computed_are_those_of_the_matrix(monkeypatch: pytest.Monk
 def test_a_matrix_of_travel_is_taken_as_it_is() -> None:
     around = np.array([[9, 1, 9, 9], [9, 9, 1, 9], [9, 9, 9, 1], [1, 9, 9, 9]])
     searcher = Searcher(replace(problem([[(0, 0)], [(0, 0)], [(0, 0)]]), matrix=around))
-    searcher.run(0.01)
+    searcher.run(Deadline(0.01))
     assert searcher.best is not None
     assert searcher.best.route == (0, 1, 2)
     assert searcher.best.cost == 4
 
 
 def test_nothing_to_cut() -> None:
-    best = search(problem([]), SolveOptions(work=0.01))
+    best = searched(problem([]), SolveOptions(work=0.01))
     assert best is not None
     assert best.route == ()
     assert best.cost == 0
@@ -108,7 +110,7 @@ def test_nothing_to_cut() -> None:
 
 def test_no_lawful_route_is_no_answer() -> None:
     apart = problem([[(1, 0)], [(2, 0)]], lags=[Lag(0, 1, ABOUT, cuts=1)])
-    assert search(apart, SolveOptions(work=0.01)) is None
+    assert searched(apart, SolveOptions(work=0.01)) is None
 
 
 def test_it_stops_when_progress_says_so() -> None:
@@ -120,7 +122,7 @@ def test_it_stops_when_progress_says_so() -> None:
         heard.append(cost_um)
         return len(heard) < 3
 
-    best = search(plate, SolveOptions(work=60.0), three_times)
+    best = searched(plate, SolveOptions(work=60.0), three_times)
     assert len(heard) == 3
     assert best is not None
     assert broken(plate, best.route) == ()
@@ -139,7 +141,7 @@ def test_an_interrupt_leaves_the_best_so_far() -> None:
         return True
 
     searcher = Searcher(plate)
-    assert not searcher.run(60.0, progress=interrupted)
+    assert not searcher.run(Deadline(60.0, listener=interrupted))
     assert searcher.best is not None
     assert broken(plate, searcher.best.route) == ()
 
@@ -147,7 +149,7 @@ def test_an_interrupt_leaves_the_best_so_far() -> None:
 @pytest.mark.slow
 def test_time_cuts_the_work_short() -> None:
     plate = scattered(1, contours=60, sites=4)
-    assert search(plate, SolveOptions(work=1e6, time_s=0.3)) is not None
+    assert searched(plate, SolveOptions(work=1e6, time_s=0.3)) is not None
 
 
 def test_it_goes_on_from_a_route_that_is_handed_in() -> None:
@@ -165,6 +167,6 @@ def test_a_route_that_breaks_a_rule_is_not_stood_on() -> None:
 
 
 def _cost(drawn: Problem, options: SolveOptions) -> int:
-    best = search(drawn, options)
+    best = searched(drawn, options)
     assert best is not None
     return best.cost

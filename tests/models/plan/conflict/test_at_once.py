@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.engines.solution import Budget
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.plan.conflict import core as core_module
 from kerfwise.models.plan.conflict.conflict import find_relaxation
 from kerfwise.models.plan.conflict.core import Core, find_core, whole_order
@@ -183,15 +183,15 @@ def test_what_gives_way_is_not_named_where_firm_rules_contradict_by_themselves(f
 
 def test_contradictions_named_without_a_solver_are_not_looked_for_past_the_limit() -> None:
     times = iter(range(1000))
-    budget = Budget(time_s=4.0, clock=lambda: float(next(times)))
+    deadline = Deadline(time_s=4.0, clock=lambda: float(next(times)))
     looked: list[int] = []
 
     def core_of(groups: Sequence[Group]) -> Core | None:
         looked.append(len(groups))
-        return find_core(FACTS, groups, {}, Budget())
+        return find_core(FACTS, groups, {}, Deadline())
 
     turns = [(a, b) for i, j, k in permutations(range(4), 3) for a, b in ((i, j), (j, k), (k, i))]
     asked = [Precede(*turn, About("locks", (), f"order {number}")) for number, turn in enumerate(turns)]
     with pytest.raises(NotAnswered):
-        find_relaxation(hard_groups(asked), RULES, core_of, budget)
+        find_relaxation(hard_groups(asked), RULES, core_of, deadline)
     assert len(looked) <= 4

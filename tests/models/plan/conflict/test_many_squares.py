@@ -10,7 +10,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
-from kerfwise.models.engines.solution import Budget
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.conflict import conflict as conflict_module
 from kerfwise.models.plan.conflict import find_conflict
@@ -58,7 +58,7 @@ def test_one_contour_locked_at_two_positions_is_refused_before_any_plan() -> Non
 @pytest.mark.slow
 def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
-    conflict = find_conflict(facts, profile, Budget(work=1.0))
+    conflict = find_conflict(facts, profile, Deadline(work=1.0))
     assert conflict is not None
     assert sorted(about.sentence for about in conflict.clash) == BOTH_FIFTH
     assert conflict.minimal
@@ -70,7 +70,7 @@ def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
 def test_twelve_ways_round_that_no_rule_offers_are_all_let_go() -> None:
     names = [f"P{k}.outer" for k in range(1, 13)]
     facts, profile = locked(*(Lock(contour=name, direction="ccw") for name in names))
-    conflict = find_conflict(facts, profile, Budget(work=5.0))
+    conflict = find_conflict(facts, profile, Deadline(work=5.0))
     assert conflict is not None
     assert (len(conflict.clash), conflict.stuck) == (1, "")
     assert conflict.relax is not None
@@ -85,7 +85,7 @@ def test_it_takes_next_to_nothing_to_see_that_a_position_can_be_kept() -> None:
         locks += [Lock(contour="P1.outer", before="P2.outer"), Lock(contour="P2.outer", before="P3.outer")]
         facts, profile = locked(*locks)
         groups = [g for g in order_groups(hard_groups(every_statement(facts, profile)[0])) if g.about.rule == "locks"]
-        core = find_core(facts, groups, {}, Budget(work=0.2))
+        core = find_core(facts, groups, {}, Deadline(work=0.2))
         assert (core is None) == kept
         assert core is None or len(core.groups) == 3
 
@@ -96,8 +96,8 @@ def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_the
     statements = every_statement(facts, profile)[0]
     gives_way = {name: rule.gives_way for name, rule in profile.rulebook().items()}
     clock = iter(range(10**6))
-    late = Budget(time_s=60.0, clock=lambda: float(next(clock)))
-    cost, problem = _cost(Engines(facts, (0.0, 0.0), feeds_of(profile), budget=late), statements, (), gives_way)
+    late = Deadline(time_s=60.0, clock=lambda: float(next(clock)))
+    cost, problem = _cost(Engines(facts, (0.0, 0.0), feeds_of(profile), deadline=late), statements, (), gives_way)
     assert cost is not None
     assert problem is not None
     assert [rule for rule, _ in problem.left_out] == ["no-tip-travel"]
@@ -107,11 +107,11 @@ def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_the
 def test_ways_out_that_there_is_no_time_to_compare_are_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5), sheet=FEW)
     monkeypatch.setattr(conflict_module, "PLANS", 1e9)
-    for budget, said in (
-        (Budget(time_s=1000.0), "a way out (which one costs least was not compared):"),
-        (Budget(work=10.0), "the cheapest way out:"),
+    for deadline, said in (
+        (Deadline(time_s=1000.0), "a way out (which one costs least was not compared):"),
+        (Deadline(work=10.0), "the cheapest way out:"),
     ):
-        conflict = find_conflict(facts, profile, budget)
+        conflict = find_conflict(facts, profile, deadline)
         assert conflict is not None
         assert conflict.relax is not None
         assert said in list(conflict.lines())
