@@ -6,8 +6,10 @@ import contextlib
 import os
 import pickle
 import signal
+import sys
 import threading
 import traceback
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
@@ -16,6 +18,8 @@ from multiprocessing.context import SpawnProcess
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
+from kerfwise.encoder.errors import Advice
+from kerfwise.encoder.text import escape_text
 from kerfwise.models.jit import machine_cores
 
 Piece = TypeVar("Piece")
@@ -156,6 +160,8 @@ def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
     threading.Thread(target=end_with_parent, daemon=True).start()
     keep_to(cores)
+    warnings.showwarning = _noted
+    warnings.simplefilter("always", Advice)
     with contextlib.suppress(EOFError, OSError):
         while True:
             piece: Piece = way.recv()
@@ -167,6 +173,14 @@ def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
             except Exception as error:
                 made = _sendable(error)
             way.send(made)
+
+
+def _noted(message: Warning | str, category: type[Warning], *where: object, **more: object) -> None:
+    """A warning as a note, as the command line writes it, without the line of Python that it came from."""
+    kind = "" if issubclass(category, Advice) else f"{category.__name__}: "
+    with contextlib.suppress(OSError, ValueError):
+        sys.stderr.write(f"note: {kind}{escape_text(str(message))}\n")
+        sys.stderr.flush()
 
 
 def _sendable(error: Exception) -> Exception:

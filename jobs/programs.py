@@ -375,7 +375,11 @@ def time_made(given: Inputs, made: Plan | str | Path, tell: Tell = silent, trust
         program = read_program_of(made, given, tell, trusted)
         by_itself = profile.time.model == "constant"
         own, job = (job_of_program(program, nest, by, profile.kerf_starts) for by in (profile, None))
-        _warn_if_times_differ(own, job, profile, "its own" if by_itself else "the profile's model", tell)
+        at_own = profile.time.model == "acceleration"
+        model = "the profile's acceleration at its own feeds" if at_own else "the profile's model"
+        by = "its own" if by_itself else model
+        if _warn_if_times_differ(own, job, profile, by, tell) and at_own:
+            job = _at_own_feeds(job, own, profile)
         job = own if by_itself else job
     timed = time_job(job, profile)
     return Times(timed, cost_of_sheet(timed.times, timed.job.pierces, stock, profile))
@@ -388,11 +392,23 @@ def time_old(job: OldJob) -> Times:
     return Times(timed, cost_of_sheet(timed.times, timed.job.pierces, None, job.profile))
 
 
-def _warn_if_times_differ(own: Job, job: Job, profile: Profile, taken: str, tell: Tell) -> None:
-    """Tell where a program moves or stands for other times than the profile's feeds make."""
-    feeds = machine_feeds(profile)
+def _at_own_feeds(job: Job, own: Job, profile: Profile) -> Job:
+    """The runs at the feeds that the program states, speeding up and slowing down as the profile's machine does."""
+    feeds, runs = machine_feeds(profile), []
+    for run, stated in zip(job.runs, own.runs, strict=True):
+        feed_mm_s = feeds.mark_mm_s if run.marks else feeds.cut_mm_s
+        share = run.path.length_mm / (stated.moving_s * feed_mm_s) if stated.moving_s else 1.0
+        runs.append(replace(run, feed_share=share if share > 0 else 1.0))
+    return replace(job, runs=tuple(runs))
+
+
+def _warn_if_times_differ(own: Job, job: Job, profile: Profile, taken: str, tell: Tell) -> bool:
+    """Tell where a program moves or stands for other times than the profile's feeds make; whether it cuts so."""
+    feeds, cuts_so = machine_feeds(profile), False
     said, asked = (times_of(made, ConstantFeed(feeds), feeds) for made in (own, job))
     for does, own_s, set_s in (("cuts", said.cut_s, asked.cut_s), ("pierces", said.pierce_s, asked.pierce_s)):
         if abs(own_s - set_s) > _FEEDS_DIFFER * set_s:
             text = f"by its own words the program {does} for {own_s:.1f} s, at the profile's feeds for {set_s:.1f} s"
             tell(f"{text}; the times below are by {taken}")
+            cuts_so = cuts_so or does == "cuts"
+    return cuts_so

@@ -50,7 +50,7 @@ class Effort:
 def best_layout(wanted: Demand, spacing: Spacing, effort: Effort, told: Told = lambda n, best: True) -> Layout:
     """The best layout of all rounds: the same list, spacing, rounds and seed give the same one.
 
-    A limit in seconds ends the look wherever it is; the first round is always finished.
+    A limit in seconds ends the look wherever it is; parts that are not laid then are missing.
     """
     return layouts(wanted, spacing, effort, told)[0]
 
@@ -100,7 +100,9 @@ class _Look:
         return self._ends is not None and time.monotonic() >= self._ends
 
     def _going(self) -> bool:
-        return not self._stopped() and (self._best is None or not self.over())
+        """Whether a round goes on: the first has the whole limit, the others leave some for what comes after them."""
+        ends = self._last if self._best is None else self._ends
+        return not self._stopped() and (ends is None or time.monotonic() < ends)
 
     def round(self, number: int, order: list[int], taste: Taste) -> None:
         """Fill sheets once, or fill those that the cover misses most."""

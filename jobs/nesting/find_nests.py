@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from types import TracebackType
+from typing import Any, Literal, Self, get_args
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
@@ -29,6 +32,8 @@ Purpose = Literal["density", "cutting"]
 PURPOSES: tuple[Purpose, ...] = get_args(Purpose)
 WEIGHED, WEIGH_WORK = 4, 2.0
 """How many layouts are weighed, and the limit of each plan, where nobody says otherwise."""
+FIRST = "round 1"
+"""What the layout of the first round is called."""
 NOTHING_LAID = "interrupted before a part was laid: nothing was written"
 
 
@@ -79,6 +84,10 @@ def find_nests(
     best = min((group[0] for group in groups if group), key=lambda layout: layout.score, default=None)
     if best is None or (watching.stopped and not best.sheets):
         raise KeyboardInterrupt(NOTHING_LAID)
+    if not best.sheets and asked.effort.time_s is not None:
+        raise InputError(f"the limit of {asked.effort.time_s:g} s was over before a part was laid: give more")
+    if any(best.missing) and best.by == FIRST and (limit_s := asked.effort.time_s) is not None:
+        tell(f"the limit of {limit_s:g} s ended the first round: {sum(best.missing)} parts were not tried on any sheet")
     if asked.purpose == "density" or watching.stopped:
         return NestingResult(_sound(nests_from(best)), interrupted=watching.stopped)
     weighed: list[Weighed] = []
@@ -257,8 +266,25 @@ def with_held(wanted: Demand, profile: Profile) -> Demand:
 class Watching(CtrlC):
     """Told after each round, and asked while sparrow packs; both say whether to go on, `stopped` that not.
 
-    As a context it listens to Ctrl-C while parts are laid.
+    As a context it listens to Ctrl-C while parts are laid, and to SIGTERM, by which schedulers end a job.
     """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._ended_by: Any = None
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            self._ended_by = signal.signal(signal.SIGTERM, self.stop)
+        return super().__enter__()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        super().__exit__(kind, error, trace)
+        if self._ended_by is not None:
+            signal.signal(signal.SIGTERM, self._ended_by)
+            self._ended_by = None
 
     def __call__(self, number: int, best: Layout) -> bool:
         """After a round."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from pathlib import Path
 
+from kerfwise.encoder.errors import Advice
 from kerfwise.models.jit import cores, machine_cores
 
 
@@ -31,6 +33,13 @@ def shares(piece: int) -> tuple[int, int]:
     """Threads that a process may start, and the cores that it may use; slow enough for every process to have one."""
     time.sleep(0.3)
     return cores(), len(machine_cores())
+
+
+def warns(text: str) -> str:
+    """Warns of something, as the readers do where they take long, and as a library does."""
+    warnings.warn(text, Advice, stacklevel=2)
+    warnings.warn("overflow", RuntimeWarning, stacklevel=2)
+    return text
 
 
 def sleeps(place: str) -> None:

@@ -14,6 +14,22 @@ from kerfwise.jobs.process_pool import Died, Workers
 from kerfwise.models.jit import machine_cores
 from kerfwise.tests.jobs.pieces import doubled, shares
 
+WARNED = """
+from kerfwise.jobs.process_pool import Workers
+from kerfwise.tests.jobs.pieces import warns
+if __name__ == "__main__":
+    with Workers(warns, jobs=1) as workers:
+        list(workers.run(["measuring plate.dxf, still going"]))
+"""
+
+
+@pytest.mark.slow
+def test_warnings_are_notes_without_a_line_of_python(tmp_path: Path) -> None:
+    (script := tmp_path / "warned.py").write_text(WARNED)
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
+    assert done.stderr.splitlines() == ["note: measuring plate.dxf, still going", "note: RuntimeWarning: overflow"]
+
+
 LEFT_BEHIND = """
 import os, sys
 from kerfwise.jobs.process_pool import Workers
