@@ -416,11 +416,33 @@ def _answering(verb: Verb, *args: Any, **options: Any) -> Any:
 
 
 def _asked(question: Question) -> str:
-    """The value of the choice that somebody types the number of."""
+    """The value of the choice that somebody types, or the number of.
+
+    Raises
+    ------
+    click.Abort
+        Where somebody ends it there, with Ctrl-C or the end of input: nothing was written then.
+    """
+    values = [choice.value for choice in question.choices]
+    wide = max(map(len, values), default=0)
     lines = [escape_text(question.text)]
     for k, choice in enumerate(question.choices, 1):
-        lines.append(f"  {k}  {escape_text(choice.words)}{f': {escape_text(choice.gives)}' if choice.gives else ''}")
+        gives = f": {escape_text(choice.gives)}" if choice.gives else ""
+        lines.append(f"  {k}  {escape_text(choice.value):{wide}}  {escape_text(choice.words)}{gives}")
     click.echo("\n".join(lines), err=True)
-    numbers = click.Choice([str(k) for k in range(1, len(question.choices) + 1)])
-    number = click.prompt("Which", type=numbers, show_choices=True, err=True)
-    return question.choices[int(number) - 1].value
+
+    def chosen(said: str) -> str:
+        if said.strip() in values:
+            return said.strip()
+        if said.strip().isdecimal() and 0 < int(said) <= len(values):
+            return values[int(said) - 1]
+        raise click.UsageError(
+            f"{said.strip()!r} is none of the choices: type 1 to {len(values)}, or the word behind it"
+        )
+
+    try:
+        value: str = click.prompt(f"Which (1-{len(values)})", value_proc=chosen, err=True)
+    except click.Abort:
+        click.echo(f"\nnot answered, nothing is written: {question.flag(question.choices[0])} answers it", err=True)
+        raise
+    return value
