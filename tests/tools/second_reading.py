@@ -1,9 +1,10 @@
 """Drawings read by programs that share nothing with kerfwise, against what kerfwise takes them for.
 
-Usage: python -m kerfwise.tests.tools.second_reading FOLDER|FILE… [-p PROFILE]
+Usage: python -m kerfwise.tests.tools.second_reading FOLDER|FILE… [-p PROFILE] [--svg PROFILE] [--plan]
 
 SVG is rendered by resvg, DXF is read by GDAL. Every line that they show has to be cut, marked or said (left out, the
-sheet, a question), and every line that is cut has to be shown. Questions are answered by their likeliest choices.
+sheet, a question), and every line that is cut has to be shown. Questions are answered by their likeliest choices. With
+`--plan` each file is planned, too, as `kerfwise solve` does it, by a little work.
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from __future__ import annotations
 import argparse
 import io
 import re
+import resource
+import shlex
+import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -78,10 +82,57 @@ def judged(file: Path, options: ReadOptions) -> Judged:
     ended = f"asked ({questions})" if questions else "planned"
     known = [curve for _, curve in found.lines]
     cut = [curve for kind, curve in found.lines if kind in ("cut", "mark")]
+    if file.suffix.lower() == ".json":
+        return Judged(file, ended)
     compare = by_raster if file.suffix.lower() == ".svg" else by_lines
     unseen, unshown = compare(file, found, known, cut)
     total = sum(curve.length_mm for curve in known)
     return Judged(file, ended, *(mm if mm > SHARE * total else 0.0 for mm in (unseen, unshown)))
+
+
+WORK = 0.05
+"""The work of a plan: enough for the first good one."""
+MOST_CPU_S = 60
+"""A plan that takes more processor time than this is none."""
+ASKS = 3
+ENDS = {0: "planned", 1: "no plan", 2: "refused", ASKS: "asked on and on"}
+MOST_ANSWERS = 20
+_FLAG = re.compile(r"^ +--answer (\S.*?)(?:   |$)")
+
+
+def planned(file: Path, profile: str) -> tuple[str, int, str]:
+    """How `kerfwise solve` ends with the likeliest answer to each question, how many these are, and what it says."""
+    answers: list[str] = []
+    with tempfile.TemporaryDirectory() as folder:
+        while True:
+            words = [sys.executable, "-m", "kerfwise", "solve", str(file), "-p", profile, "--no-job"]
+            words += ["--work", str(WORK), "-o", str(Path(folder, "out.nc"))]
+            words += [word for answer in answers for word in ("--answer", answer)]
+            done = subprocess.run(words, capture_output=True, text=True, check=False, preexec_fn=_limited)
+            if done.returncode != ASKS or len(answers) > MOST_ANSWERS:
+                break
+            answers += likeliest(done.stderr)
+    ended = ENDS.get(done.returncode, f"ended by {done.returncode}")
+    if ended == "planned":
+        return ended, len(answers), next((line for line in reversed(done.stdout.splitlines()) if line[:2] == "ok"), "")
+    return ended, len(answers), " | ".join(line[-160:] for line in done.stderr.splitlines()[-3:])
+
+
+def likeliest(told: str) -> list[str]:
+    """The first flag of each question in what a command has printed."""
+    found: list[str] = []
+    first = False
+    for line in told.splitlines():
+        if re.match(r" +\d+\. ", line):
+            first = True
+        elif first and (flag := _FLAG.match(line)):
+            found += shlex.split(flag[1])
+            first = False
+    return found
+
+
+def _limited() -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
 
 
 def by_lines(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curve]) -> tuple[float, float]:
@@ -199,7 +250,7 @@ def files_in(given: Sequence[str]) -> list[Path]:
     found = []
     for name in map(Path, given):
         inside = sorted(name.rglob("*")) if name.is_dir() else [name]
-        found += [file for file in inside if file.suffix.lower() in (".dxf", ".svg")]
+        found += [file for file in inside if file.suffix.lower() in (".dxf", ".json", ".svg")]
     return found
 
 
@@ -208,21 +259,31 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FOLDER|FILE")
     parser.add_argument("-p", "--profile", default="plasma-carbon-steel")
+    parser.add_argument("--svg", metavar="PROFILE", help="the profile for SVG files")
+    parser.add_argument("--plan", action="store_true", help="plan each file, too")
     parser.add_argument("-v", "--verbose", action="store_true", help="a row for each file")
     asked = parser.parse_args(argv)
-    options = load_profile(asked.profile).read_options()
-    rows = []
+    rows, plans = [], Counter[str]()
     for file in files_in(asked.files):
+        profile = asked.svg if asked.svg and file.suffix.lower() == ".svg" else asked.profile
         try:
-            row = judged(file, options)
+            row = judged(file, load_profile(profile).read_options())
         except Exception as error:  # the other program's own trouble
             row = Judged(file, "not compared", why=f"{type(error).__name__}: {error}")
         rows.append(row)
+        plan = ""
+        if asked.plan:
+            ended, count, said = planned(file, profile)
+            plan = f"{ended} ({count} answered): {said}"
+            plans[f"{ended} after answers" if ended == "planned" and count else ended] += 1
         if asked.verbose or row.differs or row.why:
-            print(f"{file.name[-50:]:50} {row.ended:12} {row.unseen_mm:9.1f} {row.unshown_mm:9.1f} {row.why[:150]}")
+            away = f"{row.unseen_mm:9.1f} {row.unshown_mm:9.1f}"
+            print(f"{file.name[-50:]:50} {row.ended:12} {away} {row.why[:150]} {plan[:300]}", flush=True)
     ends = Counter(row.ended.split()[0] for row in rows)
     differs = sum(row.differs for row in rows)
     print(f"{len(rows)} files: {', '.join(f'{n} {end}' for end, n in sorted(ends.items()))}; {differs} differ")
+    if asked.plan:
+        print(f"of them {', '.join(f'{n} {end}' for end, n in sorted(plans.items()))}")
     return 1 if differs else 0
 
 
