@@ -82,10 +82,16 @@ def judged(file: Path, options: ReadOptions) -> Judged:
     ended = f"asked ({questions})" if questions else "planned"
     known = [curve for _, curve in found.lines]
     cut = [curve for kind, curve in found.lines if kind in ("cut", "mark")]
+    if found.reading is not None and file.suffix.lower() == ".dxf":  # GDAL gives texts as points
+        written = {name for text in found.reading.writings for name in text.marks}
+        strokes = {id(c.curve) for c in found.nest.contours if c.id in written}
+        cut = [curve for curve in cut if id(curve) not in strokes]
     if file.suffix.lower() == ".json":
         return Judged(file, ended)
-    compare = by_raster if file.suffix.lower() == ".svg" else by_lines
-    unseen, unshown = compare(file, found, known, cut)
+    if file.suffix.lower() == ".svg":
+        unseen, unshown = by_raster(file, found, known, cut)
+    else:
+        unseen, unshown = by_lines(file, found, known, cut, options)
     total = sum(curve.length_mm for curve in known)
     return Judged(file, ended, *(mm if mm > SHARE * total else 0.0 for mm in (unseen, unshown)))
 
@@ -135,8 +141,13 @@ def _limited() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
 
 
-def by_lines(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curve]) -> tuple[float, float]:
-    """What GDAL shows and is not known, and what is cut and GDAL does not show, mm."""
+def by_lines(
+    file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curve], options: ReadOptions
+) -> tuple[float, float]:
+    """What GDAL shows and is not known, and what is cut and GDAL does not show, mm.
+
+    GDAL draws dimensions and leaders, too. These are said, by their types or as on a layer that is left out.
+    """
     import pyogrio
 
     data = file.read_bytes()
@@ -145,16 +156,49 @@ def by_lines(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curv
     with tempfile.TemporaryDirectory() as folder:
         (copy := Path(folder, "drawing.dxf")).write_bytes(data)
         meta, _, wkb, columns = pyogrio.raw.read(str(copy))
-    text = dict(zip(meta["fields"], columns, strict=True)).get("Text", [None] * len(wkb))
+    row = dict(zip(meta["fields"], columns, strict=True))
+    nothing = [None] * len(wkb)
+    kinds = _kinds(data)
+    said_of = _said(found)
+    types = [kinds.get(str(handle), "") for handle in row.get("EntityHandle", nothing)]
+    said = [
+        text is not None
+        or kind in said_of
+        or (kind in ANNOTATIONS and options.layers.use([str(layer)]).purpose == "ignore")
+        for text, kind, layer in zip(row.get("Text", nothing), types, row.get("Layer", nothing), strict=True)
+    ]
     scale = 1.0 if found.reading is None else mm_of(found.reading.units) or 1.0
     shapes = [
         shapely.transform(shapely.force_2d(shape), lambda points: points * scale)
-        for shape, said in zip(shapely.from_wkb(wkb), text, strict=True)
-        if shape is not None and said is None
+        for shape, is_said in zip(shapely.from_wkb(wkb), said, strict=True)
+        if shape is not None and not is_said
     ]
     shown = [line for shape in shapes for line in _lines_of(shape)]
     lines = [curve.line(0.01) for curve in known]
     return _off(shown, lines, NEAR_MM), _off([curve.line(0.01) for curve in cut], shown, NEAR_MM)
+
+
+ANNOTATIONS = frozenset({"DIMENSION", "LEADER", "MULTILEADER", "MLEADER"})
+"""Types of a DXF file that are drawn by lines, and are none."""
+
+
+def _kinds(data: bytes) -> dict[str, str]:
+    """The type of each entity of an ASCII file by its handle, by the file's own words."""
+    lines = [line.strip() for line in data.decode("utf-8", "replace").splitlines()]
+    found: dict[str, str] = {}
+    kind = ""
+    for code, value in zip(lines[::2], lines[1::2], strict=False):
+        if code == "0":
+            kind = value
+        elif code == "5":
+            found.setdefault(value, kind)
+    return found
+
+
+def _said(found: Seen) -> set[str]:
+    """The types of entities that the reader says are left out."""
+    notes = [] if found.nest is None else [note.text for note in found.nest.notes]
+    return {kind for kind in ANNOTATIONS for text in notes if "left out" in text and f" {kind}" in text}
 
 
 def _lines_of(shape: shapely.Geometry) -> Iterator[shapely.Geometry]:
@@ -189,7 +233,7 @@ def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Cur
     from PIL import Image
     from scipy import ndimage
 
-    text = file.read_text(encoding="utf-8", errors="replace")
+    text = _sized(file.read_text(encoding="utf-8", errors="replace"))
     png = resvg_py.svg_to_bytes(svg_string=text, width=PIXELS, dpi=96, skip_system_fonts=True)
     picture = np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA"), dtype=np.float64)
     ink = picture[:, :, 3] > 60
@@ -215,6 +259,17 @@ def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Cur
         x, y = at[inside].astype(int).T
         unshown += curve.length_mm * float((away[y, x] > NEAR_PX + 1.0).sum()) / count
     return unseen, unshown
+
+
+def _sized(text: str) -> str:
+    """The file with a size where it has a viewBox alone: resvg rounds that to whole units, which is coarse."""
+    root = re.search(r"<svg\b[^>]*>", text)
+    box = re.search(r"viewBox=[\"']([^\"']+)", root[0]) if root else None
+    if root is None or box is None or re.search(r"\s(width|height)=", root[0]):
+        return text
+    _, _, width, height = map(float, re.split(r"[\s,]+", box[1].strip()))
+    size = f'<svg width="{PIXELS}" height="{round(PIXELS * height / width)}"'
+    return text.replace("<svg", size, 1)
 
 
 def _pen_px(text: str, mm: float) -> float:

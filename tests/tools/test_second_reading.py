@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.tests.tools.second_reading import Judged, judged
+from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, square
+from kerfwise.tests.tools.second_reading import Judged, judged, likeliest, planned
 
 CASES = Path(__file__).parents[1] / "encoder" / "readers" / "cases"
 CLOSED_BY_US = "01-svg-clippath.svg"
@@ -24,6 +26,31 @@ def test_cases_are_read_as_other_programs_show_them(file: Path) -> None:
         assert row.ended == "refused"
     elif file.name not in (CLOSED_BY_US, OVERRUN):
         assert row == Judged(file, row.ended)
+
+
+def test_dimensions_are_lines_to_others_and_are_said(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        lines(space, square(0, 0, 50))
+        space.add_linear_dim((0, -20), (0, 0), (50, 0)).render()
+
+    file = save_dxf(tmp_path, draw)
+    assert judged(file, ReadOptions(kerf_mm=1.5)) == Judged(file, "planned")
+
+
+def test_a_small_picture_is_as_sharp_as_a_large_one(tmp_path: Path) -> None:
+    file = tmp_path / "small.svg"
+    frame = '<rect x="0.5" y="0.5" width="15.4" height="10.3" fill="none" stroke="black" stroke-width="0.05"/>'
+    file.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 16.4 11.4">{frame}</svg>', encoding="utf-8")
+    assert judged(file, ReadOptions(kerf_mm=0.2)) == Judged(file, "asked (1)")
+
+
+def test_a_file_is_planned_with_the_first_answer_to_each_question() -> None:
+    told = ["plate.dxf: the drawing raises 2 questions that nobody has answered:"]
+    told += ["  1. frame: what is it?", "      --answer frame=part    a part", "      --answer frame=sheet   the sheet"]
+    told += ["  2. layer:a b: what are they for?", '      --answer "layer:a b=mark"   marked']
+    assert likeliest("\n".join(told)) == ["frame=part", "layer:a b=mark"]
+    ended, answers, said = planned(CASES / "51-dxf-plate-and-holes-layers.dxf", "plasma-carbon-steel")
+    assert (ended, answers, said[:2]) == ("planned", 1, "ok")
 
 
 @pytest.mark.parametrize("name", [CLOSED_BY_US, OVERRUN])
