@@ -143,7 +143,7 @@ def judged(
     """
     if profile.material.kerf_mm <= 0:
         return []
-    control = load_dialect(profile.machine.dialect).control
-    program = in_linuxcnc(program, control)
-    more = {} if old is None else {"before": in_linuxcnc(old, control)}
+    dialect = load_dialect(profile.machine.dialect)
+    program = in_linuxcnc(program, dialect.control, dialect.name)
+    more = {} if old is None else {"before": in_linuxcnc(old, dialect.control, dialect.name)}
     return [*simulate(profile.as_cut(nest), program, tabs=tabs, **plant(profile), **more)]

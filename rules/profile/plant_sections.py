@@ -66,7 +66,9 @@ class DialectName(Choice):
 
 Process = Literal["plasma", "oxyfuel", "laser", "water-jet"]
 PROCESSES: tuple[Process, ...] = ("plasma", "oxyfuel", "laser", "water-jet")
-DIALECTS = ("burny", "eia", "essi", "grbl", "linuxcnc", "linuxcnc-qtplasmac")
+DIALECTS = (
+    "burny", "eia", "essi", "fanuc", "grbl", "linuxcnc", "linuxcnc-qtplasmac", "mach", "marlin", "sinumerik",
+)  # fmt: skip
 Origin = Literal["drawing", "sheet-corner"]
 ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")
 PierceDwell = Literal["machine", "program"]

@@ -179,7 +179,7 @@ def test_every_dialect_says_the_same_cuts(name: str) -> None:
 @pytest.mark.parametrize("name", dialect_names())
 def test_linuxcnc_burns_the_plans_length(name: str) -> None:
     program = write_program(planned(), SHEET, waiting(name))
-    run = canon.run(in_linuxcnc(program, load_dialect(name).control))
+    run = canon.run(in_linuxcnc(program, load_dialect(name).control, name))
     assert (run.error, run.warnings, run.dry_feeds) == (None, [], [])
     assert len(run.burns) == len(planned().cuts)
     assert sum(burn.length_mm for burn in run.burns) == pytest.approx(planned().totals.cut_mm, abs=allowed_mm(name))

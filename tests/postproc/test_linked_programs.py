@@ -168,7 +168,7 @@ def unlinked(plan: Plan) -> Plan:
 @pytest.mark.parametrize("name", dialect_names())
 def test_linuxcnc_burns_the_plans_length(name: str) -> None:
     program = write_program(planned(), SHEET, with_dialect(given(), name))
-    run = canon.run(in_linuxcnc(program, load_dialect(name).control))
+    run = canon.run(in_linuxcnc(program, load_dialect(name).control, name))
     assert (run.error, run.warnings, run.dry_feeds) == (None, [], [])
     assert len(run.burns) == planned().totals.pierces
     assert sum(burn.length_mm for burn in run.burns) == pytest.approx(planned().totals.cut_mm, abs=allowed_mm(name))

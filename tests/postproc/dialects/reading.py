@@ -92,7 +92,7 @@ def apart_mm(path: Curve, points: list[tuple[float, float]]) -> float:
     )
 
 
-def of_linuxcnc(text: str, control: str, tabs: bool = False) -> Heard:
+def of_linuxcnc(text: str, control: str, tabs: bool = False, dialect: str = "") -> Heard:
     """What LinuxCNC's interpreter makes of a program, once it is spelt in its words; `tabs` are gone over unlit.
 
     Raises
@@ -100,7 +100,7 @@ def of_linuxcnc(text: str, control: str, tabs: bool = False) -> Heard:
     AssertionError
         With what the interpreter says against it.
     """
-    run = canon.run(in_linuxcnc(text, control), tolerance_mm=0.002)
+    run = canon.run(in_linuxcnc(text, control, dialect), tolerance_mm=0.002)
     assert (run.error, run.warnings) == (None, [])
     assert tabs or not run.dry_feeds, "moves at a feed with the torch off"
     return Heard([b.points for b in run.burns], [b.length_mm for b in run.burns], run.idle_mm)

@@ -76,7 +76,7 @@ def _readers(plan: Plan, nest: Nest, plant: Profile) -> dict[str, Reader]:
     text = write_program(plan, nest, plant)
     readers: dict[str, Reader] = {
         "the check": lambda: reading.of_check(text, nest, plant),
-        "rs274": lambda: reading.of_linuxcnc(text, dialect.control, any(p.cut.tabs for p in plan.cuts)),
+        "rs274": lambda: reading.of_linuxcnc(text, dialect.control, any(p.cut.tabs for p in plan.cuts), dialect.name),
     }
     if dialect.line:
         readers["gcode-toolpath"] = lambda: reading.of_toolpath(text, dialect.control)

@@ -44,8 +44,8 @@ def agrees(name: str, heard: Heard) -> bool:
 @pytest.mark.parametrize("name", dialect_names())
 def test_linuxcncs_interpreter(name: str) -> None:
     text, control = case(name)[3], load_dialect(name).control
-    assert agrees(name, reading.of_linuxcnc(text, control))
-    run = canon.run(in_linuxcnc(text, control))
+    assert agrees(name, reading.of_linuxcnc(text, control, dialect=name))
+    run = canon.run(in_linuxcnc(text, control, name))
     assert [b.tool != 0 for b in run.burns] == [planned.kind == "mark" for planned in case(name)[0].cuts]
 
 

@@ -15,6 +15,7 @@ from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.dialects import Dialect, dialect_names, dialect_text, load_dialect
 from kerfwise.postproc.dialects.load import parse_dialect
@@ -110,7 +111,7 @@ def test_no_arc_turns_further_than_the_dialect_allows(name: str, sweep_deg: floa
     dialect = dataclasses.replace(load_dialect(name), greatest_sweep_deg=sweep_deg)
     read_back(dialect, name)
     text = write_program(plan, drawn, plant, dialect)
-    burns = read_nc(text, control=CONTROLS[dialect.control]).burns
+    burns = read_nc(text, control=control_for(dialect)).burns
     sweeps = [abs(math.degrees(s.sweep_rad)) for burn in burns for s in burn.path.segments if s.is_arc]
     assert sweeps
     assert max(sweeps) <= sweep_deg + 0.1  # points are rounded

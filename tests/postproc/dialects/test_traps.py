@@ -11,7 +11,6 @@
 from __future__ import annotations
 
 import re
-from importlib import resources
 from pathlib import Path
 
 import pyogrio.raw
@@ -70,14 +69,17 @@ def test_marlins_seconds_and_inline_power_are_refused(old: str, new: str) -> Non
     assert caught.value.line is not None
 
 
-def test_marlin_is_not_offered(tmp_path: Path) -> None:
-    assert not any("marlin" in name.lower() for name in (*dialect_names(), *CONTROLS))
-    shipped = (resources.files("kerfwise") / "postproc/dialects/grbl.yaml").read_text()
-    (tmp_path / "marlin.yaml").write_text(
-        shipped.replace("name: grbl", "name: marlin").replace("control: grbl", "control: marlin")
-    )
-    with pytest.raises(InputError, match="control"):
-        load_dialect(str(tmp_path / "marlin.yaml"))
+def test_marlin_waits_in_seconds_and_puts_the_beam_out_before_each_travel() -> None:
+    """P would be milliseconds; what M3 lights burns on in travel, too."""
+    drawn, plant = nest(200, 120, part("A", rect(40, 30, 60, 50))), with_dialect(profile(), "marlin")
+    text = write_program(plan_of(drawn, [cut_of(drawn.contour("A.outer"), 0.1, "cw")], plant), drawn, plant)
+    assert "G4 S0.5" in text
+    assert "M5\n; HOME\nG0 X0 Y0\n" in text
+    assert check_program(drawn, text, plant).broken() == ()
+    with pytest.raises(InputError, match="P without a word that uses it"):
+        check_program(drawn, text.replace("G4 S0.5", "G4 P0.5"), plant)
+    late = text.replace("M5\n; HOME\nG0 X0 Y0\n", "; HOME\nG0 X0 Y0\nM5\n")
+    assert "torch-off-travel" in check_program(drawn, late, plant).broken()
 
 
 @pytest.mark.parametrize(
@@ -125,7 +127,7 @@ def test_a_drawing_holds_a_polyline_a_cut_and_nothing_that_is_not_to_be_cut(tmp_
     assert len(shapes) == len(plan.cuts) == len(plate().contours)
 
 
-@pytest.mark.parametrize("maker", ["trumpf", "bystronic", "fanuc"])
+@pytest.mark.parametrize("maker", ["trumpf", "bystronic"])
 def test_nothing_is_claimed_of_controls_whose_process_tables_are_the_machines(maker: str) -> None:
     told = [
         text for name in dialect_names() for text in (name, load_dialect(name).title, *load_dialect(name).verified_by)

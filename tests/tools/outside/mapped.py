@@ -6,20 +6,50 @@ The mapping is ours and proves nothing; what the interpreter then makes of units
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 
 _NUMBER = re.compile(r"^N\d+ ")
 _EIA = {"M07": "M3 $0 S1", "M08": "M5 $0", "M09": "M3 $1 S1", "M10": "M5 $1", "M50": "", "M51": "", "M02": "M2"}
 _BURNY = {"M04": "M3 $0 S1", "M03": "M5 $0", "G71": "G21", "G90": "G90 G90.1"}
 
 
-def in_linuxcnc(text: str, control: str) -> str:
+_OF_DIALECT: dict[str, dict[str, str]] = {
+    "mach": {"M3": "M3 S1"},
+    "marlin": {"M84": "M2"},
+    "fanuc": {"M3": "M3 $0 S1", "M5": "M5 $0", "%": ""},
+    "sinumerik": {"M3": "M3 $0 S1", "M5": "M5 $0", "G71": "G21"},
+}
+_WAITS = {"marlin": "G4 S", "fanuc": "G04 X", "sinumerik": "G4 F"}
+
+
+def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
     """The program in words that LinuxCNC knows; one for LinuxCNC stays as it is."""
+    if dialect in _OF_DIALECT:
+        rows = [_NUMBER.sub("", row) for row in text.split("\n")]
+        mapped = [_OF_DIALECT[dialect].get(row, row) for row in rows]
+        return "\n".join(_said_out(row.replace(_WAITS.get(dialect, "G4 P"), "G4 P") for row in mapped))
     if control.startswith("linuxcnc"):
         return text
     rows = [_NUMBER.sub("", row) for row in text.split("\n")]
     return "\n".join(
         {"grbl": _of_grbl, "eia": _of_eia, "burny": _of_burny, "essi": _of_essi, "essi-radius": _of_essi}[control](rows)
     )
+
+
+def _said_out(rows: Iterable[str]) -> Iterator[str]:
+    """Rows with the motion word that they lean on, without program numbers, and with comments in brackets."""
+    motion = ""
+    for row in rows:
+        if found := re.match(r"G0?[0-3](?= )", row):
+            motion = found[0]
+        if row.startswith("; "):
+            row = f"({row[2:].translate(_NO_BRACKETS)})"
+        elif row.startswith(("X", "Y")):
+            row = f"{motion} {row}"
+        yield "" if re.fullmatch(r"O\d+", row) else row
+
+
+_NO_BRACKETS = str.maketrans("()", "[]")
 
 
 def _of_grbl(rows: list[str]) -> list[str]:
