@@ -255,6 +255,7 @@ class AlsoList(OptionKind):
         if inner.found or "words" not in given or not set(given) <= set(Also._fields):
             raise self.refuse(node)
         where = given["where"].value if "where" in given else "anywhere"
+        where = {"true": "on", "false": "off"}.get(where, where)  # as YAML 1.1 has them
         if where not in get_args(Where):
             raise Unfit(f"where: expected one of {', '.join(get_args(Where))}, got {where!r}", given["where"])
         return Also(self._words(given["words"]), cast("Where", where))

@@ -70,6 +70,12 @@ class Reads:
     step_mm: float | None = field(
         default=None, metadata=option(LENGTH, "what 1 is in its coordinates, where that is no mm and no inch")
     )
+    feed: Literal["units_min", "mm_min", "m_min", "in_min", "mm_s"] = field(
+        default="units_min",
+        metadata=option(
+            Choice(("units_min", *FEEDS)), "what F counts (units_min: its units a minute, mm or inches, as most do)"
+        ),
+    )
     longest: int | None = field(
         default=None, metadata=option(Number(10, 252, whole=True), "bytes of the longest line that it takes")
     )

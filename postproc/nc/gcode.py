@@ -203,6 +203,7 @@ class GcodeWriter:
         A word that is in force is left out, where the dialect says words only where they change.
         """
         if "{" in motion:
+            self._said.pop("motion", None)  # the block says a motion word of its own
             return motion.format(**dict.fromkeys("xyijr", "0") | words)
         said, modal = self._said, self.dialect.modal
         for axis, letter in enumerate("xy") if modal and self._zero == (0.0, 0.0) else ():

@@ -146,7 +146,8 @@ class Control:
     `also` are words that touch neither path nor torch, `means` words of its own with the code that they stand for, and
     `program_names` rows that only name a program. `opens` are the characters that begin a comment anywhere in a row,
     `comment_form` is how rows that are comments begin and end besides. `decimal` is the point of its numbers. `dwell_s`
-    and `place_mm` are what 1 means in a wait and, in mm or inches, in a place. The radius of an arc may differ by
+    and `place_mm` are what 1 means in a wait and, in mm or inches, in a place, `feed_mm_min` in a feed, where that does
+    not count in the program's units. The radius of an arc may differ by
     `mismatch_mm` between its ends. `halts_lit` says that a program may halt with the torch on, before that moves.
     Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off;
     where it has stopped it stands for `rests_s`.
@@ -192,6 +193,7 @@ class Control:
     dwell_s: float = 1.0
     place_mm: float = 1.0
     mismatch_mm: float = MISMATCH_MM
+    feed_mm_min: float | None = None
     halts_lit: bool = False
     preheat_s: float = 0.0
     stands_s: float = 0.0

@@ -257,7 +257,7 @@ class ModalState:
         if block.has_g(PER_MINUTE):
             self.feed_mm_min = 0.0
         if "F" in block.words and not (self.control.dwell == "F" and block.has_g(DWELL)):
-            self.feed_mm_min = block.of("F") * self.unit_mm
+            self.feed_mm_min = block.of("F") * (self.control.feed_mm_min or self.unit_mm)
 
     def wait(self, block: Block) -> None:
         """G4.

@@ -20,6 +20,7 @@ from kerfwise.rules.profile.plant_sections import ENDINGS
 
 from .controls import CONTROLS, Control, Declared
 from .tools import ENDS, HALTS
+from .words import BOUNDS
 
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 _TOKEN = re.compile(r"(?P<letter>[A-Z$#@_=]+)(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)?)|(?P<rest>.)")
@@ -56,9 +57,15 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         changes["title"] = reads.title or control.title
         changes["fixed"] = control.fixed | {_code_number(word, file) for block in reads.fixed for word in block.split()}
         if reads.dwell is not None:
-            changes |= {"dwell": reads.dwell.letter, "dwell_s": 0.001 if reads.dwell.unit == "ms" else 1.0}
+            letter = reads.dwell.letter
+            changes |= {"dwell": letter, "dwell_s": 0.001 if reads.dwell.unit == "ms" else 1.0}
+            if letter not in BOUNDS:  # a word of its own for the time of a wait
+                of_wait = re.compile(f"(?:(?<=G4)|(?<=G04)){letter}(?=[0-9.])")
+                changes |= {"dwell": "P", "means": (*changes["means"], (of_wait, "P"))}  # type: ignore[misc]
         if reads.step_mm is not None:
             changes["place_mm"] = reads.step_mm
+        if reads.feed != "units_min":
+            changes["feed_mm_min"] = {"mm_min": 1.0, "m_min": 1000.0, "in_min": 25.4, "mm_s": 60.0}[reads.feed]
         if reads.longest is not None:
             changes["longest"] = reads.longest
     made: Control = replace(control, **changes)  # type: ignore[arg-type]
