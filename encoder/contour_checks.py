@@ -184,12 +184,20 @@ def _sort_out(
 
 
 def mark_notes(parts: Sequence[Part]) -> list[Note]:
-    """A note for each mark that runs off the metal of its part."""
+    """A note for each mark that runs off the metal of its part, or one for all of many."""
     marked = [(p, m) for p in parts for m in p.marks]
     lines = np.array([m.line for _, m in marked], dtype=object)
     metal = shapely.buffer(metal_of([p for p, _ in marked]), TOUCH_MM, quad_segs=2)
     off = np.flatnonzero(~shapely.covered_by(lines, metal)).tolist()
-    return [Note("warning", f"{marked[k][1].id} runs off its part", (marked[k][1].id,)) for k in off]
+    names = [marked[k][1].id for k in off]
+    if len(names) <= FEW_MARKS:
+        return [Note("warning", f"{name} runs off its part", (name,)) for name in names]
+    shown = f"{', '.join(names[:FEW_MARKS])}, …"
+    return [Note("warning", f"{len(names)} marks run off their parts: {shown}", tuple(names))]
+
+
+FEW_MARKS = 3
+"""So many marks that run off their parts have a note each."""
 
 
 def thick(area: shapely.Geometry) -> bool:

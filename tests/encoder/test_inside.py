@@ -46,3 +46,6 @@ def test_marks_that_run_off_the_metal() -> None:
     given = part("A", PLATE, [circle(50, 50, 10)], [inside, over_the_edge, over_a_hole])
     assert [n.text for n in mark_notes([given])] == ["A.mark2 runs off its part", "A.mark3 runs off its part"]
     assert mark_notes([part("A", PLATE)]) == []
+    [note] = mark_notes([part("A", PLATE, [circle(50, 50, 10)], [over_the_edge] * 5)])
+    assert note.text == "5 marks run off their parts: A.mark1, A.mark2, A.mark3, …"
+    assert len(note.contours) == 5

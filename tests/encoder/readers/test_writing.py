@@ -17,6 +17,7 @@ from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.lettering import NEWSTROKE, lettering
 from kerfwise.tests.encoder.readers.drawings import lines, read_dxf, save_dxf, sheet, square, texts
+from kerfwise.tests.tools.browser import launched
 
 H_NEXT = 19 / 21
 """How far the letter after an H is, for a height of 1; the strokes of the H reach from 3.5 to 15.5 of 21."""
@@ -391,3 +392,46 @@ def test_the_reading_lists_what_is_written(tmp_path: Path) -> None:
     assert row == {"text": "M8", "layer": "Gravur", "at": [50.0, 50.0], "height": 5.0, "marks": names}
     assert "layer 'Gravur': marked, by its name (1 text)" in nest.reading.lines()
     assert "marked texts: 'Gravur' (1)" in nest.reading.short()
+
+
+SHOWN = (
+    '<text x="20" y="30">Start</text>',
+    '<text x="150" y="30" text-anchor="middle">Middle</text>',
+    '<text x="290" y="60" style="text-anchor:end;font-size:9px">End at it</text>',
+    '<g transform="translate(100 100) rotate(30) scale(1.5)"><text>Turned</text></g>',
+    '<g transform="matrix(-1 0 0 1 120 0)" font-size="80%"><text x="20" y="150">Mirrored</text></g>',
+    '<text x="20" y="170" font-size="2em"><tspan dx="5" dy="-3">Shifted</tspan></text>',
+    '<text x="150" y="170" dominant-baseline="central">Central</text>',
+    '<text x="200" y="170" dominant-baseline="hanging">Hanging</text>',
+    '<svg x="200" y="100" width="50" height="25" viewBox="0 0 100 50"><text x="10" y="40">Inner</text></svg>',
+    '<text transform="skewX(20)" x="20" y="120">Skewed</text>',
+)
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_texts_stand_where_a_browser_shows_them(tmp_path: Path) -> None:
+    """By the middle of each text on its base line: letters of another font are of other widths."""
+    body = f'<g font-size="12" font-family="Arial, Liberation Sans, sans-serif">{"".join(SHOWN)}</g>'
+    nest = svg(tmp_path, body)
+    assert nest.reading is not None
+    strokes = {mark.id: mark.line for part in nest.parts for mark in part.marks}
+    found = {
+        writing.text: shapely.union_all([strokes[name] for name in writing.marks]) for writing in nest.reading.writings
+    }
+    script = """() => [...document.querySelectorAll("text")].map(one => {
+      const box = one.getBBox(), middle = new DOMPoint(box.x + box.width / 2, box.y + box.height / 2);
+      const matrix = document.querySelector("svg").getScreenCTM().inverse().multiply(one.getScreenCTM());
+      const size = parseFloat(getComputedStyle(one.querySelector("tspan") ?? one).fontSize);
+      const at = middle.matrixTransform(matrix), scale = Math.hypot(matrix.a, matrix.b);
+      return [one.textContent, at.x, at.y, size * scale]; })"""
+    with launched() as browser:
+        page = browser.new_page(viewport={"width": 1200, "height": 800})
+        page.set_content((tmp_path / "drawing.svg").read_text(encoding="utf-8"))
+        shown = page.evaluate(script)
+        page.close()
+    assert len(shown) == len(SHOWN)
+    for text, x, y, size in shown:
+        middle = shapely.box(*found[text].bounds).centroid
+        off = math.hypot(middle.x - x, 200 - middle.y - y)
+        assert off < 0.4 * size, text
