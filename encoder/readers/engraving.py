@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
@@ -43,40 +43,40 @@ def engraved(texts: Sequence[DrawnText], told: ByLayer, options: ReadOptions, as
         For an answer that is none of the choices.
     """
     marked: list[DrawnText] = []
+    failed: list[tuple[DrawnText, str]] = []
     left: dict[tuple[bool, str], list[DrawnText]] = defaultdict(list)
-    rows: dict[tuple[str, str, str], list[DrawnText]] = defaultdict(list)
+    rows: Counter[tuple[str, str, str]] = Counter()
     silent: list[DrawnText] = []
     for text in texts:
         use = _use(text, told, options, asking)
-        rows[text.look.layer, str(use.purpose), use.because].append(text)
-        if use.purpose == "mark":
+        if use.purpose == "mark" and (why := _why_not(text)):
+            failed.append((text, why))
+        elif use.purpose == "mark":
             marked.append(text)
+            rows[text.look.layer, use.because, "text" if text.text else "point"] += 1
         elif use.purpose == "ignore":
             silent.append(text)
         else:
             left[not text.text, text.look.layer].append(text)
-    failed = [text for text in marked if text.trouble or not text.strokes]
     notes = [_not_marked(those) for _, those in sorted(left.items())]
-    notes += [
-        Note(
-            "warning",
-            f"left out, as {text.trouble or 'it has no strokes'}: the {text.place}; turn it into lines in CAD",
-        )
-        for text in failed[:MOST_NOTES]
-    ]
+    notes += [Note("warning", f"left out, as {why}: the {text.place}") for text, why in failed[:MOST_NOTES]]
     if len(failed) > MOST_NOTES:
-        notes.append(Note("warning", f"… and {len(failed) - MOST_NOTES} more texts are left out"))
-    taken = [
-        Taken(layer, purpose, because, len(those), what=what)
-        for (layer, purpose, because), rest in sorted(rows.items())
-        for what, those in (("text", [t for t in rest if t.text]), ("point", [t for t in rest if not t.text]))
-        if those and purpose == "mark"
-    ]
-    sound = tuple(text for text in marked if text not in failed)
-    gone = (*failed, *silent, *(text for those in left.values() for text in those))
-    return Engraved(sound, gone, tuple(taken), tuple(notes))
+        notes.append(Note("warning", f"left out, as those before: {len(failed) - MOST_NOTES} more texts"))
+    taken = [Taken(layer, "mark", because, n, what=what) for (layer, because, what), n in sorted(rows.items())]
+    gone = (*(text for text, _ in failed), *silent, *(text for those in left.values() for text in those))
+    return Engraved(tuple(marked), gone, tuple(taken), tuple(notes))
 
 
+def _why_not(text: DrawnText) -> str:
+    """Why a text cannot be engraved, and what to do; "" where it can."""
+    if text.text and not text.trouble and text.height_mm < SMALLEST_MM:
+        return f"its capitals are {text.height_mm:.3g} mm tall, less than {SMALLEST_MM:g} mm"
+    why = text.trouble or ("" if text.strokes else "it has no strokes")
+    return f"{why} (turn it into lines in CAD)" if why else ""
+
+
+SMALLEST_MM = 0.5
+"""Nobody reads smaller letters, and no torch writes them."""
 MOST_NOTES = 20
 
 

@@ -181,9 +181,18 @@ def test_the_font_says_whose_it_is() -> None:
 def test_letters_that_are_not_in_the_font_are_told(tmp_path: Path) -> None:
     [said] = texts(written(tmp_path, "No 漢字", height=5, insert=(50, 50)).notes)
     assert said == (
-        "left out, as the font has no letters '漢', '字': the text 'No 漢字' at (50.000, 50.000) on layer 'Gravur'; "
-        "turn it into lines in CAD"
+        "left out, as the font has no letters '漢', '字' (turn it into lines in CAD): the text 'No 漢字' at (50.000, "
+        "50.000) on layer 'Gravur'"
     )
+
+
+def test_letters_that_nobody_can_read_are_left_out(tmp_path: Path) -> None:
+    nest = written(tmp_path, "i. see", height=0.02, insert=(50, 50))
+    [said] = texts(nest.notes)
+    assert said.startswith("left out, as its capitals are 0.02 mm tall, less than 0.5 mm: the text 'i. see'")
+    assert nest.reading is not None
+    assert "texts" not in nest.reading.short()
+    assert len(written(tmp_path, "i. see", height=0.5, insert=(50, 50)).parts[0].marks) > 5
 
 
 def test_a_font_of_symbols_is_not_read_as_letters(tmp_path: Path) -> None:
