@@ -29,6 +29,8 @@ CLOSE, SHARED = "open:close", "open:shared"
 class Closing:
     """Closed lines that open ones can become: `rings` of `chains`, and `replaced` rings that they divide.
 
+    `left` are what stays open of the chains.
+
     `choice` is the answer that has it done; `likely` that nothing else is likelier. `notes` say what was done.
     """
 
@@ -38,6 +40,7 @@ class Closing:
     replaced: tuple[DrawnCurve, ...]
     likely: bool
     notes: tuple[Note, ...]
+    left: tuple[DrawnCurve, ...] = ()
 
 
 def closings(
@@ -68,27 +71,27 @@ def _over_gaps(chains: Sequence[DrawnCurve], broken: Sequence[DrawnCurve], toler
     wide = [gap for gap, c in across if gap <= min(WIDE_SHARE * c.curve.length_mm, WIDE_MM)]
     for reach_mm in (REPAIR_FACTOR * tolerance_mm, max(wide, default=0.0) + SNAP_MM):
         joined = join(chains, tolerance_mm, reach_mm)
-        if joined.rings and (len(joined.chains) < len(broken) or not joined.chains):
-            return _closed_over(chains, joined)
+        left = {c.order for c in joined.chains}
+        if joined.rings and (not left or any(c.order not in left for c in broken)):
+            return _closed_over(chains, broken, joined)
     return None
 
 
-def _closed_over(chains: Sequence[DrawnCurve], joined: Joined) -> Closing:
+def _closed_over(chains: Sequence[DrawnCurve], broken: Sequence[DrawnCurve], joined: Joined) -> Closing:
     gaps, corners = [g.width_mm for g in joined.gaps], [o.width_mm for o in joined.overruns]
     words = [
         f"{len(widths)} {what if len(widths) == 1 else f'{what}s'} of up to {max(widths):.3f} mm {done}"
         for widths, what, done in ((gaps, "gap", "closed"), (corners, "overrun", "cut off"))
         if widths
     ]
-    choice = Choice(CLOSE, f"repaired: {' and '.join(words) or 'closed'}")
-    left = {id(chain.curve) for chain in joined.chains}
-    notes = [
-        Note("repaired", f"a gap of {g.width_mm:.3f} mm at ({g.at[0]:.3f}, {g.at[1]:.3f}) is closed")
-        for g in joined.gaps
-    ]
-    notes += overrun_notes(joined)
-    used = tuple(c for c in chains if id(c.curve) not in left)
-    return Closing(choice, joined.rings, used, (), not joined.chains, tuple(notes))
+    left = len(joined.chains)
+    rest = f"; {left} other open line{'s' if left != 1 else ''} marked in metal, left out in waste" if left else ""
+    choice = Choice(CLOSE, f"repaired: {' and '.join(words) or 'closed'}{rest}")
+    notes = [*gap_notes(joined), *overrun_notes(joined)]
+    notes += [Note("repaired", f"the line {p.place} is drawn twice; it is cut once") for p in joined.repeats]
+    meant = {chain.order for chain in broken}
+    likely = not any(chain.order in meant for chain in joined.chains)
+    return Closing(choice, joined.rings, tuple(chains), (), likely, tuple(notes), joined.chains)
 
 
 def gap_notes(joined: Joined, over_mm: float = 0.0) -> list[Note]:

@@ -112,7 +112,7 @@ def _assembled(
         for way in open_lines.closing:
             closed_layers |= {chain.layer for chain in way.chains}
             closed_notes += way.notes
-            left = tuple(c for c in cut.chains if c not in way.chains)
+            left = (*(c for c in cut.chains if c not in way.chains), *way.left)
             kept = [r for r in cut.rings if r not in way.replaced]
             cut = replace(cut, rings=tuple(sorted((*kept, *way.rings), key=lambda r: r.order)), chains=left)
 

@@ -50,14 +50,14 @@ def told(path: Path, repair: bool = False) -> dict[str, Any]:
 
 
 def open_lines(path: Path) -> Path:
-    """A square with a gap of 0.4 mm, a line that is no contour, and a part."""
+    """A square with a gap of 0.4 mm, another that misses a side, and a part."""
     drawing = ezdxf.new()
     drawing.header["$INSUNITS"] = 4
     space = drawing.modelspace()
     for corners, layer, closed in (
         ([(0, 0), (400, 0), (400, 200), (0, 200)], "SHEET", True),
         ([(20, 20), (100, 20), (100, 100), (20, 100), (20, 20.4)], "CUT", False),
-        ([(130, 20), (210, 20), (210, 100)], "CUT", False),
+        ([(130, 20), (210, 20), (210, 100), (130, 100)], "CUT", False),
         (square(240, 20), "CUT", True),
     ):
         space.add_lwpolyline(corners, close=closed, dxfattribs={"layer": layer})

@@ -156,3 +156,14 @@ def test_a_drawing_far_from_the_origin_is_moved(tmp_path: Path) -> None:
 
     with pytest.raises(InputError, match=r"farthest from the others lies at \(0\.000, 0\.000\) on layer 'STRAY'"):
         read_dxf(tmp_path, stray)
+
+
+def test_other_open_lines_stay_what_they_are(tmp_path: Path) -> None:
+    """A square with a gap beside a line in waste and one in the metal of a part: none is lost without a word."""
+    gap = ((100, 100), (200, 100)), ((200, 100), (200, 160)), ((200, 160), (100, 160)), ((100, 160), (100, 100.4))
+    draw = drawn(*gap, ((20, 20), (40, 40)), ((300, 20), (340, 40)))
+    with pytest.raises(Questions, match="closed; 2 other open lines marked in metal, left out in waste: 2 parts"):
+        read_dxf(tmp_path, draw)
+    nest = answered(tmp_path, draw, "open:close")
+    assert [c.id for c in nest.contours] == ["P1.mark1", "P1.outer", "P2.outer"]
+    assert [text for text in texts(nest.notes) if "left out, for it lies in no part: 1 line" in text]
