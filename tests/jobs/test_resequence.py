@@ -149,6 +149,7 @@ def test_an_order_that_breaks_rules_may_get_longer_and_that_is_said(tmp_path: Pa
 TOLD = {
     "squares", "squares with holes", "slow holes", "travel by lines", "travel by lines at a feed of their own",
     "parameters", "repeats", "from place to place", "only from place to place", "heights, probing and waits",
+    "the same height in each travel",
     "a height before the travel", "kerf by the control", "unknown words at the top", "line ends of Windows",
 }  # fmt: skip
 """Those of which a nest can be told."""

@@ -54,6 +54,8 @@ _REFUSED: Mapping[int, str] = {
     83: "it moves the origin; post it without",
     65: "it loads another program on the control, which is not checked; post it with 0 at its end",
 }
+OBEYED = frozenset({5, 6, 39, 41, 71, 81, *_ENDS, *_STARTS, *_STOPS, *_REFUSED})
+"""Numbers that move, switch, wait, or say how what follows is meant."""
 _FEED_MM_MIN = (1.0, 1e6)
 _FARTHEST_MM = 2e6
 _WAIT_MS = 3_600_000
@@ -88,6 +90,8 @@ class _Program:
             With the line, for what is malformed, not understood, or not checked.
         """
         self.blocks += 1
+        if any(also.pattern.fullmatch(text) for also in self.control.also):
+            return
         if text[0] in "+-":
             if not _MOVE.fullmatch(text):
                 raise _refused(line, f"cannot read {text[:40]!r}: expected signed numbers such as +1000-250")

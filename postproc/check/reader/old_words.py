@@ -38,6 +38,8 @@ _PROBE = re.compile(f"(?:G38\\.[2-5]|G31(?![0-9.]))(?:Z{_VALUE})?")
 _MACHINE_PLACE = re.compile(f"G53(?![0-9.])(?:(?:G0*[01])?Z{_VALUE})?")
 _SET_ZERO = re.compile(r"G92(?![0-9.])")
 _SYSTEM = re.compile(r"G5(?:[5-8]|9(?:\.[1-3])?)(?![0-9.VD])")
+_FIRST_SYSTEM = re.compile(r"G54(?![0-9.])")
+_PROGRAM_NAME = re.compile(r"[O:][0-9]{1,8}")
 _KERF = re.compile(f"G4[12](?:\\.1)?(?![0-9.])(?:[DP]{_VALUE})*")
 _KERF_WIDTH = re.compile(f"G43X{_VALUE}")
 _ANY_TOOL = re.compile(r"(?:T[0-9]+M0*6|M0*6T[0-9]+|T[0-9]+|M0*6)(?![0-9])")
@@ -59,9 +61,10 @@ class OldWords:
 
     `control` is whose program it is. `lit` says that the torch is on, `begun` that the program has named a place, and
     `carried` is the last line with words of the height, of probing and of the like, `kept_kerf` that of a kerf that the
-    control adds. `header` are rows before the first place whose words nobody here knows. `feed_mm_min` is the feed of
-    materials that the program only names, `used` are the lines where that was needed, `fed` is the last line with the
-    feed of a material, and `kerfs_mm` are the kerfs of the materials that the program describes.
+    control adds, and `height` the last word of the height. `header` are rows before the first place whose words nobody
+    here knows. `feed_mm_min` is the feed of materials that the program only names, `used` are the lines where that was
+    needed, `fed` is the last line with the feed of a material, and `kerfs_mm` are the kerfs of the materials that the
+    program describes.
     """
 
     control: Control
@@ -70,6 +73,7 @@ class OldWords:
     begun: bool = False
     carried: int = 0
     kept_kerf: int = 0
+    height: str | None = None
     header: list[tuple[int, str]] = field(default_factory=list)
     state: State = field(default_factory=State)
     used: list[int] = field(default_factory=list)
@@ -123,15 +127,19 @@ class OldWords:
                 row, self.carried = without(row, found), line
         if (found := _SET_ZERO.search(row.code)) is not None:
             return self._set_zero(row, found, line, moves)
+        if not self.begun and _PROGRAM_NAME.fullmatch(row.code):
+            return Row("", (), row.comments, row.comment_at)
         if (found := _AXIS.search(row.code)) and not _OVERRIDE.fullmatch(row.code):
-            if found[0][0] != "Z" or (places and not self.lit):
+            height, self.height = self.height, found[0] if found[0][0] == "Z" else self.height
+            stays = height is not None and float(height[1:]) == float(found[0][1:])
+            if found[0][0] != "Z" or (places and not self.lit and not stays):
                 what = "another axis than X, Y and Z" if found[0][0] != "Z" else "a travel that changes the height"
                 raise InputError(
                     f"'{found[0]}': {what} is not supported here; post it with heights in lines of their own",
                     line=line,
                     column=row.columns[found.start()],
                 )
-            row, self.carried = without(row, found), line
+            row, self.carried = without(row, found), self.carried if stays and places else line
         return self._settings(row)
 
     def _only_of_header(self, row: Row) -> bool:
@@ -167,6 +175,8 @@ class OldWords:
         """The row without tools, coordinate systems, S words without a start, and kerfs that the control adds."""
         control = self.control
         patterns = [("kerf", _KERF), ("coordinate system", _SYSTEM), ("kerf width", _KERF_WIDTH)]
+        if 54.0 not in control.known_g:
+            patterns.append(("coordinate system", _FIRST_SYSTEM))
         if control.selects == 37.0:
             if found := _OVERRIDE.fullmatch(row.code):
                 self.set_process(found[0])

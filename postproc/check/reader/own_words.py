@@ -19,6 +19,7 @@ from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.plant_sections import ENDINGS
 
 from .controls import CONTROLS, Control, Declared
+from .essi import OBEYED
 from .tools import ENDS, HALTS
 from .words import BOUNDS
 
@@ -142,6 +143,10 @@ def _pattern(also: Also, control: Control, file: str) -> Declared:
             raise _wrong(file, "also", f"also: {also.words!r} names a place ({found[0]}): such a word moves the torch")
         is_known = (letter == "G" and value in control.known_g) or (letter == "M" and value in control.known_m)
         known.append(is_known or letter == "F" or (letter == "S" and control.beam))
+    if control.arcs and bare.partition("+")[0].isdigit():
+        known = [int(bare.partition("+")[0]) in OBEYED]
+    elif control.arcs and bare[:1] in "+-":
+        raise _wrong(file, "also", f"also: {also.words!r} is a move")
     if known and all(known):
         ends = "ends the program" if bare in {f"M{code:g}" for code in ENDS} else "has a meaning of its own"
         text = (

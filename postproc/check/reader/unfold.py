@@ -150,6 +150,8 @@ class _Run:
             else:
                 yield from self._plain(source)
                 if _END.search(source.code) or (source.code == "%" and self.at > 1):
+                    if source.code != "%" and self.sources[0].code == "%":
+                        yield UnfoldedRow("%", source.line)  # subprograms behind the end are left out, its frame is not
                     return
 
     # plain rows

@@ -157,6 +157,21 @@ def test_a_word_of_the_control_is_not_harmless(tmp_path: Path) -> None:
         assert error.value.line is not None
 
 
+def test_numbers_of_essi_may_be_harmless_too(tmp_path: Path) -> None:
+    unmarked = dataclasses.replace(plate(), parts=tuple(dataclasses.replace(p, marks=()) for p in plate().parts))
+    profile = shop(tmp_path, "essi", {"torch_on": "[6, '225+40', 53]", "also": "['225+{n}']"})
+    trusted_dialect(profile)
+    plan = plan_of(unmarked, [cut for cut in good_cuts(plate()) if cut.contour in unmarked.index], profile)
+    text = write_program(plan, unmarked, profile)
+    assert text.count("225+40\n") == len(plan.cuts)
+    assert not check_program(unmarked, text, profile, plan=plan).broken()
+    with pytest.raises(InputError, match="225"):
+        trusted_dialect(shop(tmp_path, "essi", {"torch_on": "[6, '225+40', 53]"}))
+    for word in ("53", "39+{n}", "+100+100"):
+        with pytest.raises(InputError, match="also: "):
+            trusted_dialect(shop(tmp_path, "essi", {"also": f"['{word}']"}))
+
+
 def test_a_word_where_it_may_not_stand_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="may only stand before the first cut"):
         trusted_dialect(shop(tmp_path, "eia", {"torch_off": "[M08, M210]", "also": "[{words: M210, where: header}]"}))

@@ -152,6 +152,10 @@ M2
     )
     + "G53 G0 Z0\n"
     + END,
+    "the same height in each travel": HEAD.replace("G21", "O1234\nG21")
+    + "F2500\nG0 Z6\n"
+    + "".join(f"G0 X{x} Y20 Z6\nM3\nG1 X{x + 40}\nY60\nX{x} Y20\nM5\n" for x in (200, 20, 110))
+    + END,
     "a height before the travel": GOOD_SQUARES.replace("G0 X115", "G4 P2\nG0 Z20\nG0 X115"),
     "kerf by the control": HEAD
     + "F2500\n"
@@ -187,6 +191,7 @@ REFUSED: dict[str, tuple[str, int, str]] = {
         14,
         "between two travels",
     ),
+    "a travel that changes the height": (GOOD.replace("G0 X115", "G0 Z6\nG0 Z9 X115"), 14, "changes the height"),
     "a zero that moves": (GOOD.replace("G0 X115", "G92 X0 Y0\nG0 X115"), 13, "moves the zero"),
     "no units": (GOOD.replace("G21 (metric units)\n", ""), 4, "units"),
     "no end": (GOOD.replace("M2 (end)\n", ""), 21, "has no end"),
