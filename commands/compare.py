@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,7 @@ def _options(verb: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--with", "with_", multiple=True, metavar="RULE[=hard|soft]",
               help="Plan B with this rule on; repeatable.")  # fmt: skip
 @click.option("--heat", is_flag=True, help="Simulate the temperatures of both.")
+@click.option("--distortion", is_flag=True, help="Simulate how far the parts of both will be off.")
 @click.option("-o", "--output", "outputs", multiple=True, metavar="OUT.svg|.png|.html|.pdf",
               help="Write a picture of both routes, or a page or PDF with everything; repeatable.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
@@ -56,6 +58,7 @@ def command(
     without: Sequence[str],
     with_: Sequence[str],
     heat: bool,
+    distortion: bool,
     outputs: Sequence[str],
     as_json: bool,
     time_limit: float | None,
@@ -79,14 +82,33 @@ def command(
     for text in dict.fromkeys(text for side in given for text in side.profile.time_and_price_notes()):
         print_note(text)
     limits = {"work": work, "seed": seed, "time_s": time_limit}
-    made = _compared(pair_of(given, a, b, with_, without, limits, relax), heat)
+    pair = pair_of(given, a, b, with_, without, limits, relax)
+    made = _compared(pair, heat)
     if made is None:
         return 1
+    if distortion:
+        made = _with_distortion(made, pair)
     files = made.save(*outputs)
     click.echo(json.dumps(made.as_json(), ensure_ascii=False) if as_json else made)
     if files and not as_json:
         click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
     return 130 if made.interrupted else 0
+
+
+def _with_distortion(made: Comparison, pair: Sequence[SideAsked]) -> Comparison:
+    """The same with two more figures: how far parts will be off, at the most and on average, mm."""
+    from kerfwise.distortion.predict import distort_made
+    from kerfwise.jobs.compare.differences import Figure
+
+    a, b = (
+        distort_made(side.given, str(asked.file) if side.plan is None else side.plan)
+        for side, asked in zip((made.a, made.b), pair, strict=True)
+    )
+    more = (
+        Figure("off_max_mm", "worst part off", "mm", a.max_mm, b.max_mm),
+        Figure("off_mean_mm", "parts off, mean", "mm", a.mean_mm, b.mean_mm),
+    )
+    return replace(made, figures=(*made.figures, *more))
 
 
 def _expect_two(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +13,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.plant_sections import PRICES_MM
 
 from .shared_options import AMOUNT, AMOUNT_OVER_ZERO, input_options, note_placing, print_note, protect, read_inputs
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.inputs import Inputs
+    from kerfwise.jobs.pareto import Offer
 
 
 @click.command()
@@ -40,6 +45,7 @@ from .shared_options import AMOUNT, AMOUNT_OVER_ZERO, input_options, note_placin
 )
 @click.option("-o", "--output", metavar="FRONT.png", help="Output of the plot. Default: NEST.pareto.png.")
 @click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point. Default: NEST.pareto.")
+@click.option("--distortion", is_flag=True, help="Simulate how far the parts of each plan will be off, too.")
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
 def command(
     prices: tuple[float, ...],
@@ -52,6 +58,7 @@ def command(
     relax: bool,
     output: str | None,
     plans: str | None,
+    distortion: bool,
     as_json: bool,
     **options: Any,
 ) -> int:
@@ -81,6 +88,8 @@ def command(
     offer = trade_off(given, prices, limits, ProgressLine, name, already=already, relax=relax)
     if offer.refused is not None:
         click.echo(f"kerfwise: {offer.refused}", err=True)
+    if distortion:
+        offer = _with_distortion(given, offer)
     files: dict[Path, str | bytes] = {}
     if plans:
         make_folder(Path(plans))
@@ -95,3 +104,10 @@ def command(
     if offer.interrupted:
         return 130
     return 0 if offer.refused is None and all(trade.lawful for trade in offer.trades) else 1
+
+
+def _with_distortion(given: Inputs, offer: Offer) -> Offer:
+    """The same with how far the parts of each plan will be off, mean of their worst places, mm."""
+    from kerfwise.distortion.predict import distort_made
+
+    return replace(offer, off_mm=tuple(distort_made(given, trade.plan).mean_mm for trade in offer.trades))

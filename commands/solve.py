@@ -29,6 +29,7 @@ from .shared_options import (
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
+    from kerfwise.jobs.plan_nest import OrdersOf
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.models.plan.plan import Plan
 
@@ -204,17 +205,28 @@ def command(
     drawn = () if suffix is None else (suffix,)
     whole = None if time_limit is None else CommandLimit(time_limit, began_s, drawn, beside=beside.draws)
     listener = ProgressLine()
+    orders, foretold = _distortion(given)
     try:
         done = plan_nest(
             given, limits,
             already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
             listener=listener, tell=print_note, whole=whole, planned_as=beside.begin,
+            orders=orders,
         )  # fmt: skip
     except NoPlan as no_plan:
         code = print_conflict(no_plan, conflict_picture)
         _tell_late(whole)
         return code
     made = done.made
+    found = None
+    if foretold and made.verdict.ok:
+        from kerfwise.distortion.predict import distort_made
+
+        found = distort_made(done.given, made.plan)
+    if found is not None and given.profile.distortion.keep_tolerance and found.beyond:
+        click.echo(f"kerfwise: {found.line()} (distortion.keep_tolerance); nothing was written", err=True)
+        _tell_late(whole)
+        return 1
     files: dict[Path, str | bytes] = {}
     if made.verdict.ok:
         if output:
@@ -233,6 +245,8 @@ def command(
     if given.nest.reading is not None and given.nest.reading.taken:
         click.echo(escape_text(given.nest.reading.short()))
     click.echo(summary(made.plan, made.verdict))
+    if found is not None:
+        click.echo(found.line())
     if given.job is not None and (told := job_line(given.job, made.plan)):
         click.echo(told)
     if not made.verdict.ok:
@@ -242,6 +256,21 @@ def command(
     click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
     _tell_late(whole)
     return 130 if listener.interrupted else 0
+
+
+def _distortion(given: Inputs) -> tuple[OrdersOf | None, bool]:
+    """What finds straighter orders, if there is a price on distortion, and whether the parts' errors are asked for."""
+    from kerfwise.distortion.tolerances import is_asked
+
+    if not is_asked(given.nest, given.profile):
+        return None, False
+    from kerfwise.distortion.straighter import straighter_for  # scipy: only those who ask pay for it
+    from kerfwise.distortion.yielding import metal_of
+    from kerfwise.jobs.inputs import expect_one_torch
+
+    expect_one_torch(given.profile, "the simulation of distortion")
+    metal_of(given.profile.heat.material)
+    return straighter_for(given.profile), True
 
 
 def _tell_late(whole: CommandLimit | None) -> None:

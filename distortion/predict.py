@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.display import Picture
 from kerfwise.jobs.inputs import Inputs, Tell, expect_one_torch, silent
 from kerfwise.jobs.programs import OldJob
@@ -20,6 +22,7 @@ from kerfwise.models.plan.plan import Plan
 from .cutting import Cutting, cut_sheet
 from .part_errors import PartError, errors_of
 from .picture import draw_parts
+from .tolerances import Beyond, beyond, kept_or_not, tolerances_of
 from .yielding import metal_of
 
 if TYPE_CHECKING:
@@ -35,11 +38,20 @@ _SHOWN = 15
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Distortion:
-    """Errors of the parts of a plan or a program, in the nest's order; `how` it was simulated."""
+    """Errors of the parts of a plan or a program, in the nest's order; `how` it was simulated.
+
+    `tolerances` are what parts may be off, mm, by part; those without one are left out.
+    """
 
     nest: Nest
     how: Cutting
     parts: tuple[PartError, ...]
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def beyond(self) -> tuple[Beyond, ...]:
+        """The parts that will be off by more than they may."""
+        return beyond(self.parts, self.tolerances)
 
     @property
     def max_mm(self) -> float:
@@ -63,9 +75,25 @@ class Distortion:
                     "rms_mm": None if p.rms_mm is None else round(p.rms_mm, 4),
                     "at": None if p.at is None else [round(c, 2) for c in p.at],
                 }
+                | self._tolerance(p)
                 for p in self.parts
             ],
         }
+
+    def _tolerance(self, error: PartError) -> dict[str, Any]:
+        """What is said of a part that has a tolerance."""
+        if (most := self.tolerances.get(error.part)) is None:
+            return {}
+        return {"tolerance_mm": most, "kept": None if error.max_mm is None else error.max_mm <= most}
+
+    def line(self) -> str:
+        """All in one line, as `kerfwise solve` prints it."""
+        worst = max(self.parts, key=lambda p: p.max_mm or 0.0, default=None)
+        named = f" ({escape_text(worst.part)})" if worst is not None and worst.max_mm else ""
+        told = kept_or_not(self.beyond, len(self.tolerances))
+        return f"parts up to {self.max_mm:.2f} mm off when cold{named}, {self.mean_mm:.2f} mm on average" + (
+            f"; {told}" if told else ""
+        )
 
     def picture(self) -> Picture:
         """An SVG of the sheet with the shapes of its parts drawn exaggerated."""
@@ -93,6 +121,8 @@ class Distortion:
             lines.append(f"… and {len(known) - _SHOWN} straighter parts")
         if uncut := [p.part for p in self.parts if p.max_mm is None]:
             lines.append(f"not cut, and so not known: {', '.join(uncut[:_SHOWN])}")
+        if told := kept_or_not(self.beyond, len(self.tolerances)):
+            lines.append(told)
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -146,7 +176,8 @@ def distort_path(given: Inputs, path: TimedPath, grid_mm: float | None = None, y
     nest, profile = given.nest, given.profile
     kerf_mm = max(profile.material.kerf_mm, 0.1)
     how = Cutting(_grid(nest, grid_mm), kerf_mm, profile.material.thickness_mm, yields)
-    return Distortion(nest, how, errors_of(nest, cut_sheet(nest, path, profile.heat, how)))
+    tolerances = tolerances_of(nest, profile)
+    return Distortion(nest, how, errors_of(nest, cut_sheet(nest, path, profile.heat, how)), tolerances)
 
 
 def _grid(nest: Nest, grid_mm: float | None) -> float:

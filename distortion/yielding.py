@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import resources
 
 import numpy as np
@@ -98,6 +99,7 @@ class Band:
         return float(self.pull_n[-1])
 
 
+@lru_cache(maxsize=256)
 def yielded(material: str, thickness_mm: float, absorbed_w: float, feed_mm_s: float) -> Band:
     """The band beside a cut at a feed, with so many watts staying in the sheet.
 

@@ -29,6 +29,7 @@ from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
 
 Route = tuple[int, ...]
@@ -119,6 +120,15 @@ class CoolerOrders:
         self._tried: dict[Route, SimulatedRoute] = {}
         self._started = False
 
+    @property
+    def effort(self) -> tuple[int, int]:
+        """Random orders that the first prices are fitted to, and routes simulated near the best one in each round."""
+        return ORDERS, NEARBY
+
+    def price_mm(self, profile: Profile) -> float:
+        """What the profile has one of those cost that are counted, mm of idle travel."""
+        return profile.objective.heat
+
     def start(self, going: MayGoOn = _always) -> None:
         """Simulate random orders, if that was not done before.
 
@@ -128,7 +138,7 @@ class CoolerOrders:
             If no lawful order came of many attempts at random.
         """
         if not self._started:
-            self._simulate((random_order(self._problem, seed) for seed in range(ORDERS)), 1.0, going)
+            self._simulate((random_order(self._problem, seed) for seed in range(self.effort[0])), 1.0, going)
         self._started = True
 
     def prices(self) -> HeatPrices:
@@ -172,7 +182,7 @@ class CoolerOrders:
                 break
             self._simulate([plan], NEARBY_WEIGHT, going)
             best = self._best(price_mm, judge, judged)[0].route
-            routes = (nearby(problem, best, prices, price_mm, chance) for _ in range(NEARBY))
+            routes = (nearby(problem, best, prices, price_mm, chance) for _ in range(self.effort[1]))
             self._simulate((route for route in routes if route is not None), NEARBY_WEIGHT, going)
         tried, cost_mm = self._best(price_mm, judge, judged)
         return CoolestFound(self._candidates(tried.route), cost_mm, tried.overheats, self.prices())
@@ -208,14 +218,15 @@ class CoolerOrders:
             while lot := list(dict.fromkeys(islice(rest, LOT))):
                 new = [route for route in lot if route not in self._tried]
                 timed = [self._paths.of(self._candidates(route)) for route in new]
-                for route, hot in zip(new, pool.map(self._hot, timed), strict=True):
+                for route, hot in zip(new, pool.map(self.count, timed), strict=True):
                     self._tried[route] = SimulatedRoute(
                         route, route_cost(self._problem, route) / UM_PER_MM, hot, weight
                     )
                 if not going():
                     break
 
-    def _hot(self, path: TimedPath) -> Ints:
+    def count(self, path: TimedPath) -> Ints:
+        """What the simulation of a path counts for each contour (n,): here its overheats."""
         found = simulate(self._facts.nest, path, self._heat, self._thickness_mm, grid=self._grid)
         return self._regions.count(found)
 

@@ -90,8 +90,9 @@ def solve_priced(
     RulesConflict
         If no lawful plan exists, or none was found.
     """
-    facts, stated, price_mm = asked.facts, asked.stated, profile.objective.heat
+    facts, stated = asked.facts, asked.stated
     cooler = cooler or cooler_orders(facts, profile, stated)
+    price_mm = cooler.price_mm(profile)
     began_s, made = running_s(), list[Solution]()
 
     def going() -> bool:

@@ -93,6 +93,8 @@ class Offer:
         Whether Ctrl-C ended the look: the plans found so far are here.
     refused
         Why a price left no plan, where one did; None otherwise.
+    off_mm
+        How far the parts of each plan will be off, mean of their worst places, mm, where that was simulated.
     """
 
     trades: tuple[Trade, ...]
@@ -100,6 +102,7 @@ class Offer:
     name: str = ""
     interrupted: bool = False
     refused: RulesConflict | None = None
+    off_mm: tuple[float, ...] = ()
 
     @property
     def front(self) -> tuple[Trade, ...]:
@@ -119,7 +122,8 @@ class Offer:
                 "lawful": trade.lawful,
                 "front": trade in best,
             }
-            for trade in self.trades
+            | ({"off_mm": round(self.off_mm[k], 4)} if self.off_mm else {})
+            for k, trade in enumerate(self.trades)
         ]
 
     def files(self) -> Mapping[str, str]:
@@ -166,12 +170,14 @@ class Offer:
     def __str__(self) -> str:
         over = f"over {self.limit_c:g} °C"
         lines = [f"{'price, mm':>10} {over:>14} {'peak, °C':>9} {'idle, m':>9} {'time, s':>9}"]
+        if self.off_mm:
+            lines[0] += f" {'off, mm':>9}"
         for row in self.rows():
             mark = "" if row["front"] else "   no better than another"
             mark = mark if row["lawful"] else "   the check refuses it: not written"
             lines.append(
                 f"{row['price_mm']:10g} {row['overheats']:14d} {row['peak_c']:9.1f} {row['idle_mm'] / 1000:9.3f} "
-                f"{row['time_s']:9.1f}{mark}"
+                f"{row['time_s']:9.1f}" + (f" {row['off_mm']:9.3f}" if self.off_mm else "") + mark
             )
         return "\n".join(lines)
 

@@ -58,6 +58,10 @@ class FinishedPlan:
     made: VerifiedPlan
 
 
+OrdersOf = Callable[[Facts, Profile, Stated], "CoolerOrders"]
+"""Makes what finds orders by simulation."""
+
+
 def plan_nest(
     given: Inputs,
     limits: SolveOptions,
@@ -71,6 +75,7 @@ def plan_nest(
     tell: Tell = silent,
     whole: CommandLimit | None = None,
     planned_as: Callable[[Plan], None] | None = None,
+    orders: OrdersOf | None = None,
 ) -> FinishedPlan:
     """Plan a nest, or what is left of it, write the program, and judge both.
 
@@ -94,6 +99,8 @@ def plan_nest(
         A limit of the command that this is part of, in place of one in seconds for the planning alone.
     planned_as
         Told the plan before it is judged.
+    orders
+        What finds orders by another simulation than that of heat, where the profile has a price on what that shows.
 
     Raises
     ------
@@ -119,6 +126,8 @@ def plan_nest(
     try:
         asked = make_request(facts, profile, relax, limit.facts_made())
         left = limit.stated()
+        if profile.objective.distortion and orders is None:
+            tell("objective.distortion is not looked at here: only `kerfwise solve` chooses plans by it")
         with listener:
             made = solve_and_verify(
                 asked,
@@ -128,6 +137,7 @@ def plan_nest(
                 engine,
                 solver,
                 strategy,
+                None if orders is None else orders(facts, profile, asked.stated),
                 and_zones=True,
                 planned_as=planned_as,
             )
@@ -216,7 +226,8 @@ def solve_and_verify(
         return _solved(Request(facts, stated), further, profile, part, progress, engine, solver, strategy)
 
     cool: Solution | None = None
-    if strategy == "ours" and profile.objective.heat and profile.heat.absorbed_power_w:
+    price_mm = profile.objective.heat if cooler is None else cooler.price_mm(profile)
+    if strategy == "ours" and price_mm and profile.heat.absorbed_power_w:
         from .heat_control import solve_priced
 
         cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)

@@ -16,7 +16,7 @@ from .sides import Side
 
 # The figures of two sides: lengths, pierces, times, cost and heat.
 
-Unit = Literal["m", "count", "s", "money", "C"]
+Unit = Literal["m", "mm", "count", "s", "money", "C"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +53,8 @@ class Figure:
         match self.unit:
             case "m":
                 return f"{value / 1000:.3f} m"
+            case "mm":
+                return f"{value:.2f} mm"
             case "count":
                 return f"{value:.0f}"
             case "s":

@@ -27,6 +27,7 @@ from .sections import (
     Common,
     Corners,
     Cuts,
+    Distortion,
     DrawingSection,
     LeadsSection,
     Machine,
@@ -62,6 +63,7 @@ class ProfileSections:
     time: Time = field(default_factory=Time)
     prices: Prices = field(default_factory=Prices)
     heat: Heat = field(default_factory=Heat)
+    distortion: Distortion = field(default_factory=Distortion)
     small_holes: SmallHoles = field(default_factory=SmallHoles)
     corners: Corners = field(default_factory=Corners)
     cuts: Cuts = field(default_factory=Cuts)

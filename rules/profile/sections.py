@@ -38,6 +38,7 @@ from .time_section import Time
 
 __all__ = [
     "SECTIONS",
+    "Distortion",
     "DrawingSection",
     "LeadsSection",
     "Machine",
@@ -336,6 +337,25 @@ class DrawingSection:
 
 
 @dataclass(frozen=True, slots=True)
+class Distortion:
+    """How far parts may be off when they are cold, by simulation."""
+
+    predict: bool = field(
+        default=False, metadata=option(Flag(), "solve predicts how far the parts will be off, and prints a line")
+    )
+    tolerance_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(positive(LENGTH), none="off"),
+            "most that a part may be off; a part's key `tolerance` in the nest goes before it",
+        ),
+    )
+    keep_tolerance: bool = field(
+        default=False, metadata=option(Flag(), "solve refuses a plan that leaves a part beyond its tolerance")
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class Objective:
     """What a plan's cost is made of, in mm of idle travel."""
 
@@ -348,6 +368,9 @@ class Objective:
             Number(0),
             "cost of a second that a part waits, for each class of parts (priority, due) that may wait longer",
         ),
+    )
+    distortion: float = field(
+        default=0.0, metadata=option(Number(0), "cost of a mm that parts are off, mean of their worst places")
     )
 
 
@@ -455,5 +478,6 @@ SECTIONS: Mapping[str, type] = {
     "time": Time,
     "prices": Prices,
     "heat": Heat,
+    "distortion": Distortion,
 }
 """Key in a profile → the dataclass of what stands under it."""

@@ -19,8 +19,8 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
 
 
 KEYS = (
-    "based_on, corners, cuts, drawing, heat, leads, locks, machine, material, models, name, nesting, objective, "
-    "own_rules, prices, python, rules, small_holes, time"
+    "based_on, corners, cuts, distortion, drawing, heat, leads, locks, machine, material, models, name, nesting, "
+    "objective, own_rules, prices, python, rules, small_holes, time"
 )
 OF_MATERIAL = (
     "amps, chart, chart_units, cut_height, gas, gas_flow, interpolate, kerf, mark_power, name, pierce_height, "
