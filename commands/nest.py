@@ -300,11 +300,16 @@ def _new_list(output: str | None) -> int:
 )
 @click.option("--picture", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True,
               help="Format of the pictures.")  # fmt: skip
-@click.option("--sheets", "papers", is_flag=True, help="Also print the work sheets: sheets.pdf in each folder.")
+@click.option(
+    "--sheets",
+    "papers",
+    is_flag=True,
+    help="Also print work sheets and labels: sheets.pdf and labels.pdf in each folder.",
+)
 def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool, **options: Any) -> int:
     """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
     from kerfwise.jobs.nesting.nest_list import write_list
-    from kerfwise.jobs.nesting.programs import make_programs, work_sheets_of
+    from kerfwise.jobs.nesting.programs import labels_of, make_programs, work_sheets_of
 
     from .progress import ProgressLine
 
@@ -315,7 +320,7 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
     for one, result in found:
         made = make_programs(result.nested, one.cutting.plant, work, relax, lambda name: ProgressLine())
         programs.append(made)
-        pages = {"sheets.pdf": work_sheets_of(made)} if papers else {}
+        pages = {"sheets.pdf": work_sheets_of(made), "labels.pdf": labels_of(made)} if papers else {}
         files.append((one, made.nested, {**made.files(dxf, picture), **pages}))
         if made.interrupted:
             break

@@ -267,30 +267,44 @@ def _draw_broken(broken: BrokenNest, output: str) -> None:
 @click.option(
     "--about", multiple=True, metavar="NAME=TEXT", help="Additional line to print, such as order=4711; repeatable."
 )
+@click.option("--labels", metavar="LABELS.pdf", help="Also print a label with a QR code for each part.")
 def sheet_command(
-    plan: str, output: str | None, program: str | None, date: str, about: tuple[str, ...], **options: Any
+    plan: str,
+    output: str | None,
+    program: str | None,
+    date: str,
+    about: tuple[str, ...],
+    labels: str | None,
+    **options: Any,
 ) -> None:
     """Print PLAN.json of NEST as a work sheet: picture, settings, times, boxes to tick, cuts in order, program's hash.
 
     A4, on more pages if there are many cuts. The same plan gives the same bytes.
     """
+    from kerfwise.jobs.sheet_parts import labels_pdf, sheet_number
     from kerfwise.jobs.work_sheet import about_of_job, sheets_pdf, work_sheet
     from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.output_files import expect_outputs, write_files
 
     path = Path(output or f"{Path(options['nest']).stem}.pdf")
-    if path.suffix.lower() != ".pdf":
-        raise InputError("a work sheet is a PDF: give a name ending in .pdf", file=path)
+    for written in (path, *([Path(labels)] if labels else [])):
+        if written.suffix.lower() != ".pdf":
+            raise InputError("a work sheet is a PDF: give a name ending in .pdf", file=written)
     facts = dict(_fact(text) for text in about)
-    expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
+    outputs = [path, *([Path(labels)] if labels else [])]
+    expect_outputs(outputs, [Path(name) for name in (options["nest"], plan, program) if name])
     given = read_inputs(**options, last=plan)
-    protect(given, options["nest"], [path], plan, program)
+    protect(given, options["nest"], outputs, plan, program)
     for text in given.profile.time_and_price_notes():
         print_note(text)
-    facts = about_of_job(given.job) | facts
+    number = sheet_number(options["nest"])
+    facts = ({"number": number} if number else {}) | about_of_job(given.job) | facts
     made = work_sheet(given, read_plan(plan), program, about=facts, tell=print_note)
-    write_files({path: sheets_pdf([made], date)})
-    click.echo(f"written: {escape_text(str(path))}")
+    files = {path: sheets_pdf([made], date)}
+    if labels:
+        files[Path(labels)] = labels_pdf([(given.nest, given.profile)])
+    write_files(files)
+    click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
 
 
 def _fact(text: str) -> tuple[str, str]:

@@ -27,6 +27,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .inputs import Inputs, Tell, differences, program_text, silent
 from .programs import Times, time_made
+from .sheet_parts import PartKind, left_of, part_kinds, zero_sketch, zero_words
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -68,7 +69,7 @@ class WorkSheet:
 
     @property
     def not_kept(self) -> tuple[str, ...]:
-        """What the plan does not keep of its rules, a sentence each: excuses, breaches, dropped and relaxed orders."""
+        """Where to stand by, a sentence each: contours that are excused, and what was relaxed."""
         return tuple(_not_kept(self.plan))
 
 
@@ -130,15 +131,11 @@ def work_sheet(
 def _not_kept(plan: Plan) -> Iterator[str]:
     for rule in plan.rules:
         for contours, why in rule.exceptions:
-            yield f"excused, {rule.id}: {', '.join(contours)}: {why}"
+            yield f"{', '.join(contours)}: {why}"
     for dropped in plan.dropped:
-        named = f" ({' before '.join(dropped.contours)})" if dropped.contours else ""
-        yield f"{'RELAXED' if dropped.relaxed else 'dropped'}, {dropped.rule}{named}: {dropped.why}"
-    for rule in plan.rules:
-        if rule.breaches:
-            first = rule.breaches[0][1]
-            more = f" (and {len(rule.breaches) - 1} more)" if len(rule.breaches) > 1 else ""
-            yield f"soft rule {rule.id} is broken: {first}{more}"
+        named = f"{' before '.join(dropped.contours)}: " if dropped.contours else ""
+        if dropped.relaxed:
+            yield f"{named}not kept: {dropped.why}"
 
 
 # The facts at the top of a work sheet, and what the operator ticks.
@@ -171,6 +168,12 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
             "not cut",
             f"{counted(len(across), 'slot')} narrower than the kerf (crosses): {places}{more}",
         )
+    left = left_of(sheet.nest, sheet.profile.material.kerf_mm)
+    if min(left) > 0:
+        yield "left over", f"at most {left[0]:.0f} × {left[1]:.0f} mm in one piece, beside the parts"
+    dues = sorted({row.due for row in part_kinds(sheet.nest, sheet.profile) if row.due})
+    if dues and "due" not in sheet.about:
+        yield "due", dues[0]
     yield "machine", f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     yield "feeds", f"{told} mm/min; kerf {material.kerf_mm:g} mm, pierce {machine.pierce_time_s:g} s"
     yield "settings", _settings(sheet)
@@ -220,10 +223,7 @@ def _parts(sheet: WorkSheet) -> str:
 
 
 def _zero(sheet: WorkSheet) -> str:
-    x, y = sheet.plan.zero
-    if sheet.plan.origin == "drawing":
-        return "the machine's zero is that of the drawing"
-    return f"the machine's zero is the sheet's corner, at ({x:g}, {y:g}) of the drawing"
+    return f"the machine's zero is the {zero_words(sheet.nest, sheet.plan.zero)}"
 
 
 # Work sheets as pages of A4: head, facts, picture, boxes to tick, what is not kept, locks, and the table of cuts.
@@ -234,6 +234,8 @@ _MANY = 60
 _HIGH = {False: 290.0, True: 470.0}
 _KEY = "bold numbers: outer contours, in cutting order; grey: parts; red dots: pierces; dashed: idle travel"
 _HEAD = ("", "#", "contour", "way", "mm", "begins", "note")
+_PARTS_HEAD = ("", "part", "count", "order", "due", "size, mm", "kg each", "kg")
+_PARTS_WIDTHS = (11, 120, 30, 70, 60, 70, 40, 40)
 _WIDTHS = (11, 19, 78, 22, 30, 36, 58)
 
 
@@ -258,9 +260,17 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     paper.heading("Before and after")
     paper.lines(checklist(sheet), 8.0, BOX)
     _signed(paper)
+    paper.heading("Parts")
+    kinds = part_kinds(sheet.nest, sheet.profile)
+    if any(row.order or row.due or row.count > 1 for row in kinds):
+        paper.table(_PARTS_HEAD, [_part_row(row) for row in kinds], _PARTS_WIDTHS)
+    else:
+        bare = [(BOX, escape_text(row.name), *_part_row(row)[-3:-1]) for row in kinds]
+        paper.table(("", "part", "size, mm", "kg"), bare, (11, 120, 50, 30), blocks=3)
+    paper.skip(6.0)
     for heading, texts in (
         ("Not as it was when the plan was made", [escape_text(text) for text in sheet.changed]),
-        ("What this plan does not keep", sheet.not_kept),
+        ("Take care", sheet.not_kept),
         ("Locks", [escape_text(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
         ("Metal lost", [escape_text(loss.sentence()) for loss in sheet.plan.losses]),
         ("Not cut", [f"{escape_text(left.contour)}: {left.why}" for left in sheet.plan.left_out]),
@@ -274,6 +284,12 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     return paper.scenes()
 
 
+def _part_row(row: PartKind) -> tuple[str, ...]:
+    size, weight = f"{row.width_mm:.0f} × {row.height_mm:.0f}", f"{row.weight_kg:.3g}"
+    named = (escape_text(text) for text in (row.order, row.due))
+    return (BOX, escape_text(row.name), str(row.count), *named, size, weight, f"{row.count * row.weight_kg:.3g}")
+
+
 def _title(sheet: WorkSheet) -> str:
     return escape_text(Path(sheet.nest.file or "nest").name)
 
@@ -282,10 +298,12 @@ def _head(paper: Paper, sheet: WorkSheet, date: str) -> None:
     """Title and facts, and beside them the QR code of the program's hash."""
     right, sha256 = WIDTH - MARGIN, sheet.program_sha256
     paper.put(qr_items(f"SHA256 {sha256}".upper(), right - _QR, MARGIN, _QR))
+    paper.put(zero_sketch(sheet.nest, sheet.plan.zero, right - _QR - 62, MARGIN + 4, 46.0))
+    paper.put([TextLine(right - _QR - 39, MARGIN + 58, "zero", 6.0, FAINT)])
     for k in range(4):
         text = sha256[16 * k : 16 * k + 16]
         paper.put([TextLine(right - _QR / 2, MARGIN + _QR + 8 + 7.5 * k, text, 6.0, FAINT)])
-    room = ROOM - _QR - 14
+    room = ROOM - _QR - 76
     title = shortened(_title(sheet), 15.0, 0.85 * room)
     paper.put([TextLine(MARGIN, paper.y + 8, title, 15.0, INK, "start", bold=True)])
     paper.skip(25.0)
@@ -314,7 +332,7 @@ def _row(order: int, planned: PlannedCut) -> tuple[str, ...]:
         *(["linked"] if cut.linked else []),
         *([f"waits {planned.dwell_s:.1f} s"] if planned.dwell_s else []),
         *([counted(len(cut.tabs), "tab")] if cut.tabs else []),
-        *(["excused"] if cut.excused else []),
+        *(["take care"] if cut.excused else []),
     ]
     begins = clock_text(cut.start_s)
     return (

