@@ -116,23 +116,26 @@ def _types_of(
         try:
             found += _types(row, folder, reading, tell)
         except InputError as error:
+            if isinstance(error, Questions):
+                asked.append(error)
             if skip_bad:
                 bad.append(BadRow(row.part, row.place, _in_a_line(error)))
-            elif isinstance(error, Questions):
-                asked.append(error)
-            else:
+            elif not isinstance(error, Questions):
                 wrong.append(error)
     if len(wrong) > 1:
         head = f"{len(wrong)} of {len(rows)} parts cannot be used (--skip-bad nests the others)"
         raise InputError(head, details=tuple(map(_in_a_line, wrong)))
     if wrong:
         raise wrong[0]
-    if asked:
+    if asked and not (skip_bad and found):
         raise QuestionsOfFiles(asked)
     return found
 
 
 def _in_a_line(error: InputError) -> str:
+    if isinstance(error, Questions):
+        asked = (f"{q.id}: {q.text} ({', '.join(q.flag(choice) for choice in q.choices)})" for q in error.questions)
+        return f"{error.file}: nobody has answered {'; '.join(asked)}" if error.file else "; ".join(asked)
     return " ".join(str(error).split())
 
 

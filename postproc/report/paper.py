@@ -153,8 +153,8 @@ def shortened(text: str, size: float, width: float) -> str:
 
     Examples
     --------
-    >>> shortened("P1.outer", 8, 100), shortened("bracket-left-12.outer", 8, 60)
-    ('P1.outer', 'brack…2.outer')
+    >>> shortened("P1.outer", 8, 100), shortened("bracket-left-12.outer", 8, 70)
+    ('P1.outer', 'bracke…2.outer')
     """
     if text_width(text, size) <= width:
         return text
