@@ -488,7 +488,8 @@ def reading_comments(nest: Nest, dialect: Dialect) -> Iterator[str]:
     )
     count: Counter[tuple[str, str]] = Counter()
     for row in reading.taken:
-        count[row.layer, DONE[row.purpose]] += row.count
+        what = "" if row.what == "line" else f"{row.what}s "
+        count[row.layer, what + DONE[row.purpose]] += row.count
     rows = sorted(count.items())
     for (layer, done), lines in rows[:MOST]:
         yield comment(dialect, "LAYER", layer, f"{plain(done).upper()} {lines}")

@@ -160,6 +160,9 @@ def test_what_is_written_is_read_planned_checked_and_cut(tmp_path: Path) -> None
         "marked texts: '0' (1), 'Gravur' (1); marked points: 'Gravur' (1)"
         in program.read_text().replace('"', "'") + asked.out
     )
+    head = program.read_text()
+    assert "(LAYER Gravur TEXTS MARKED 1)" in head
+    assert "(LAYER Gravur POINTS MARKED 1)" in head
     assert kerfwise("check", nest, program, "-p", "laser-st10kp-2mm").code == 0
     without = kerfwise("solve", nest, "-p", "laser-st10kp-2mm", "--answer", "text:0=ignore")
     assert without.code == 0, without.err
