@@ -16,7 +16,6 @@ from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.point import Point
 from ezdxf.filemanagement import readfile
-from ezdxf.lldxf.const import DXFError
 
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.files import read_limited
@@ -26,7 +25,7 @@ from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking
 
 from .drawing import (
-    FOREIGN_ERRORS,
+    FAREST_MM,
     Drawing,
     DrawnCurve,
     DrawnText,
@@ -46,11 +45,9 @@ from .dxf_entities import (
     entities,
     layer_of,
 )
-from .dxf_text import cross, is_written, middle_of_point, name_of, written
+from .dxf_text import DXF_ERRORS, cross, is_written, middle_of_point, name_of, written
 from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
 from .svg_visible import Clips, seen_through, texts_seen
-
-DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
 
 # its remarks on handles and such are nothing that a planner can act on; without a handler they go to the terminal
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())
@@ -139,16 +136,18 @@ def _text(entity: DXFGraphic, scale: float, look: Callable[[Curve], DrawnCurve],
             x, y = middle_of_point(entity)
             mark = look(checked_curve(cross(x * scale, y * scale, spot_mm), False))
             return DrawnText("", mark, spot_mm, (mark,))
-        made = written(entity)
-        place = look(checked_curve([made.at, made.at], False, scale))
-        strokes = (checked_stroke(stroke, scale) for stroke in made.strokes)
-        drawn = tuple(look(stroke) for stroke in strokes if stroke is not None)
     except InputError as error:
         raise InputError(f"{error.message} ({_where(entity)})") from error.__cause__
-    except DXF_ERRORS as error:
-        raise InputError(f"{_where(entity)} is damaged ({error}); save the file again in CAD") from error
-    text = made.text.strip()
-    return DrawnText(text, place, made.height * scale, drawn, made.trouble) if text else None
+    made = written(entity)
+    text, trouble, drawn = made.text.strip(), made.trouble, list[DrawnCurve]()
+    place = np.nan_to_num(np.clip(np.array(made.at) * scale, -FAREST_MM, FAREST_MM))
+    try:
+        strokes = (checked_stroke(stroke, scale) for stroke in made.strokes)
+        drawn = [look(stroke) for stroke in strokes if stroke is not None]
+    except InputError as error:
+        trouble, drawn = error.message, []
+    at = look(checked_curve([place.tolist()] * 2, False))
+    return DrawnText(text, at, made.height * scale, tuple(drawn), trouble) if text else None
 
 
 def _paper(document: Document) -> tuple[Note, ...]:

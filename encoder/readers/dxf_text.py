@@ -16,6 +16,7 @@ from ezdxf.entities.point import Point
 from ezdxf.entities.text import Text
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.fonts.font_face import FontFace
+from ezdxf.lldxf.const import DXFError
 from ezdxf.math import OCS, Matrix44, Vec3
 from ezdxf.render.abstract_mtext_renderer import AbstractMTextRenderer
 from ezdxf.tools import text_layout
@@ -23,7 +24,14 @@ from ezdxf.tools.text import MTextContext, estimate_mtext_extents, unified_align
 
 from kerfwise.arrays import Floats
 
+from .drawing import FOREIGN_ERRORS
 from .lettering import DESCENDER, Lettering, is_of_symbols, lacking, lettering, width_of
+
+DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError, text_layout.LayoutError)
+"""What the DXF library may raise when it is fed a broken file."""
+
+FAR = 1e12
+"""No text stands so far out, in any unit."""
 
 CONSTANT = 2
 """The bit in the flags of an ATTDEF that says that every insertion of its block shows it."""
@@ -55,12 +63,17 @@ def is_written(entity: DXFEntity) -> bool:
 
 def written(entity: DXFEntity) -> Written:
     """What an entity of writing says, as strokes."""
-    if isinstance(entity, Attrib | AttDef) and entity.has_embedded_mtext_entity:
-        entity = entity.virtual_mtext_entity()
-    made = _paragraphs(entity) if isinstance(entity, MText) else _line(entity)
-    if made.trouble or all(np.isfinite(stroke).all() for stroke in made.strokes):
+    try:
+        if isinstance(entity, Attrib | AttDef) and entity.has_embedded_mtext_entity:
+            entity = entity.virtual_mtext_entity()
+        made = _paragraphs(entity) if isinstance(entity, MText) else _line(entity)
+    except DXF_ERRORS as error:
+        raw = str(entity.text if isinstance(entity, MText) else entity.dxf.get("text", ""))
+        at = Vec3(entity.dxf.get("insert", (0, 0, 0)))
+        return Written(raw, (), (at.x, at.y), 0.0, f"its formatting cannot be read ({error})")
+    if made.trouble or all((np.abs(stroke) < FAR).all() for stroke in made.strokes):  # no number is not less
         return made
-    return Written(made.text, (), made.at, made.height, "its place or its height is no number")
+    return Written(made.text, (), made.at, made.height, "it lies nowhere near anything, or its height is no number")
 
 
 def middle_of_point(point: Point) -> tuple[float, float]:
@@ -100,7 +113,8 @@ _PAGES = {"1": "cp932", "2": "cp950", "3": "cp949", "4": "johab", "5": "cp936"}
 
 def _decoded(found: re.Match[str]) -> str:
     if found[1]:
-        return chr(int(found[1], 16))
+        sign = chr(int(found[1], 16))
+        return found[0] if "\ud800" <= sign <= "\udfff" else sign  # half a letter is none
     try:
         return bytes.fromhex(found[3]).decode(_PAGES[found[2]])
     except UnicodeError:

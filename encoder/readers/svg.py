@@ -103,11 +103,15 @@ def _text(shown: Shown, order: int, to_mm: Any) -> tuple[DrawnText, Shown]:
     """What a path of strokes writes; see `svg_text`."""
     values = shown.element.values
     layer = "" if NUMBERED.fullmatch(shown.layer) else shown.layer
-    stem, *strokes = (
-        DrawnCurve(curve, layer, order, shown.names, *_look(shown.element)) for curve in curves(shown.element, to_mm)
-    )
-    text = DrawnText(str(values[TEXT]), stem, stem.curve.length_mm, tuple(strokes), str(values.get(TROUBLE) or ""))
-    return text, shown
+    trouble = str(values.get(TROUBLE) or "")
+    try:
+        drawn = curves(shown.element, to_mm)
+        trouble = trouble if drawn else "it has no height"
+    except InputError as error:
+        drawn, trouble = [], error.message
+    drawn = drawn or [Curve.of([(0, 0), (0, 1)], closed=False)]
+    stem, *strokes = (DrawnCurve(curve, layer, order, shown.names, *_look(shown.element)) for curve in drawn)
+    return DrawnText(str(values[TEXT]), stem, stem.curve.length_mm, tuple(strokes), trouble), shown
 
 
 def _look(element: Any) -> tuple[str, str, bool]:

@@ -195,6 +195,35 @@ def test_letters_that_nobody_can_read_are_left_out(tmp_path: Path) -> None:
     assert len(written(tmp_path, "i. see", height=0.5, insert=(50, 50)).parts[0].marks) > 5
 
 
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        ("{\\A", "its formatting cannot be read"),
+        ("H\\U+D800", ""),
+        ("}\\S;", ""),
+    ],
+)
+def test_damaged_writing_is_left_out_alone(tmp_path: Path, content: str, why: str) -> None:
+    def draw(space: Any) -> None:
+        plate(space)
+        space.add_mtext(content, dxfattribs=MARK | {"insert": (50, 50)})
+        space.add_text("H", dxfattribs=MARK | {"insert": (90, 90)})
+
+    nest = read_dxf(tmp_path, draw)
+    assert len(nest.parts[0].marks) >= 3
+    assert not why or why in texts(nest.notes)[0]
+
+
+@pytest.mark.parametrize("at", [1e11, 1e300])
+def test_writing_nowhere_near_hides_no_part(tmp_path: Path, at: float) -> None:
+    nest = written(tmp_path, "H", insert=(at, 5))
+    assert [part.id for part in nest.parts] == ["P1"]
+    [said] = texts(nest.notes)
+    assert said.startswith("left out, as ")
+    far = svg(tmp_path, f'<text x="{at:g}" y="5">H</text>')
+    assert "left out, as " in texts(far.notes)[0]
+
+
 def test_a_font_of_symbols_is_not_read_as_letters(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         plate(space)
