@@ -34,6 +34,7 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.read_program import old_on_machine, shift_program
+from kerfwise.postproc.check.torch_run import in_steps_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.postproc.nc.gcode import comment, program_names
@@ -76,7 +77,7 @@ def plan_order(
     asked = keep_rows(asked, job.profile, chains, kept.cuts, turns)
     fixed = bool(chains) or len(turns) > 0  # other zones would be stated without them
     writer = BurnWriter(told, apart)
-    with listener:
+    with listener, in_steps_of(job.program.step_mm):
         return solve_and_verify(
             asked, job.profile, limits, listener, and_zones=not fixed, write=writer.write, trusted=job.trusted
         )

@@ -206,25 +206,26 @@ def infer_start_side(job: OldJob, nest: Nest, text: str, tell: Tell) -> tuple[Ol
     """The job with the side that the old program starts from, and the verdict on `text` by it.
 
     What the program or the profile says holds. Else the side that the nest asks for does, but for a program that breaks
-    hard rules from there and none from the opposite one: the job has that in its profile then, and says so in a note,
-    for nearly even nests are decided by tenths of a millimetre.
+    hard rules from there and none from another one, the opposite first: the job has that in its profile then, and says
+    so in a note. Nearly even nests are decided by tenths of a millimetre, others by how large the sheet is.
     """
     side = compute_facts(nest, job.profile.fact_options(nest), ()).start_side
     verdict = _judged(job, nest, text, side)
     name = _left_open(job)
     if name is None or not verdict.broken():
         return job, verdict
-    other = replace(job, profile=_from_side(job.profile, name, OPPOSITE[side]))
-    opposite = _judged(other, nest, text, OPPOSITE[side])
-    if opposite.broken():
-        return job, verdict
-    note = (
-        f"the program does not say from which side cutting starts: both orders are judged from the {OPPOSITE[side]}, "
-        f"from where the old one breaks no hard rule, as it does from the {side}; for a check of the new program, "
-        f"give the profile rules: {{{name}: {{side: {OPPOSITE[side]}}}}}"
-    )
-    tell(note)
-    return replace(other, notes=(*job.notes, note)), opposite
+    for other_side in (OPPOSITE[side], *(one for one in OPPOSITE if one not in (side, OPPOSITE[side]))):
+        other = replace(job, profile=_from_side(job.profile, name, other_side))
+        judged = _judged(other, nest, text, other_side)
+        if not judged.broken():
+            note = (
+                "the program does not say from which side cutting starts: both orders are judged from the "
+                f"{other_side}, from where the old one breaks no hard rule, as it does from the {side}; for a check of the new "
+                f"program, give the profile rules: {{{name}: {{side: {other_side}}}}}"
+            )
+            tell(note)
+            return replace(other, notes=(*job.notes, note)), judged
+    return job, verdict
 
 
 def _judged(job: OldJob, nest: Nest, text: str, side: Side) -> CheckResult:

@@ -13,7 +13,7 @@ import shapely
 
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Side
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.torch_path import TabOptions
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.judging.pierces import starts_in_older_kerfs
@@ -27,7 +27,7 @@ from .plan_conformance import PlanClaims
 from .plan_runs import burnt_before as burnt_by
 from .plan_runs import read_resumed
 from .result import ids_by_name, normalize_name
-from .torch_run import TorchRun, every_line_of, tolerance_mm
+from .torch_run import TorchRun, every_line_of, in_steps_of, tolerance_mm
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
 _SIDE = re.compile(r"START SIDE (LEFT|RIGHT|BOTTOM|TOP)", re.IGNORECASE)
@@ -68,6 +68,28 @@ def rebuild(
     end of cuts, a cut that stops short of its begin has a tab there. Where holes are pierced `in_passes`, a burn that
     does not move is one.
     """
+    with in_steps_of(program.step_mm):
+        return _rebuilt(nest, program, kerf_mm, home, tabs, planned, tabs_asked, in_passes)
+
+
+def _widths_asked(nest: Nest, contour: Contour, asked: TabOptions | None) -> list[float]:
+    """The widths that tabs on a contour are asked for, mm."""
+    part = next((part for part in nest.parts if part.id == contour.part), None)
+    if asked is None or part is None:
+        return []
+    return [asked.width_mm, *(tab.width_mm for tab in asked.drawn(part) if tab.width_mm)]
+
+
+def _rebuilt(
+    nest: Nest,
+    program: NcProgram,
+    kerf_mm: float,
+    home: Point,
+    tabs: TabsByContour | None,
+    planned: PlanClaims | None,
+    tabs_asked: TabOptions | None,
+    in_passes: bool,
+) -> Rebuilt:
     matcher = Matcher(nest, kerf_mm)
     holes = {(burn.line, burn.torch): burn for burn in program.burns if in_passes and burn.pierces_only}
     program = replace(program, burns=tuple(burn for burn in program.burns if (burn.line, burn.torch) not in holes))
@@ -123,7 +145,7 @@ def rebuild(
         zone = int(words["zone"]) if words else zones.get(contour.id, 0) if burn.torch > 1 else 0
         cut, run, wrong = cut_from_burn(burn, taken[k], contour, match, kerf_mm, zone, len(cuts) + 1)
         if burn.unlit:
-            cut, run, more = with_tabs(cut, run, burn, kerf_mm)
+            cut, run, more = with_tabs(cut, run, burn, kerf_mm, _widths_asked(nest, contour, tabs_asked))
             wrong = [*wrong, *more]
         cuts.append(replace(cut, excused=excused[contour.id], torch=burn.torch))
         lines.append(burn.line)

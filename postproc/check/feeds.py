@@ -80,6 +80,7 @@ def _feeds(
     shares: Mapping[str, Shares],
 ) -> Iterator[tuple[int, str]]:
     machine, slack = profile.machine, control.feed_step_mm_min / 120
+    rounded = _share_of_steps(profile)
     names: dict[str, list[str]] = defaultdict(list)
     for run in runs:
         names[run.where].append(run.contour.id if run.contour is not None else "")
@@ -89,6 +90,8 @@ def _feeds(
         asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
         allowed = [shares.get(one, (1.0, 1.0)) if cuts else (1.0, 1.0) for one in cut]
         low, high = asked * min(least for least, _ in allowed), asked * max(most for _, most in allowed)
+        if low < asked:
+            low, high = max(low - rounded * asked, 0.0), min(high + rounded * asked, asked)
         if cuts and slow_at_corners(profile):
             for text in wrong_at_corners(burn, (low, high), profile, slack):
                 yield burn.line, text
@@ -101,6 +104,13 @@ def _feeds(
     ours = written_from_profile(program.comments) and not fitting_dialect(profile).travels_as_line
     for slow in program.slow_travel if ours else ():  # in a program of somebody else it is travel
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
+
+
+def _share_of_steps(profile: Profile) -> float:
+    """By how much the share of the feed in a small hole may be off, whose diameter is known to two steps only."""
+    limits = profile.hole_limits()
+    span_mm = limits.full_feed_mm - limits.least_mm
+    return 2 * step_mm() * (1 - limits.feed_share) / span_mm if span_mm > 0 else 0.0
 
 
 def _powers(program: NcProgram, profile: Profile, control: Control) -> Iterator[tuple[int, str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -21,7 +21,7 @@ from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.rule import Violation
 
 from .contour_following import surely_cover
-from .torch_run import Side, TorchRun, line_of, rings_of, tolerance_mm, torch_rings
+from .torch_run import Side, TorchRun, line_of, rings_of, step_mm, tolerance_mm, torch_rings
 
 NEAR_MM = 2.0
 """A path further than this from every contour's ring cuts something that is not in the nest."""
@@ -226,10 +226,11 @@ def _rest(path: Curve, ring: shapely.LineString, within_mm: float) -> Floats | N
     join = int(np.argmax(on))
     at_mm = shapely.line_locate_point(ring, points)
     around_mm = float(ring.length)
-    step_mm = (at_mm[join + 1] - at_mm[join] + around_mm / 2) % around_mm - around_mm / 2
     lit = Curve(path.vertices[join:], closed=False)
+    begun_mm = shapely.line_locate_point(ring, shapely.Point(lit.point_at(min(1.0, lit.length_mm / 4))))
+    ahead_mm = (begun_mm - at_mm[join] + around_mm / 2) % around_mm - around_mm / 2
     onwards = (
-        lit.is_ccw == bool(shapely.is_ccw(shapely.LinearRing(ring.coords))) if len(lit.segments) > 2 else step_mm > 0
+        lit.is_ccw == bool(shapely.is_ccw(shapely.LinearRing(ring.coords))) if len(lit.segments) > 2 else ahead_mm > 0
     )
     gap_mm = float((at_mm[join] - at_mm[-1]) % around_mm if onwards else (at_mm[-1] - at_mm[join]) % around_mm)
     if not within_mm < gap_mm <= min(LONGEST_MM, _MOST * around_mm):
@@ -241,15 +242,22 @@ def _rest(path: Curve, ring: shapely.LineString, within_mm: float) -> Floats | N
     return np.column_stack([xy, np.zeros(len(xy))])
 
 
-def with_tabs(cut: Cut, run: TorchRun, burn: Burn, kerf_mm: float) -> tuple[Cut, TorchRun, list[Violation]]:
-    """A cut, and its run, with the tabs that its burn leaves, and what is wrong with where these are."""
+def with_tabs(
+    cut: Cut, run: TorchRun, burn: Burn, kerf_mm: float, widths_mm: Collection[float] = ()
+) -> tuple[Cut, TorchRun, list[Violation]]:
+    """A cut, and its run, with the tabs that its burn leaves, and what is wrong with where these are.
+
+    A control that counts in steps makes tabs of the widths that are asked for to two steps.
+    """
     assert run.contour is not None
     curve, wrong = run.contour.curve, []
     tabs, off = [], []
     for low, high in burn.unlit:
         middle = burn.path.point_at((low + high) / 2)
         at = curve.point_at(curve.project(middle)[0])
-        tabs.append(Tab(at, high - low - kerf_mm))
+        width_mm = high - low - kerf_mm
+        nearest_mm = min(widths_mm, key=lambda asked_mm: abs(asked_mm - width_mm), default=width_mm)
+        tabs.append(Tab(at, nearest_mm if abs(nearest_mm - width_mm) <= 2 * step_mm() else width_mm))
         off.append(Tab(middle, high - low))
         away_mm = run.loop.distance(shapely.Point(middle))
         if away_mm > tolerance_mm(kerf_mm):

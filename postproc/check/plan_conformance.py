@@ -16,7 +16,7 @@ from kerfwise.rules.profile.plant_sections import Origin
 from kerfwise.rules.rule import Violation
 
 from .result import Judgement, RelaxedStatement
-from .torch_run import TorchRun, tolerance_mm
+from .torch_run import TorchRun, step_mm, tolerance_mm
 
 # A program held against the plan that it is said to be made from, where the program itself says nothing of it.
 #
@@ -164,7 +164,7 @@ def totals(
         wrong(f"the idle travel is {idle:.3f} mm, the plan says {claims.idle_mm:.3f} mm")
     allowed = 0.0
     for run in runs:
-        slack = _LENGTH_MM + _LENGTH_SHARE * run.length_mm
+        slack = _LENGTH_MM + 4 * step_mm() + _LENGTH_SHARE * run.length_mm
         allowed += slack
         said = claims.lengths_mm[run.position - 1 - cuts.made]
         if abs(run.length_mm - said) > slack:

@@ -216,6 +216,14 @@ def fitting_dialect(profile: Profile) -> Dialect:
             f"machine.torches: the dialect '{dialect.name}' has no words for a second torch (torch_select, "
             f"torch_deselect): take {' or '.join(others)}, give a copy of it these words, or say count: 1",
         )
+    tabs = profile.tabs()
+    if tabs is not None and not tabs.at_end and dialect.rapid == dialect.line:
+        raise wrong_at(
+            _said_at(profile, ("machine", "dialect")),
+            f"machine.dialect: over a tab the torch goes off and moves on at its feed, and '{dialect.name}' has the "
+            "same words for that as for travel, so that nobody could tell tabs from ends of cuts: take another "
+            "dialect, or no tabs",
+        )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
     if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":

@@ -29,6 +29,8 @@ LIT_AGAIN_FREELY = ("laser",)
 """Processes that may go out and be lit again on the way without a pierce."""
 WIDTH_MM = 0.05
 """By how much a tab may be wider or narrower than it should be."""
+BESIDE_MM = 0.1
+"""By how much a tab may be narrower beside a lead: controls that count in tenths of a millimetre round both."""
 PLACE_MM = 0.5
 
 
@@ -175,7 +177,7 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
         yield f"has no tab: {why}"
         return
     beside_mm = _tab_width_at_lead_mm(cut, options)
-    if beside_mm is not None and beside_mm < cut.tabs[0].width_mm - WIDTH_MM:
+    if beside_mm is not None and beside_mm < cut.tabs[0].width_mm - BESIDE_MM:
         yield f"burns all but {max(beside_mm, 0.0):.2f} mm of its tab with its lead-in"
     if len(cut.tabs) != given:
         yield f"has {_tabs(len(cut.tabs))}, not {given}: {why}"
