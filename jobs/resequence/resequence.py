@@ -220,8 +220,8 @@ def infer_start_side(job: OldJob, nest: Nest, text: str, tell: Tell) -> tuple[Ol
         if not judged.broken():
             note = (
                 "the program does not say from which side cutting starts: both orders are judged from the "
-                f"{other_side}, from where the old one breaks no hard rule, as it does from the {side}; for a check of the new "
-                f"program, give the profile rules: {{{name}: {{side: {other_side}}}}}"
+                f"{other_side}, from where the old one breaks no hard rule, as it does from the {side}; for a check "
+                f"of the new program, give the profile rules: {{{name}: {{side: {other_side}}}}}"
             )
             tell(note)
             return replace(other, notes=(*job.notes, note)), judged
