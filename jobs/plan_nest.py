@@ -23,6 +23,7 @@ from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import IN_PASS, Plan, PlannedCut
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.read_program import Trusted
+from kerfwise.postproc.check.stated import with_state
 from kerfwise.postproc.clock import cost_of_plan, with_times
 from kerfwise.postproc.dialects import expect_words
 from kerfwise.postproc.nc.program import write_program
@@ -278,6 +279,9 @@ def solve_and_verify(
     plan = replace(plan, state=planned_verdict.state)  # the program says it, too
     program = (write or write_program)(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile, trusted, planned_verdict)
+    if verdict.state.short() != planned_verdict.state.short():
+        program = with_state(program, verdict.state)
+        verdict = judge(facts.whole_nest, plan, program, profile, trusted, planned_verdict)
     judging_s = running_s() - began_s
     plan = replace(
         plan, rules=report_of(verdict, profile), state=verdict.state, cost=cost_of_plan(plan, facts.whole_nest, profile)

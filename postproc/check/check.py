@@ -51,7 +51,7 @@ from .small_features import (
     small_holes,
     with_passes,
 )
-from .stated_time import wrong_times
+from .stated import wrong_state, wrong_times
 from .torch_run import TorchRun, in_steps_of, judgement, tolerance_mm
 
 _ROUNDING_MM = 1e-3
@@ -132,7 +132,7 @@ def check_program(
         for by in range(1, 1 + max((len(burn.torches) for burn in program.burns), default=0)):
             other = _judge_program(judged_by, program, profile, thermometer, tabs, planned, None, side, by)
             result = replace(result, rules=tuple(stricter(result.rules, other.rules)))
-        return result
+        return replace(result, warnings=(*result.warnings, *wrong_state(program.comments, result.state)))
 
 
 def _starts_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozenset[int]:

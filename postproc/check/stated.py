@@ -1,7 +1,7 @@
-"""The time that a program or its plan states, held against the sum over the program's own words.
+"""What a program or its plan states of itself, its time and whether it is kept, held against what the check finds.
 
-The sum is made here from what the reader found: lines and arcs at their F words, waits, and ways without torch at the
-profile's travel. Nothing of it is shared with the clock that plans and programs are timed with.
+The sum of times is made here from what the reader found: lines and arcs at their F words, waits, and ways without torch
+at the profile's travel. Nothing of it is shared with the clock that plans and programs are timed with.
 """
 
 from __future__ import annotations
@@ -12,10 +12,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.profile import Profile
 
 SHARE, _ROUNDED_S = 0.05, 1.0
 """How far apart the times may be: a share of the sum, and the whole second that a header rounds up to."""
+_STATE = re.compile(r"STATE (?P<state>KEPT|BROKEN|KEPT BUT FOR (?P<count>\d{1,6}) PLACES?)", re.IGNORECASE)
+_STATE_COMMENT = re.compile(rf"(?m)^([^\n(;]*[(;] *){_STATE.pattern}(?=[) ]*$)", re.IGNORECASE)
 _STATED = re.compile(r"ESTIMATED TIME (?P<h>\d{1,6}) H (?P<min>\d\d) MIN (?P<s>\d\d) S", re.IGNORECASE)
 
 
@@ -104,3 +107,30 @@ def _to_rest_s(length_mm: float, top_mm_s: float, acceleration_mm_s2: float) -> 
     if length_mm * acceleration_mm_s2 >= top_mm_s**2:
         return length_mm / top_mm_s + top_mm_s / acceleration_mm_s2
     return 2 * math.sqrt(length_mm / acceleration_mm_s2)
+
+
+def wrong_state(comments: Iterable[str], found: PlanState) -> Iterator[str]:
+    """A warning where a program's header says that more of the rules is kept than the check finds.
+
+    Examples
+    --------
+    >>> list(wrong_state(["STATE KEPT"], PlanState("kept"))), list(wrong_state(["CONTOURS 2"], PlanState("broken")))
+    ([], [])
+    """
+    said = next(filter(None, map(_STATE.fullmatch, comments)), None)
+    if said is None:
+        return
+    count = math.inf if said["state"].upper() == "BROKEN" else int(said["count"] or 0)
+    if (math.inf if found.kind == "broken" else found.count) > count:
+        yield f"the program says of itself that it is {said['state'].lower()}, and the check finds: {found.words()}"
+
+
+def with_state(text: str, state: PlanState) -> str:
+    """A program whose header says this state in the place of the one that it says.
+
+    Examples
+    --------
+    >>> with_state("(STATE KEPT)\nG21\n", PlanState("broken")), with_state("; STATE BROKEN\n", PlanState("kept"))
+    ('(STATE BROKEN)\nG21\n', '; STATE KEPT\n')
+    """
+    return _STATE_COMMENT.sub(rf"\1STATE {state.short().upper()}", text, count=1)

@@ -1,4 +1,4 @@
-"""The time in a program's header, and its plan's, against the sum over the program's own words."""
+"""What a program says of itself: its time against the sum over its own words, its state against the check."""
 
 from __future__ import annotations
 
@@ -15,13 +15,16 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.read_program import read_on_machine
-from kerfwise.postproc.check.stated_time import SHARE, stated_time_s, summed_time, wrong_times
+from kerfwise.postproc.check.stated import SHARE, stated_time_s, summed_time, wrong_state, wrong_times
 from kerfwise.postproc.clock import with_times
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.plan_state import Place, PlanState
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.time_section import Time, shipped_laws
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.fuzz.inputs import seeds
 
 ROOT = Path(package.__file__).parent
 SHEET = ROOT / "examples" / "nests" / "e1x_6.json"
@@ -109,3 +112,44 @@ def test_a_law_for_another_feed_was_too_short() -> None:
     told = list(wrong_times(read_on_machine(program, nest, slow), replace(slow, time=Time("acceleration"))))
     assert len(told) == 1
     assert "too short" in told[0]
+
+
+KEPT, TWO, BROKEN = (
+    PlanState("kept"),
+    PlanState.of([Place("excused", "part-rigidity", (f"P{k}.outer",), "thin") for k in (1, 2)]),
+    PlanState.of([Place("broken", "pierce-delay", (), "too short")]),
+)
+STATES = {
+    ("STATE KEPT", KEPT): "",
+    ("STATE KEPT", TWO): "says of itself that it is kept, and the check finds: ok, but 2 places are not kept",
+    ("STATE KEPT", BROKEN): "that it is kept, and the check finds: FAILED: 1 hard rules broken: pierce-delay",
+    ("STATE KEPT BUT FOR 1 PLACE", TWO): "kept but for 1 place, and the check finds: ok, but 2 places are not kept",
+    ("STATE KEPT BUT FOR 2 PLACES", TWO): "",
+    ("STATE KEPT BUT FOR 3 PLACES", TWO): "",
+    ("STATE KEPT BUT FOR 2 PLACES", BROKEN): "kept but for 2 places, and the check finds: FAILED",
+    ("STATE BROKEN", BROKEN): "",
+    ("STATE BROKEN", KEPT): "",
+    ("START SIDE LEFT", BROKEN): "",
+}
+
+
+@pytest.mark.parametrize(("said", "found"), STATES)
+def test_a_header_that_says_more_than_the_check_finds_is_told(said: str, found: PlanState) -> None:
+    told = list(wrong_state(["NEST a.json", said], found))
+    assert len(told) == bool(STATES[said, found])
+    assert all(STATES[said, found] in text for text in told)
+
+
+def test_the_check_tells_a_program_that_says_it_is_kept_and_is_not(tmp_path: Path) -> None:
+    nest, program = tmp_path / "rich.json", tmp_path / "rich.nc"
+    nest.write_bytes(seeds.nest_bytes("rich"))
+    text = seeds.made("rich")[0].decode()
+    program.write_text(text)
+    assert "(STATE KEPT)" in text
+    assert "says of itself" not in kerfwise("check", nest, program).out
+    program.write_text(text.replace("(STATE KEPT)", "(STATE KEPT)\n(EXCUSED part-rigidity D.outer)"))
+    assert "says of itself" not in kerfwise("check", nest, program).out
+    program.write_text(text.replace("F2500", "F1500", 1))
+    ended = kerfwise("check", nest, program)
+    assert ended.code == 1
+    assert "warning: the program says of itself that it is kept, and the check finds: FAILED" in ended.out
