@@ -135,7 +135,7 @@ def test_a_link_over_an_older_kerf() -> None:
 def test_a_pierce_left_out() -> None:
     program = program_of([CHAIN, REST], allowed(30))
     result = check_program(ROW, re.sub(r"M3 \$0 S1\nG4 P0.5\n", "", program, count=1), allowed(30))
-    assert {"every-contour-once", "feeds"} <= set(result.broken())
+    assert "every-contour-once" in result.broken()
     assert all(f"{name}.outer is not cut" in report(result) for name in "AB")
     hasty = check_program(ROW, program.replace("G4 P0.5\n", "", 1), allowed(30))
     assert hasty.broken() == ("pierce-delay",)
