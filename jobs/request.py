@@ -23,6 +23,7 @@ from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.identical_parts import Group, align_copies, entries_of_copies, shared_candidates
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import amount, long_job
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
 from kerfwise.models.engines.solution import MEMORY_GB, SolveOptions
@@ -122,6 +123,8 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
                 *common_cut_advice(nest, profile, already),
             )
             raise RulesConflict(HOPELESS, told) from None
+        if isinstance(error, Questions):
+            raise
         if advice := tuple(common_cut_advice(nest, profile, already)):
             told = (*error.details[:MOST_DETAILS], *advice, *error.details[MOST_DETAILS:])
             raise InputError(error.message, file=error.file, details=told) from None

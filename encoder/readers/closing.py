@@ -147,11 +147,12 @@ def _along_parts(
         return None
     first = hanging[0].curve.vertices[[0, -1], :2].tolist()
     count = len(rings)
-    words = f"cut: {count} part{'s' if count != 1 else ''} that share{'s' if count == 1 else ''} an edge with others"
+    which = "1 part that shares" if count == 1 else f"{count} parts that share"
+    common = "cuts.common: {shortest: 20 mm, accept_loss: true}"
+    words = f"cut: {which} an edge with another, which one cut makes ({common})"
     place = " to ".join(f"({x:.3f}, {y:.3f})" for x, y in first)
-    note = Note(
-        "repaired", f"{count} part{'s' if count != 1 else ''} closed along the edges of others, the first from {place}"
-    )
+    text = f"open lines closed along the edges of parts: {which} an edge with another, the first line from {place}"
+    note = Note("repaired", text)
     in_waste = not any(shapely.buffer(o.area, -tolerance_mm).intersects(reach) for o in near)
     likely = in_waste and all(c in hanging for c in broken)
     return Closing(Choice(SHARED, words), tuple(rings), tuple(hanging), tuple(divided), likely, (note,))

@@ -113,6 +113,7 @@ def given(**settings: str) -> list[str]:
 
 
 SCRAP = ([(250, 150), (250, 290)], "Scrap cuts", False)
+SHARED = ["--answer", "layer:0=open:shared"]
 LASER = ["-p", "laser-st10kp-2mm"]
 
 ADVICE = [
@@ -427,5 +428,19 @@ ADVICE = [
         ),
         given(cuts__common="{shortest: 20 mm, accept_loss: true, good_side: any}"),
         "facts",
+    ),
+    Advice(
+        "cuts.common: {shortest: 20 mm, accept_loss: true}",
+        r"cut: 1 part that shares an edge with another, which one cut makes",
+        drawn(([(60, 20), (100, 20), (100, 50), (60, 50)], "0", False)),
+        (
+            Do(
+                "cuts.common: {shortest: 20 mm, accept_loss: true}",
+                [*LASER, *SHARED, *given(cuts__common="{shortest: 20 mm, accept_loss: true}")],
+                shows="ok: every hard rule holds",
+            ),
+        ),
+        [*LASER],
+        "solve",
     ),
 ]  # fmt: skip

@@ -66,6 +66,7 @@ FACTS = {
 def _ran(row: Advice, folder: Path, file: Write | None, words: Words) -> Ended:
     nest = (file or row.file)(folder)
     out = ["-o", str(folder / "facts.json")] if row.verb == "facts" else []
+    out = ["-o", str(folder / "out.nc"), "--work", "0.05"] if row.verb == "solve" else out
     profile = [] if "-p" in words else ["-p", "plasma-carbon-steel"]
     return kerfwise(row.verb, nest, "--no-job", *profile, *words, *out)
 

@@ -111,10 +111,10 @@ def planned(file: Path, profile: str) -> tuple[str, int, str]:
     answers: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
         while True:
-            words = [sys.executable, "-m", "kerfwise", "solve", str(file), "-p", profile, "--no-job"]
+            words = [sys.executable, "-m", "kerfwise", "solve", str(file.resolve()), "-p", profile, "--no-job"]
             words += ["--work", str(WORK), "-o", str(Path(folder, "out.nc"))]
             words += [word for answer in answers for word in ("--answer", answer)]
-            done = subprocess.run(words, capture_output=True, text=True, check=False, preexec_fn=_limited)
+            done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder, preexec_fn=_limited)
             if done.returncode != ASKS or len(answers) > MOST_ANSWERS:
                 break
             answers += likeliest(done.stderr)

@@ -103,7 +103,7 @@ def test_a_part_that_shares_an_edge_is_closed_along_it(tmp_path: Path) -> None:
     assert [choice.value for choice in error.value.questions[0].choices][:2] == ["open:shared", "open:ignore"]
     nest = answered(tmp_path, draw, "open:shared")
     assert areas(nest) == {"P1.outer": 2500, "P2.outer": 1200}
-    assert "1 part closed along the edges of others" in texts(nest.notes, "repaired")[0]
+    assert "1 part that shares an edge with another, the first line from" in texts(nest.notes, "repaired")[0]
 
 
 def test_a_line_across_a_part_may_divide_it(tmp_path: Path) -> None:
