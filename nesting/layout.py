@@ -15,6 +15,7 @@ import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.text import dxf_in_mm
 
 from .demand import QUARTERS, Demand, Spacing, Stock
@@ -234,6 +235,7 @@ def nests_of(layout: Layout) -> list[Nest]:
             count[one.kind] += 1
             kind = layout.wanted.types[one.kind]
             made = one.part(kind.part, f"{kind.name}-{count[one.kind]}")
+            made.attributes.pop(QUANTITY_KEY, None)  # each is one of them now
             told: dict[str, object] = {OF: kind.name, "priority": kind.priority}
             more = {"order": kind.order, "due": kind.due, "material": kind.material, "thickness": kind.thickness_mm}
             made.attributes.update(told | {key: value for key, value in more.items() if value})

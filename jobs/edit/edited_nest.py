@@ -18,6 +18,7 @@ import shapely
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.nesting.find_nests import spacing_of
@@ -278,6 +279,7 @@ class EditedNest:
             kind = shapes.types[one.kind]
             name = next(name for n in range(1, len(drawn) + 2) if (name := f"{kind.name}-{n}") not in drawn)
             made = one.part(kind.part, name)
+            made.attributes.pop(QUANTITY_KEY, None)
             made.attributes.update({"of": kind.name} | ({"order": kind.order} if kind.order else {}))
             drawn[name] = made
         return replace(state, drawn=drawn, lying={**dict.fromkeys(drawn, Lying()), **state.lying})

@@ -293,7 +293,10 @@ class PartRow:
     """A file of parts, and how often each part in it is wanted."""
 
     part: str = field(default="", metadata=option(Text(), "file of the part: DXF, SVG or JSON, from the list's folder"))
-    quantity: int = field(default=1, metadata=option(Number(1, MOST, whole=True), "how many are wanted"))
+    quantity: int | None = field(
+        default=None,
+        metadata=option(Number(1, MOST, whole=True), "how many are wanted, else what its drawing says, or 1"),
+    )
     priority: int = field(
         default=1, metadata=option(Number(1, 50, whole=True), "parts of lower numbers are placed first")
     )

@@ -12,12 +12,13 @@ from typing import ClassVar
 from kerfwise.encoder.contour_checks import sheet_ring_problems
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file, read_limited
-from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.questions import Questions, QuestionsOfFiles, with_answers
 from kerfwise.encoder.readers.drawing import Drawing
 from kerfwise.encoder.readers.join import join
 from kerfwise.encoder.readers.json_nest import sheet_in_json
 from kerfwise.encoder.readers.layers import Layers
+from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, read_nest
 from kerfwise.encoder.readers.sheet import NO_SHEET, drawn_sheet
@@ -251,9 +252,18 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
         name = file.stem if len(nest.parts) == 1 else f"{file.stem}.{part.id}"
         if free:
             turns = sides_on_axes(part)
-        kind = PartType(name, part, row.quantity, row.priority, row.order, turns, row.mirror, str(file), free)
+        quantity = row.quantity or _drawn_quantity(part)
+        if row.quantity is None and quantity > 1:
+            tell(f"{file}: {quantity} copies of {name}, as the drawing or its name says (say how many to have others)")
+        kind = PartType(name, part, quantity, row.priority, row.order, turns, row.mirror, str(file), free)
         due = "" if row.due is None else row.due.isoformat()
         yield replace(kind, material=row.material, thickness_mm=row.thickness_mm, due=due)
+
+
+def _drawn_quantity(part: Part) -> int:
+    """How many of a part its drawing says, by the names of blocks, layers and the file; 1 where it says nothing."""
+    said = next((value for key, value in part.attributes.items() if key.lower() == QUANTITY_KEY), None)
+    return said if isinstance(said, int) and 1 <= said <= MOST else 1
 
 
 def _file_of(file: Path) -> Path:

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 import kerfwise as package
-from kerfwise.nesting.layout import nest_json
+from kerfwise.nesting.layout import nest_dxf, nest_json
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -160,3 +160,15 @@ def test_a_shipped_profile_takes_the_shipped_row_of_the_thickness(shop: Path) ->
     assert kerfwise("solve", "out/S355-8mm/sheet1.json", "--work", 0.2).code == 0
     Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235;40\n")
     assert nested("list.csv", "--sheet", "400x300")[0] == 3
+
+
+def test_a_name_says_how_many_unless_somebody_does(shop: Path) -> None:
+    Path("plate.dxf").write_text(nest_dxf(nest(200, 200, part("plate", rect(10, 10, 80, 40)))))
+    Path("plate.dxf").rename("plate_4x.dxf")
+    code, out, err = nested("plate_4x.dxf", "--sheet", "400x300")
+    assert code == 0, err
+    assert "4 of 4 parts" in out
+    assert "4 copies of plate_4x, as the drawing or its name says" in err
+    assert "2 of 2 parts" in nested("plate_4x.dxf=2", "--sheet", "400x300")[1]
+    Path("list.csv").write_text("file;qty\nplate_4x.dxf;\nplate_4x.dxf;1\n")
+    assert "5 of 5 parts" in nested("list.csv", "--sheet", "400x300")[1]

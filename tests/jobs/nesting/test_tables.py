@@ -64,7 +64,7 @@ def test_a_title_comments_and_empty_rows_are_passed_over(tmp_path: Path) -> None
     text = "sep=;\nMonday's list;;\n\n# cut first\nfile;qty;due\na.dxf;2;24.12.2026\n;;\nb.dxf;;\n"
     one, other = rows_of(tmp_path / "list.csv", text)
     assert (one.part, one.quantity, one.due) == ("a.dxf", 2, datetime.date(2026, 12, 24))
-    assert (other.part, other.quantity, other.due) == ("b.dxf", 1, None)
+    assert (other.part, other.quantity, other.due) == ("b.dxf", None, None)
 
 
 def test_a_workbook_has_parts_and_stock_on_tabs(tmp_path: Path) -> None:
