@@ -44,7 +44,7 @@ def engraved(texts: Sequence[DrawnText], told: ByLayer, options: ReadOptions, as
     """
     marked: list[DrawnText] = []
     failed: list[tuple[DrawnText, str]] = []
-    left: dict[tuple[bool, str], list[DrawnText]] = defaultdict(list)
+    left: dict[str, list[DrawnText]] = {"text": [], "point": []}
     rows: Counter[tuple[str, str, str]] = Counter()
     silent: list[DrawnText] = []
     for text in texts:
@@ -57,8 +57,8 @@ def engraved(texts: Sequence[DrawnText], told: ByLayer, options: ReadOptions, as
         elif use.purpose == "ignore":
             silent.append(text)
         else:
-            left[not text.text, text.look.layer].append(text)
-    notes = [_not_marked(those) for _, those in sorted(left.items())]
+            left[_what(text)].append(text)
+    notes = [note for those in left.values() if those for note in _not_marked(those)]
     notes += [Note("warning", f"left out, as {why}: the {text.place}") for text, why in failed[:MOST_NOTES]]
     if len(failed) > MOST_NOTES:
         notes.append(Note("warning", f"left out, as those before: {len(failed) - MOST_NOTES} more texts"))
@@ -82,30 +82,51 @@ MOST_NOTES = 20
 
 def question_of(text: DrawnText) -> str:
     """The id of the answer for the texts, or the points, of a layer: nobody is asked, for without one all is said."""
-    return f"{'text' if text.text else 'point'}:{text.look.layer}"
+    return f"{_what(text)}:{text.look.layer}"
+
+
+def _what(text: DrawnText) -> str:
+    return "text" if text.text else "point"
 
 
 def _use(text: DrawnText, told: ByLayer, options: ReadOptions, asking: Asking) -> Use:
-    name = question_of(text)
-    if asking.answered(name) is not None:
+    """By the answer for its layer, or for all texts or points, else by what its layer is for."""
+    name = next((one for one in (question_of(text), _what(text)) if asking.answered(one) is not None), None)
+    if name is not None:
         choices = tuple(Choice(purpose, WORDS[purpose]) for purpose in ("mark", "ignore"))
-        about = f"what are the {name.partition(':')[0]}s of layer '{text.look.layer}'"
-        said = asking.ask(Question(name, about, choices))
+        said = asking.ask(Question(name, f"what are the {_what(text)}s of layer '{text.look.layer}'", choices))
         return Use(cast(Purpose, said), asking.because(name), True)
     look = look_of(text.look)
     return told.uses[look] if look in told.uses else use_of(look, text.look, options, asking)
 
 
-def _not_marked(texts: Sequence[DrawnText]) -> Note:
-    """How many texts or points of a layer are left out, what the first ones say, and what engraves them."""
-    what, layer, one = ("text" if texts[0].text else "point"), texts[0].look.layer, len(texts) == 1
+def _not_marked(texts: Sequence[DrawnText]) -> list[Note]:
+    """How many texts, or points, are left out on which layers, what the first ones say, and what engraves them."""
+    layers = sorted({text.look.layer for text in texts})
+    if len(layers) > MOST_LAYERS:
+        names = f"{', '.join(repr(layer) for layer in layers[:FIRST])}, …"
+        return [_note(texts, f"the {len(layers)} layers {names} are", _what(texts[0]))]
+    return [
+        _note(those, f"layer '{layer}' is" if layer else "what stands in no group is", question_of(those[0]))
+        for layer in layers
+        for those in [[text for text in texts if text.look.layer == layer]]
+    ]
+
+
+MOST_LAYERS = 3
+"""Texts on more layers than this are told together."""
+
+
+def _note(texts: Sequence[DrawnText], where: str, question: str) -> Note:
+    what, one = _what(texts[0]), len(texts) == 1
     shown = [_short(text.text) for text in texts if text.text][:FIRST]
     quoted = f" ({', '.join(shown)}{', …' if len(texts) > len(shown) else ''})" if shown else ""
-    flag = Question(question_of(texts[0]), "", ()).flag(Choice("mark", ""))
+    flag = Question(question, "", ()).flag(Choice("mark", ""))
     which = f"1 {what}" if one else f"{len(texts)} {what}s"
     done = "engraves" if what == "text" else "marks"
-    because = f"left out, as layer '{layer}' is not for marks"
-    return Note("warning", f"{because}: {which}{quoted}; {flag} {done} {'it' if one else 'them'}")
+    return Note(
+        "warning", f"left out, as {where} not for marks: {which}{quoted}; {flag} {done} {'it' if one else 'them'}"
+    )
 
 
 def _short(text: str) -> str:

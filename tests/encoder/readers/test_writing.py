@@ -256,6 +256,22 @@ def test_writing_on_other_layers_is_said_with_what_engraves_it(tmp_path: Path) -
     assert told.reading.answers == {"text:0": "mark", "point:0": "mark"}
 
 
+def test_writing_on_many_layers_is_said_and_answered_at_once(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        plate(space)
+        for k in range(5):
+            space.add_text(f"H{k}", dxfattribs={"layer": f"part {k}", "insert": (50, 50 + 20 * k), "height": 5})
+
+    path = save_dxf(tmp_path, draw)
+    assert texts(read_nest(path).notes) == [
+        "left out, as the 5 layers 'part 0', 'part 1', 'part 2', … are not for marks: 5 texts ('H0', 'H1', 'H2', …); "
+        "--answer text=mark engraves them"
+    ]
+    all_but_one = read_nest(path, ReadOptions(answers=(("text", "mark"), ("text:part 3", "ignore"))))
+    assert all_but_one.reading is not None
+    assert [writing.text for writing in all_but_one.reading.writings] == ["H0", "H1", "H2", "H4"]
+
+
 def test_writing_on_a_layer_for_marks_can_be_left_out(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         plate(space)
@@ -402,7 +418,7 @@ def test_what_cannot_be_engraved_is_told(tmp_path: Path, text: str, why: str) ->
 def test_writing_beside_the_groups_of_svg(tmp_path: Path) -> None:
     nest = svg(tmp_path, "</g><g><text id='text12' x='50' y='50'>A-1</text>")
     assert texts(nest.notes)[:1] == [
-        "left out, as layer '' is not for marks: 1 text ('A-1'); --answer text:=mark engraves it"
+        "left out, as what stands in no group is not for marks: 1 text ('A-1'); --answer text:=mark engraves it"
     ]
     path = tmp_path / "drawing.svg"
     told = read_nest(path, ReadOptions(answers=(("frame", "part"), ("text:", "mark"))))
