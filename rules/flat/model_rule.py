@@ -23,8 +23,8 @@ from kerfwise.rules.rule import Forced, Ids, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import About, Before, Statement
 
 from .expr import Lit, Node, contours_of, parts
-from .model_file import ModelFile, Parameter, read_model_file, states, whole_text
-from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data
+from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments
+from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data, unknown_words
 
 if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import LeadOptions
@@ -267,6 +267,9 @@ class ModelRule(Rule[Any]):
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
         return missing(cuts, whole_text(self.file))
+
+    def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
+        return unknown_words(nest, "".join(map(without_comments, files_read(self.file).values())))
 
     def still_counts(self, violation: Violation, made: int) -> bool:
         """A pair in the wrong order counts where both are new cuts, any other violation where the last of them is."""

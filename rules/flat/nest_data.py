@@ -22,6 +22,7 @@ from kerfwise.rules.own.selector import (
     is_long,
     lengths_mm,
     measure_nest,
+    none_has,
     rectangle_sides_mm,
     sizes_mm,
 )
@@ -276,6 +277,18 @@ _SIZES: Mapping[str, Callable[[Nest], list[int]]] = {
 
 _DRAWN: Mapping[str, str] = {f"contour_{key}": key for key in ("layer", "colour", "block", "text")}
 """Word → what the drawing says of each contour under it, "" where it says nothing."""
+
+
+_COMPARED = re.compile(r'contour_(layer|colour|block|text)\s*\[[^\]]*\]\s*==?\s*"([^"]*)"')
+
+
+def unknown_words(nest: Nest, text: str) -> str | None:
+    """That a file compares what a drawing says of contours with what it says of none, such as another layer's name."""
+    for key, said in _COMPARED.findall(text):
+        there = {getattr(contour.source, key) for contour in nest.contours}
+        if said and said not in there:
+            return f"it compares with the {key} of no contour: {none_has(key, said, there)}"
+    return None
 
 
 def further_words(nest: Nest, text: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -87,11 +87,7 @@ class Selector:
         for name, criterion in self.criteria:
             values = known.values(name)
             if not any(criterion.met(value) for value in values):
-                said = criterion.plain()
-                there = sorted({str(value) for value in values if value not in (None, "")})
-                shown = ", ".join(f"'{value}'" for value in there[:SHOWN]) + (", …" if len(there) > SHOWN else "")
-                fact = name.replace(ATTRIBUTE, "attribute ")
-                return f"none has the {fact} {said!r}; there is {shown or 'nothing of that kind'}"
+                return none_has(name.replace(ATTRIBUTE, "attribute "), criterion.plain(), values)
         return "none meets all that it asks"
 
     def names(self) -> set[str]:
@@ -102,6 +98,19 @@ class Selector:
         """The YAML data that reads back as this selector."""
         made = {name: criterion.plain() for name, criterion in self.criteria}
         return made | ({NOT: self.excluded.plain()} if self.excluded else {})
+
+
+def none_has(fact: str, said: object, values: Iterable[object]) -> str:
+    """That no contour has this value of a fact, and which there are.
+
+    Examples
+    --------
+    >>> none_has("layer", "A", ["B", "", None, "C", "B"])
+    "none has the layer 'A'; there is 'B', 'C'"
+    """
+    there = sorted({str(value) for value in values if value not in (None, "")})
+    shown = ", ".join(f"'{value}'" for value in there[:SHOWN]) + (", …" if len(there) > SHOWN else "")
+    return f"none has the {fact} {said!r}; there is {shown or 'nothing of that kind'}"
 
 
 def read_selector(node: yaml.Node, problems: Problems, what: str) -> Selector:

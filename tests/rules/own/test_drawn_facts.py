@@ -75,6 +75,17 @@ def test_a_model_file_speaks_of_layers(tmp_path: Path) -> None:
     assert {*order[:3]} == {"P1", "P3", "P5"}
 
 
+def test_a_model_file_that_names_a_layer_of_no_contour_is_told(tmp_path: Path) -> None:
+    (tmp_path / "c_first.mzn").write_text(
+        '% c-first: layer C first, not contour_layer[1] = "X"\n'
+        "array[int] of var bool: c_first_holds = [before(i, j) | i, j in CONTOUR where\n"
+        '  contour_layer[i] = "C" /\\ contour_layer[j] = "B"];\n'
+    )
+    _, ended = solved(tmp_path, save_dxf(tmp_path, two_rows), "models: [c_first.mzn]\n")
+    told = "it compares with the layer of no contour: none has the layer 'C'; there is 'A', 'B'"
+    assert told in ended.out + ended.err
+
+
 def blocks(space: Any) -> None:
     space.add_lwpolyline([(0, 0), (900, 0), (900, 200), (0, 200)], close=True, dxfattribs={"layer": "Sheet"})
     inner = space.doc.blocks.new("HOLE")
