@@ -57,6 +57,15 @@ def test_damaged_inputs(kind: str, worker: Worker) -> None:
     assert codes[0] + codes[1] >= cases // 20
 
 
+@pytest.mark.full
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["pair", "chart", "list"])
+def test_many_files_that_do_not_belong_together(kind: str, worker: Worker) -> None:
+    """Plans and programs of other nests, charts and lists under every verb that takes them."""
+    done = [worker.ask(made(kind, 78, number)) for number in range(2000)]
+    assert [(report.case.words, report.findings) for report in done if report.findings] == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [4, 5])
 def test_a_case_in_a_process_of_its_own_gives_the_same(number: int, tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.time_section import Time, shipped_laws
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.fuzz.inputs import seeds
+from kerfwise.tests.postproc import stated_times
 
 ROOT = Path(package.__file__).parent
 SHEET = ROOT / "examples" / "nests" / "e1x_6.json"
@@ -73,6 +74,16 @@ def test_six_dialects_say_what_their_words_come_to(model: str) -> None:
             assert said_s == pytest.approx(found.words_s, rel=SHARE)
     if model == "constant":
         assert "\n".join(rows) in PAGE, "\n".join(rows)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("asked", ["corners at 0.6", "small holes at half", "tabs"])
+def test_programs_in_six_dialects_state_what_their_words_come_to(asked: str) -> None:
+    """A part of the table that `python -m kerfwise.tests.postproc.stated_times` prints."""
+    found = list(stated_times.rows("e1x_6", read_nest(SHEET), asked))
+    assert len(found) == len(stated_times.DIALECTS)
+    assert max(row.apart for row in found) <= SHARE
+    assert stated_times.table(found).splitlines()[-1] in PAGE
 
 
 def with_header(program: str, share: float) -> str:
