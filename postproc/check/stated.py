@@ -126,7 +126,7 @@ def wrong_state(comments: Iterable[str], found: PlanState) -> Iterator[str]:
 
 
 def with_state(text: str, state: PlanState) -> str:
-    """A program whose header says this state in the place of the one that it says.
+    r"""A program whose header says this state in the place of the one that it says.
 
     Examples
     --------
