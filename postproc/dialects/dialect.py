@@ -268,6 +268,9 @@ class Dialect:
     trailing_zeros: bool = field(
         default=False, metadata=option(Flag(), "whether numbers have all their decimals, zeros too")
     )
+    whole_digits: int = field(
+        default=1, metadata=option(Number(1, 8, whole=True), "digits before the decimal point at least: 4 for X0010.5")
+    )
     whole_point: bool = field(default=False, metadata=option(Flag(), "whether whole numbers end in a point: X10."))
     decimal: Literal[".", ","] = field(default=".", metadata=option(Choice((".", ",")), "the decimal point, or comma"))
     feed_decimals: int | None = field(

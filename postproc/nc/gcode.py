@@ -224,7 +224,10 @@ class GcodeWriter:
         return {"x": self._number(x), "y": self._number(y)}
 
     def _number(self, mm: float) -> str:
-        text = self._shown(mm * self.dialect.per_mm, self.dialect.decimals)
+        text, whole = self._shown(mm * self.dialect.per_mm, self.dialect.decimals), self.dialect.whole_digits
+        if whole > 1:
+            bare = text.lstrip("-")
+            text = text[: len(text) - len(bare)] + bare.zfill(whole + len(bare) - len(re.split("[.,]", bare)[0]))
         return f"+{text}" if self.dialect.signed and not text.startswith("-") else text
 
     def _shown(self, value: float, decimals: int) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
@@ -38,14 +39,17 @@ is the reader of kerfwise itself, which shares nothing with the writer.
   0.0004 mm instead of arcs.
 
 Nobody here had a control to try: what a dialect says of a control's words comes from its maker's documents, for Burny
-from a post-processor of a third party alone. No reader of ESSI could be had. It counts in whole tenths of a millimetre,
-so that its paths may lie one step from the plan's, and chords that zigzag by as much are a little longer.
+from a post-processor of a third party alone; `mach`, `marlin`, `fanuc` and `sinumerik` are data alone, over a family
+that the check knows. No reader of ESSI could be had. It counts in whole tenths of a millimetre, so that its paths may
+lie one step from the plan's, and chords that zigzag by as much are a little longer.
 
 | nest | dialect | reader | burns | apart, mm | torch on, mm | travel, mm |
 |---|---|---|---:|---:|---:|---:|
 {rows}
 {disagreements}
-"""
+
+{beside}"""
+BESIDE = Path(__file__).with_name("beside_others.md").read_text(encoding="utf-8")
 Reader = Callable[[], Heard]
 
 
@@ -67,7 +71,7 @@ def main() -> None:
                 )
     told = f"{len(rows)} readings, {wrong} disagree (more than 0.01 mm apart, or 0.1 mm in all; ESSI: 0.1 mm, 0.1 %)."
     told += " The farthest apart: " + ", ".join(f"{of} {mm:.4f} mm" for of, mm in worst.items()) + "."
-    sys.stdout.write(PAGE.format(rows="\n".join(rows), disagreements=f"\n{told}"))
+    sys.stdout.write(PAGE.format(rows="\n".join(rows), disagreements=f"\n{told}", beside=BESIDE))
     sys.exit(wrong > 0)
 
 

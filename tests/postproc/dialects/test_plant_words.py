@@ -69,6 +69,7 @@ CASES: dict[str, tuple[str, dict[str, str]]] = {
     ),
     "whole numbers with a point": ("eia", {"whole_point": "true"}),
     "all their decimals": ("eia", {"trailing_zeros": "true", "decimals": "3"}),
+    "padded digits": ("eia", {"whole_digits": "4"}),
     "two decimals": ("eia", {"decimals": "2", "trailing_zeros": "true"}),
     "a decimal comma": ("eia", {"decimal": "','"}),
     "no blanks": ("linuxcnc", {"blanks": "false"}),
