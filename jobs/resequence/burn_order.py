@@ -37,7 +37,8 @@ from kerfwise.postproc.check.reader.read_program import old_on_machine, shift_pr
 from kerfwise.postproc.check.torch_run import in_steps_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
-from kerfwise.postproc.nc.gcode import comment, program_names
+from kerfwise.postproc.nc.gcode import comment
+from kerfwise.postproc.nc.head_comments import program_names
 from kerfwise.postproc.nc.program import cut_comment, head_comments
 from kerfwise.postproc.old.contours import NestOfBurns
 from kerfwise.postproc.old.loops import AmbiguousNest, Unclear

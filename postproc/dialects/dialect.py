@@ -82,6 +82,18 @@ class Reads:
 
 
 @dataclass(frozen=True, slots=True)
+class Subprogram:
+    """How a path that comes again and again is written once, counting from where it begins, and called."""
+
+    call: str = field(default="M98 P{sub}", metadata=option(Block(needs=("sub",)), "calls it, by its number {sub}"))
+    begin: str = field(default="O{sub}", metadata=option(Block(needs=("sub",)), "begins it, behind the program's end"))
+    end: str = field(default="M99", metadata=option(_BLOCK, "ends it"))
+    first: int = field(default=9001, metadata=option(Number(1, 99999, whole=True), "the number of the first"))
+    stepwise: str = field(default="G91", metadata=option(_BLOCK, "places count from the last one"))
+    from_zero: str = field(default="G90", metadata=option(_BLOCK, "places count from zero again"))
+
+
+@dataclass(frozen=True, slots=True)
 class Around:
     """Blocks before what cuts a kind of contour starts, and behind where it stops."""
 
@@ -276,6 +288,9 @@ class Dialect:
     feed_decimals: int | None = field(
         default=None,
         metadata=option(OrWord(Number(0, 6, whole=True), none="auto"), "digits after the decimal point of a feed"),
+    )
+    subprogram: Subprogram | None = field(
+        default=None, metadata=option(Group(Subprogram), "paths of copies are written once, and called; {} for M98")
     )
     greatest_radius_mm: float | None = field(
         default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")

@@ -34,6 +34,10 @@ from .blocks import POWERS, Powers
 from .dialect import INCH_MM, PLANT, Dialect
 
 _COARSEST_MM = 0.1
+_NOT_SHIFTED = {
+    ("absolute", "absolute"), ("incremental", "absolute"), ("incremental", "relative"), ("incremental", "radius"),
+    ("incremental", "none"),
+}  # fmt: skip
 
 
 def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
@@ -121,6 +125,13 @@ def parse_dialect(text: str, file: str) -> Dialect:
     if bool(dialect.torch_select) != bool(dialect.torch_deselect):
         at = problems.place(deepest(root, "torch_select" if dialect.torch_select else "torch_deselect"))
         raise wrong_at(at, "torch_select and torch_deselect: expected blocks for both, or for neither")
+    if dialect.subprogram is not None and (dialect.positions, dialect.arc_centre) in _NOT_SHIFTED:
+        at = problems.place(deepest(root, "subprogram"))
+        raise wrong_at(
+            at,
+            "subprogram: a path that is called at several places counts from where it begins: expected positions: "
+            "absolute, and arc_centre: relative, radius or none",
+        )
     if dialect.step_mm > _COARSEST_MM * (1 + 1e-9):
         at = problems.place(deepest(root, "decimals"))
         raise wrong_at(

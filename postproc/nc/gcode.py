@@ -7,12 +7,12 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
-from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import CornerFeed, Paced, paced
 from kerfwise.postproc.dialects import Dialect, own_wait_s, powers_of
 from kerfwise.postproc.dialects.blocks import DWELL
@@ -64,6 +64,8 @@ class GcodeWriter:
         self.at = self._rounded(at)
         self._said: dict[str, str] = {}
         """The words in force, for a dialect that says them only where they change."""
+        self.shared: frozenset[tuple[str, ...]] = frozenset()
+        """The paths of copies, each from where it begins, that a dialect with subprograms calls."""
         self._marks: bool | None = None
         self.torches = 1
         self._lit: set[int] | None = None
@@ -177,6 +179,29 @@ class GcodeWriter:
                 if modal:
                     self._said["feed"] = word
         return blocks
+
+    def called_path(
+        self,
+        path: Curve,
+        feed_mm_s: float,
+        corners: CornerFeed | None = None,
+        unlit: Sequence[tuple[float, float]] = (),
+        only: Collection[tuple[str, ...]] | None = None,
+    ) -> list[str]:
+        """As `path`, counting from where it begins, so that the path of a copy has the same blocks.
+
+        Where these are not among `only`, the path counts from zero as any other.
+        """
+        sub = self.dialect.subprogram
+        assert sub is not None
+        x, y = path.segments[0].start
+        pen = GcodeWriter(replace(self.dialect, positions="incremental"), (0.0, 0.0), self.powers, self.plant)
+        blocks = (sub.stepwise, *pen.path(path.moved(-x, -y), feed_mm_s, corners, unlit), sub.from_zero)
+        if only is not None and blocks not in only:
+            return self.path(path, feed_mm_s, corners, unlit)
+        self.at = self._rounded((self.at[0] + pen.at[0], self.at[1] + pen.at[1]))
+        self._said.clear()
+        return list(blocks)
 
     def _over_tab(self, ends: bool, feed_mm_s: float) -> list[str]:
         """Put the torch out where a tab begins, or light it again where it ends, without a wait."""
@@ -309,6 +334,27 @@ def shown_number(value: float, decimals: int, dialect: Dialect) -> str:
     return text.replace(".", dialect.decimal) if dialect.decimal != "." else text
 
 
+def with_subprograms(body: Sequence[str], dialect: Dialect) -> list[str]:
+    """The blocks of a program in which paths that come again are called, and stand behind its end."""
+    sub = dialect.subprogram
+    if sub is None:
+        return list(body)
+    begins = [k for k, block in enumerate(body) if block == sub.stepwise]
+    spans = [(k, next(j for j in range(k, len(body)) if body[j] == sub.from_zero) + 1) for k in begins]
+    often = Counter(tuple(body[a:b]) for a, b in spans)
+    numbers = {path: sub.first + k for k, path in enumerate(path for path, count in often.items() if count > 1)}
+    made, at = list[str](), 0
+    for a, b in spans:
+        number_of = numbers.get(tuple(body[a:b]))
+        made += [*body[at:a], *(body[a:b] if number_of is None else [sub.call.format(sub=number_of)])]
+        at = b
+    frame = ["%"] if body[-1] == "%" else []
+    made += body[at : len(body) - len(frame)]
+    for path, number_of in numbers.items():
+        made += [sub.begin.format(sub=number_of), *path, sub.end]
+    return made + frame
+
+
 # Blocks of a program as text: numbers, comments, and N words.
 
 
@@ -392,70 +438,3 @@ def seconds_text(seconds: float) -> str:
     minutes, rest = divmod(math.ceil(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours} H {minutes:02d} MIN {rest:02d} S"
-
-
-# Names of contours in a program, where it cannot hold them as they are, and the map from the one to the other.
-#
-# (NAME 1 Plita-7.outer IS =D0=9F=D0=BB=D0=B8=D1=82=D0=B0.outer)
-#
-# A name is kept as it is where the check finds its contour by it: plain characters, short, and unlike every other
-# name. Any other is replaced by one that is; the map tells the name in UTF-8, bytes that are no letter, digit, `.` or
-# `-` as `=` and two hexadecimal digits. A name that has no room on one line goes on in the next comment with the same
-# number.
-
-_LONGEST_BESIDE = len("(BROKEN 123456  ZONE 123 CCW PIERCE -12345.123456 -12345.123456)")
-_KEPT = 24
-_ZONE = re.compile(r"\bZONE\b|\bLEAD\b|\bPIERCE\b", re.IGNORECASE)
-
-
-def program_names(nest: Nest, dialect: Dialect) -> Mapping[str, str]:
-    """Contour id → its name in the program: short, of plain characters, and its own."""
-    ids = [contour.id for contour in nest.contours]
-    seen = Counter(map(_folded, ids))
-    most = max(dialect.max_line - _LONGEST_BESIDE, 12)
-    names: dict[str, str] = {}
-    for number, name in enumerate(ids, 1):
-        if seen[_folded(name)] == 1 and len(name) <= most and not _ZONE.search(name) and _needs_no_change(name):
-            names[name] = plain(name)
-        else:
-            base = re.sub(r"[^A-Za-z0-9.]+", "_", plain(name)).strip("_.")[: min(_KEPT, most - 8)]
-            names[name] = _free(f"{base}-{number}" if base else f"contour-{number}", seen)
-            seen[_folded(names[name])] += 1
-    return names
-
-
-def name_comments(names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
-    """The map, for the names that are replaced."""
-    replaced = [(name, told) for name, told in names.items() if told != plain(name)]
-    for number, (name, told) in enumerate(replaced, 1):
-        head = f"NAME {number} {told} IS"
-        room = room_for(dialect, head)
-        line = ""
-        for char in _spelt_name(name):
-            if line and len(line) + len(char) > room:
-                yield comment(dialect, head, line)
-                line = ""
-            line += char
-        yield comment(dialect, head, line)
-
-
-def _needs_no_change(name: str) -> bool:
-    told = plain(name)
-    return told == told.strip() and _folded(told) == _folded(name) and bool(re.search(r"[A-Za-z0-9]", told))
-
-
-def _free(name: str, seen: Mapping[str, int]) -> str:
-    while seen.get(_folded(name), 0):
-        name += "x"
-    return name
-
-
-def _spelt_name(name: str) -> Iterator[str]:
-    for byte in name.encode("utf-8", "surrogatepass"):
-        char = chr(byte)
-        yield char if char.isascii() and (char.isalnum() or char in ".-") else f"={byte:02X}"
-
-
-def _folded(name: str) -> str:
-    """What the check keeps of a name."""
-    return re.sub(r"[^A-Za-z0-9.]+", "_", name).upper()

@@ -12,8 +12,8 @@ from kerfwise.encoder.cut import Cut, Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers.reading import DONE
 from kerfwise.encoder.slits import features_cut_across
+from kerfwise.encoder.torch_path import CornerFeed
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.dialects import (
     Dialect,
@@ -30,14 +30,14 @@ from .gcode import (
     GcodeWriter,
     comment,
     is_comment,
-    name_comments,
     number,
     number_blocks,
     plain,
-    program_names,
     room_for,
     seconds_text,
+    with_subprograms,
 )
+from .head_comments import name_comments, program_names, reading_comments, setting_comments
 from .toolpaths import SHA_DIGITS, Toolpath, expect_same_nest, toolpaths
 
 ARCS_REFITTED = "ARCS REFITTED WITHIN"
@@ -61,7 +61,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     names = program_names(profile.as_cut(nest), dialect)
     body = body_of_plan(plan, names, nest, profile, dialect)
     first = opening(dialect)  # before all comments
-    blocks = [*body[:first], *_header(plan, names, nest, profile, dialect), *body[first:]]
+    blocks = [*body[:first], *_header(plan, names, nest, profile, dialect), *with_subprograms(body[first:], dialect)]
     return NEWLINES[dialect.newline].join([*number_blocks(blocks, dialect), ""])
 
 
@@ -279,6 +279,9 @@ def _body(
         due.setdefault(pierce.before, []).append((count, pierce))
     pen.torches = profile.machine.torches.count
     order = first
+    if dialect.subprogram is not None:
+        paths = list(paths)
+        pen.shared = _shared(paths, profile, dialect, pen)
     for made, after in _with_next(paths):
         for count, pierce in due.get(order, ()):
             at = round(pierce.at[0], 6) - x, round(pierce.at[1], 6) - y
@@ -337,7 +340,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
     """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
     cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
     yield cut_comment(order, name, cut, mark, dialect)
-    feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
+    feed_mm_s, law = _pace(made, profile)
     around = dialect.around_kind(_kind(made))
     if not made.linked:
         yield from pen.select(mark)
@@ -354,12 +357,34 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
-    law = None if mark else profile.corner_feed()
-    yield from pen.path(made.path, feed_mm_s, law, made.unlit)
+    if dialect.subprogram is None:
+        yield from pen.path(made.path, feed_mm_s, law, made.unlit)
+    else:
+        yield from pen.called_path(made.path, feed_mm_s, law, made.unlit, pen.shared)
     yield from dialect.height_on if slowed else ()
     yield from () if stays_on else pen.stop(mark)
     if not stays_on:
         yield from pen.others(block.format(**pen.powers, **pen.plant) for block in around.after)
+
+
+def _shared(
+    paths: Sequence[Toolpath], profile: Profile, dialect: Dialect, like: GcodeWriter
+) -> frozenset[tuple[str, ...]]:
+    """The blocks of paths, each from where it begins, that come more than once."""
+    often: Counter[tuple[str, ...]] = Counter()
+    for made in paths:
+        pen = GcodeWriter(dialect, (0.0, 0.0), like.powers, like.plant)
+        feed_mm_s, law = _pace(made, profile)
+        often[tuple(pen.called_path(made.path, feed_mm_s, law, made.unlit))] += 1
+    return frozenset(path for path, count in often.items() if count > 1)
+
+
+def _pace(made: Toolpath, profile: Profile) -> tuple[float, CornerFeed | None]:
+    """The feed of a cut, mm/s, and how it slows at corners."""
+    machine = profile.machine
+    if made.marks:
+        return machine.mark_feed_mm_s, None
+    return machine.cut_feed_mm_s * made.feed_share, profile.corner_feed()
 
 
 def _kind(made: Toolpath) -> str:
@@ -422,78 +447,3 @@ def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:
             line = []
         line += vertex
     yield line
-
-
-# What a program says of how the machine is to be set, and of the chart that says so; an operator reads it.
-#
-# (CHART shop.csv ROW S235, 8 MM SHA256 1a2b3c4d5e6f) (INTERPOLATED KERF 1.7 MM BETWEEN 6 MM AND 10 MM) (NOT OF THE
-# CHART KERF 1.8 MM) (SET 85 A, GAS O2/AIR, PIERCE HEIGHT 3.8 MM, CUT HEIGHT 1.5 MM)
-
-
-def setting_comments(profile: Profile, dialect: Dialect) -> Iterator[str]:
-    """The comments; none where the profile has no chart and says nothing of the machine's setting."""
-    use = profile.chart
-    if use is not None:
-        yield comment(dialect, "CHART", f"{use.name} ROW {use.row}", f"SHA256 {use.sha256[:SHA_DIGITS]}")
-        for one in use.interpolated:
-            between = f"BETWEEN {' AND '.join(one.between).upper()}"
-            yield comment(dialect, f"INTERPOLATED {_spoken(one.column)}", one.text.upper(), between)
-        for column, _, own in use.beaten:
-            yield comment(dialect, f"NOT OF THE CHART {_spoken(column)}", own.upper())
-    line = ""
-    for text in _settings(profile):
-        if line and len(line) + 2 + len(text) > room_for(dialect, "SET"):
-            yield comment(dialect, "SET", line)
-            line = ""
-        line = f"{line}, {text}" if line else text
-    if line:
-        yield comment(dialect, "SET", line)
-
-
-def _settings(profile: Profile) -> Iterator[str]:
-    material = profile.material
-    quantities = (
-        ("{} A", material.amps),
-        ("{} V", material.volts),
-        ("POWER {} PERCENT", material.power),
-        ("PIERCE POWER {} PERCENT", material.pierce_power),
-        ("MARK POWER {} PERCENT", material.mark_power),
-        ("PIERCE HEIGHT {} MM", material.pierce_height_mm),
-        ("CUT HEIGHT {} MM", material.cut_height_mm),
-    )
-    yield from (text.format(number(value, 3)) for text, value in quantities if value is not None)
-    if material.gas is not None:
-        yield f"GAS {material.gas.upper()}"
-
-
-def _spoken(column: str) -> str:
-    return column.replace("_", " ").upper()
-
-
-# How the drawing was understood, at the top of a program: units, sheet, and what each layer was taken for.
-
-MOST = 8
-"""Layers that a program names; `kerfwise read` names all."""
-
-
-def reading_comments(nest: Nest, dialect: Dialect) -> Iterator[str]:
-    """A comment on units and sheet of a drawing, and one for each layer; none for a nest that says what it is."""
-    reading = nest.reading
-    if reading is None or not reading.taken:
-        return
-    assumed = ", ASSUMED" if reading.assumed else ""
-    yield comment(
-        dialect,
-        f"DRAWING READ IN {reading.units.upper()}, SHEET {plain(reading.sheet.replace('×', 'x')).upper()}{assumed}",
-    )
-    count: Counter[tuple[str, str]] = Counter()
-    for row in reading.taken:
-        what = "" if row.what == "line" else f"{row.what}s "
-        count[row.layer, what + DONE[row.purpose]] += row.count
-    rows = sorted(count.items())
-    for (layer, done), lines in rows[:MOST]:
-        yield comment(dialect, "LAYER", layer, f"{plain(done).upper()} {lines}")
-    if len(rows) > MOST:
-        yield comment(dialect, f"AND {len(rows) - MOST} MORE LAYERS")
-    for question, choice in sorted(reading.answers.items()):
-        yield comment(dialect, "ANSWERED", question, plain(choice).upper())

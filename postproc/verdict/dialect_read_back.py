@@ -19,7 +19,7 @@ from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, own_wait_s, plant_words
-from kerfwise.postproc.nc.gcode import GcodeWriter, comment, number_blocks, pieces_of_arc
+from kerfwise.postproc.nc.gcode import GcodeWriter, comment, number_blocks, pieces_of_arc, with_subprograms
 from kerfwise.postproc.nc.program import NEWLINES, header_blocks, opening
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.plant_sections import ENDINGS
@@ -104,6 +104,33 @@ def read_back(dialect: Dialect, name: str, plant: Mapping[str, str] | None = Non
         raise wrong(line.key, f"{line.block!r} cannot be read: {error.message}; {_WAY_OUT}") from None
     for key, what in _misread(program, lines, dialect, control):
         raise wrong(key, what)
+    if dialect.subprogram is not None and (what := _called_wrong(dialect, control, plant)):
+        raise wrong("subprogram", what)
+
+
+def _called_wrong(dialect: Dialect, control: Control, plant: Mapping[str, str]) -> str:
+    """What is wrong with a path that is written once and called at two places; "" for nothing."""
+    pen, places = GcodeWriter(dialect, _HOME, plant=plant), ((0.0, 0.0), (100.0, 50.0))
+    body = list(header_blocks(dialect, plant))
+    for x, y in places:
+        path = _CUT.moved(x, y)
+        body += [*pen.select(False), pen.rapid(path.point_at(0.0)), *pen.start(False, 0.0, _FEED_MM_S)]
+        body += [*pen.called_path(path, _FEED_MM_S, None, ()), *pen.stop(False)]
+    text = "\n".join(
+        [*number_blocks([*with_subprograms([*body, pen.rapid(_HOME), *dialect.footer], dialect)], dialect), ""]
+    )
+    try:
+        burns = read_nc(text, control=control, home=_HOME).burns
+    except InputError as error:
+        return f"a path that is called cannot be read: {error.message}"
+    off_mm = [
+        burn.path.project((px + x, py + y))[1]
+        for burn, (x, y) in zip(burns, places, strict=False)
+        for px, py in _CUT.flatten(_NEAR_MM).tolist()
+    ]
+    if len(burns) != len(places) or max(off_mm, default=1.0) > _NEAR_MM * 2 + dialect.step_mm + dialect.chord_mm:
+        return "a path that is called twice is read as another one"
+    return ""
 
 
 def _header(dialect: Dialect, plant: Mapping[str, str]) -> Iterator[_Line]:

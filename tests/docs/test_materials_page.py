@@ -9,7 +9,7 @@ import pytest
 
 import kerfwise
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.nc.program import setting_comments
+from kerfwise.postproc.nc.head_comments import setting_comments
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands import run_cli
 

@@ -19,10 +19,10 @@ _CUT = re.compile(r"^(?:CUT|MARK|SPOT) (\d+) (.+?)(?: ZONE .*)?$")
 _RESUMED = re.compile(r"^RESUME AFTER CUT (\d+)")
 _CORNER = re.compile(r"^ORIGIN SHEET CORNER\b")
 _HARMLESS = {
-    "G": {"4", "17", "21", "40", "49", "64", "61", "80", "90", "94"},
+    "G": {"4", "17", "21", "40", "49", "64", "61", "80", "94"},
     "M": {"2", "30", "66", "67", "68", "190"},
 }
-"""Words that move nothing and burn nothing. G20, G91, G41, offsets and M62 to M65 (torch off while the path goes on)
+"""Words that move nothing and burn nothing. G20, G41, offsets and M62 to M65 (torch off while the path goes on)
 are not among them: the project never writes them, but for M64 P0 and M65 P0, which mark where M3 has but one tool."""
 
 
@@ -106,6 +106,7 @@ class _Reader:
     from_corner: bool = False
     ended: bool = False
     centres_absolute: bool = False
+    stepwise: bool = False
     unlit: bool = False
     torches: frozenset[int] = frozenset()
 
@@ -148,6 +149,8 @@ class _Reader:
                 self.torches = self.torches | torch if value == "64" else self.torches - torch
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
+            elif letter == "G" and value in ("90", "91"):
+                self.stepwise = value == "91"
             elif letter == "G" and value in ("90.1", "91.1"):
                 self.centres_absolute = value == "90.1"
             elif value not in _HARMLESS[letter]:
@@ -157,7 +160,11 @@ class _Reader:
             raise UnreadableProgram(f"line {number}: expected a G or M word: {line.strip()}")
 
     def _move(self, code: int, values: dict[str, float]) -> None:
-        start, end = self.at, (values.get("X", self.at[0]), values.get("Y", self.at[1]))
+        start, base = self.at, self.at if self.stepwise else (0.0, 0.0)
+        end = (
+            base[0] + values["X"] if "X" in values else start[0],
+            base[1] + values["Y"] if "Y" in values else start[1],
+        )
         self.at = end
         self.unlit = self.unlit and code != 0
         if code < 2:

@@ -149,6 +149,7 @@ class Control:
     and `place_mm` are what 1 means in a wait and, in mm or inches, in a place, `feed_mm_min` in a feed, where that does
     not count in the program's units. The radius of an arc may differ by
     `mismatch_mm` between its ends. `halts_lit` says that a program may halt with the torch on, before that moves.
+    `subprograms` says that a program of ours may call such by M98.
     Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off;
     where it has stopped it stands for `rests_s`.
     """
@@ -194,6 +195,7 @@ class Control:
     place_mm: float = 1.0
     mismatch_mm: float = MISMATCH_MM
     feed_mm_min: float | None = None
+    subprograms: bool = False
     halts_lit: bool = False
     preheat_s: float = 0.0
     stands_s: float = 0.0

@@ -52,6 +52,7 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         changes["decimal"] = dialect.decimal
     if (form := _comment_form(dialect)) is not None and not control.arcs:
         changes |= {"comment_form": form, "comments": True, "opens": "".join(c for c in "(;" if c == form[0])}
+    changes["subprograms"] = dialect.subprogram is not None
     changes["also"] = (*(_pattern(one, control, file) for one in dialect.also), *control.also)
     if (reads := dialect.reads) is not None:
         changes["means"] = tuple((_regex(own), _code(known)) for own, known in reads.means)

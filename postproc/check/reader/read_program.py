@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from kerfwise.encoder.errors import InputError
@@ -22,7 +21,7 @@ from .own_words import control_for
 from .program import LineEffect, NcProgram, State
 from .rs274 import Machine, blocks, expect_words_for, read_nc
 from .tools import HALTS
-from .unfold import UnfoldedRow, needs_unfolding, unfold
+from .unfold import UnfoldedRow, at_lines_of, needs_unfolding, unfold
 from .unknown_words import told_together
 from .words import Block, Word
 
@@ -171,18 +170,6 @@ class OldProgram:
     def newline(self) -> str:
         """How its lines end."""
         return "\r\n" if "\r\n" in self.source else "\n"
-
-
-@contextmanager
-def at_lines_of(rows: Sequence[UnfoldedRow] | None) -> Iterator[None]:
-    """What is refused meanwhile of unfolded rows is refused with the line of the program that they stand for."""
-    try:
-        yield
-    except InputError as error:
-        if rows is None or error.line is None or error.line > len(rows):
-            raise
-        line = rows[error.line - 1].line
-        raise InputError(error.message, file=error.file, line=line, details=error.details) from None
 
 
 def read_old(

@@ -8,7 +8,8 @@ with the place: what it does not understand, what it cannot check, and what diff
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
@@ -20,6 +21,7 @@ from .old_words import OldWords
 from .program import NcProgram, Track
 from .qtplasmac import Filter
 from .tools import Beam, Tools, ToolsOn, finish_program
+from .unfold import UnfoldedRow, at_lines_of, needs_unfolding, unfold
 from .words import Block, block_of
 
 
@@ -56,10 +58,26 @@ def read_nc(
         return read_essi(text, travel_mm_s, file, home, control, held_s)
     machine = Machine(travel_mm_s, control, held_s, home, tab_mm, torches=torches)
     with in_file(file):
-        for block in blocks(text, machine):
-            machine.run(block)
-        machine.expect_end()
-        return machine.done()
+        rows = unfold(text) if control.subprograms and needs_unfolding(text) else None
+        with at_lines_of(rows):
+            for block in blocks(text if rows is None else "\n".join([*(row.text for row in rows), ""]), machine):
+                machine.run(block)
+            machine.expect_end()
+            return at_lines(machine.done(), rows)
+
+
+def at_lines(program: NcProgram, rows: Sequence[UnfoldedRow] | None) -> NcProgram:
+    """A program that was read unfolded, with the lines that stand in its file."""
+    if rows is None:
+        return program
+    return replace(
+        program,
+        burns=tuple(replace(burn, line=rows[burn.line - 1].line) for burn in program.burns),
+        hot_rapids=tuple(replace(one, line=rows[one.line - 1].line) for one in program.hot_rapids),
+        slow_travel=tuple(replace(one, line=rows[one.line - 1].line) for one in program.slow_travel),
+        faults=tuple(replace(one, line=rows[one.line - 1].line if one.line else 0) for one in program.faults),
+        rapids=tuple((rows[line - 1].line, at) for line, at in program.rapids),
+    )
 
 
 def expect_words_for(torches: int, control: Control, file: str = "") -> None:

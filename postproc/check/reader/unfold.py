@@ -8,7 +8,8 @@ those of LinuxCNC's manual (G code overview; O codes), and are held against its 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -51,6 +52,18 @@ class _Source(NamedTuple):
     text: str
     comments: str
     word: tuple[str, str, str] | None
+
+
+@contextmanager
+def at_lines_of(rows: Sequence[UnfoldedRow] | None) -> Iterator[None]:
+    """What is refused meanwhile of unfolded rows is refused with the line of the program that they stand for."""
+    try:
+        yield
+    except InputError as error:
+        if rows is None or error.line is None or error.line > len(rows):
+            raise
+        line = rows[error.line - 1].line
+        raise InputError(error.message, file=error.file, line=line, details=error.details) from None
 
 
 def needs_unfolding(text: str) -> bool:

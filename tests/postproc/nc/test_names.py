@@ -10,7 +10,8 @@ from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.check.result import ids_by_name, normalize_name
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.nc.gcode import comment, name_comments, program_names
+from kerfwise.postproc.nc.gcode import comment
+from kerfwise.postproc.nc.head_comments import name_comments, program_names
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.rules.case import nest, part, rect

@@ -26,7 +26,7 @@ def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
     """The program in words that LinuxCNC knows; one for LinuxCNC stays as it is."""
     if dialect in _OF_DIALECT:
         rows = [_NUMBER.sub("", row) for row in text.split("\n")]
-        mapped = [_OF_DIALECT[dialect].get(row, row) for row in rows]
+        mapped = [_OF_DIALECT[dialect].get(row, row) for row in _called(rows)]
         return "\n".join(_said_out(row.replace(_WAITS.get(dialect, "G4 P"), "G4 P") for row in mapped))
     if control.startswith("linuxcnc"):
         return text
@@ -34,6 +34,21 @@ def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
     return "\n".join(
         {"grbl": _of_grbl, "eia": _of_eia, "burny": _of_burny, "essi": _of_essi, "essi-radius": _of_essi}[control](rows)
     )
+
+
+def _called(rows: list[str]) -> list[str]:
+    """Rows with what `M98 P…` calls in its place; what is called stands behind M30, from its O number up to M99."""
+    if not any(row.startswith("M98 P") for row in rows):
+        return rows
+    main = rows[: rows.index("M30") + 1]
+    made: list[str] = []
+    for row in main:
+        if row.startswith("M98 P"):
+            begins = rows.index(f"O{row[5:]}") + 1
+            made += rows[begins : rows.index("M99", begins)]
+        else:
+            made.append(row)
+    return made
 
 
 def _said_out(rows: Iterable[str]) -> Iterator[str]:
