@@ -10,21 +10,25 @@ sheet, a question), and every line that is cut has to be shown. Questions are an
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
+import json
+import os
 import re
 import resource
 import shlex
-import subprocess
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 import shapely
 
+from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.questions import Questions
@@ -107,21 +111,48 @@ _FLAG = re.compile(r"^ +--answer (\S.*?)(?:   |$)")
 
 
 def planned(file: Path, profile: str) -> tuple[str, int, str]:
-    """How `kerfwise solve` ends with the likeliest answer to each question, how many these are, and what it says."""
+    """How `kerfwise solve` ends with the likeliest answer to each question, how many these are, and what it says.
+
+    Each try runs in a copy of this process, which has loaded all that planning needs.
+    """
     answers: list[str] = []
     with tempfile.TemporaryDirectory() as folder:
         while True:
-            words = [sys.executable, "-m", "kerfwise", "solve", str(file.resolve()), "-p", profile, "--no-job"]
-            words += ["--work", str(WORK), "-o", str(Path(folder, "out.nc"))]
+            words = ["solve", str(file.resolve()), "-p", profile, "--no-job", "--work", str(WORK), "-o", "out.nc"]
             words += [word for answer in answers for word in ("--answer", answer)]
-            done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder, preexec_fn=_limited)
-            if done.returncode != ASKS or len(answers) > MOST_ANSWERS:
+            run = get_context("fork").Process(target=_solve, args=(words, Path(folder)))
+            run.start()
+            run.join()
+            out, err = (Path(folder, name).read_text(encoding="utf-8") for name in ("out", "err"))
+            if run.exitcode != ASKS or len(answers) > MOST_ANSWERS:
                 break
-            answers += likeliest(done.stderr)
-    ended = ENDS.get(done.returncode, f"ended by {done.returncode}")
+            answers += likeliest(err)
+    ended = ENDS.get(run.exitcode or 0, f"ended by {run.exitcode}")
     if ended == "planned":
-        return ended, len(answers), next((line for line in reversed(done.stdout.splitlines()) if line[:2] == "ok"), "")
-    return ended, len(answers), " | ".join(line[-160:] for line in done.stderr.splitlines()[-3:])
+        return ended, len(answers), next((line for line in reversed(out.splitlines()) if line[:2] == "ok"), "")
+    return ended, len(answers), " | ".join(line[-160:] for line in err.splitlines()[-3:])
+
+
+def _load() -> None:
+    """Plan a small nest in this process, so that its copies find everything loaded."""
+    rings = [
+        [[x, y], [x + 20, y], [x + 20, y + 20], [x, y + 20]] for x in range(10, 310, 40) for y in range(10, 310, 40)
+    ]
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 330, "height": 330}}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "nest.json")
+        file.write_text(json.dumps({**nest, "parts": [{"id": f"P{k}", "outer": ring} for k, ring in enumerate(rings)]}))
+        words = ["solve", str(file), "--no-job", "--work", str(WORK), "-o", str(Path(folder, "out.nc"))]
+        with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
+            kerfwise(words)
+
+
+def _solve(words: list[str], folder: Path) -> None:
+    """Run the command in a folder, with what it prints in the files `out` and `err` there."""
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
+    os.chdir(folder)
+    with open("out", "w", encoding="utf-8") as sys.stdout, open("err", "w", encoding="utf-8") as sys.stderr:
+        kerfwise(words)
 
 
 def likeliest(told: str) -> list[str]:
@@ -135,10 +166,6 @@ def likeliest(told: str) -> list[str]:
             found += shlex.split(flag[1])
             first = False
     return found
-
-
-def _limited() -> None:
-    resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
 
 
 def by_lines(
@@ -318,6 +345,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--plan", action="store_true", help="plan each file, too")
     parser.add_argument("-v", "--verbose", action="store_true", help="a row for each file")
     asked = parser.parse_args(argv)
+    if asked.plan:
+        _load()
     rows, plans = [], Counter[str]()
     for file in files_in(asked.files):
         profile = asked.svg if asked.svg and file.suffix.lower() == ".svg" else asked.profile
