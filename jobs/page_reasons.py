@@ -66,7 +66,7 @@ def reasons(given: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str
 
 def why_data(e: Explanation) -> Data:
     """One explanation, as the page shows it."""
-    said = [e.small, e.slit, e.tabs, e.linked, e.pierced, e.common]
+    said = [e.drawn, e.small, e.slit, e.tabs, e.linked, e.pierced, e.common]
     if e.dwell_s:
         said.append(e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool")
     if e.zone_heat_kj is not None:
@@ -105,7 +105,7 @@ def _held(setting: PlanContext, contour: str) -> Data:
         "zone": int(setting.facts.zone[number]),
         "after": setting.name(order[k - 1]) if k else "",
         "before": setting.name(order[k + 1]) if k + 1 < len(order) else "",
-        "said": [],
+        "said": [told for told in (setting.facts.nest.contours[number].source.told(),) if told],
         "earlier": _holds(blocking_orders(setting, number, earlier=True)),
         "later": _holds(blocking_orders(setting, number, earlier=False)),
         "also": _abouts(other_statements(setting, number)),

@@ -164,6 +164,10 @@ def test_what_is_written_is_read_planned_checked_and_cut(tmp_path: Path) -> None
     assert "(LAYER Gravur TEXTS MARKED 1)" in head
     assert "(LAYER Gravur POINTS MARKED 1)" in head
     assert kerfwise("check", nest, program, "-p", "laser-st10kp-2mm").code == 0
+    page, sheet_of_work = tmp_path / "a.html", tmp_path / "a.pdf"
+    assert kerfwise("plot", nest, plan, "-p", "laser-st10kp-2mm", "-o", page).code == 0
+    assert "as a stroke of the text 'A-1'" in page.read_text(encoding="utf-8")
+    assert kerfwise("sheet", nest, plan, "-p", "laser-st10kp-2mm", "-o", sheet_of_work).code == 0
     without = kerfwise("solve", nest, "-p", "laser-st10kp-2mm", "--answer", "text:0=ignore")
     assert without.code == 0, without.err
 
