@@ -1,0 +1,52 @@
+"""The benchmarks of distortion: plans cut the other way, and the table of published shrinkage."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kerfwise.benchmarks.distortion import literature, strips
+from kerfwise.benchmarks.distortion_rules import BARE, PROCESSES, bare, last_first, made_nest, turned
+from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.rules.profile.load import load_profile
+
+
+def test_turned_burns_take_as_long_and_end_where_they_began() -> None:
+    way = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 10.0]])
+    path = in_order([torch_on("A.outer", way, 5.0, 9.0, 1.0)], 9.0)
+    (burn,) = turned(path).burns
+    assert burn.xy[0].tolist() == [30.0, 10.0]
+    assert (burn.at_s[0], burn.at_s[-1], burn.seconds) == (5.0, 9.0, 4.0)
+    assert np.all(np.diff(burn.at_s) >= 0)
+
+
+def test_the_last_part_comes_first_with_its_holes_before_it() -> None:
+    nest = made_nest(101, "plasma")
+    part = next(p for p in nest.parts if p.holes)
+    other = next(p for p in nest.parts if p is not part)
+    line = np.array([[0.0, 0.0], [10.0, 0.0]])
+    names = (other.outer.id, part.holes[0].id, part.outer.id)
+    path = in_order([torch_on(name, line, 10.0 * k, 10.0 * k + 5) for k, name in enumerate(names)], 25.0)
+    burns = last_first(path, nest, 10.0).burns
+    assert [burn.contour for burn in burns] == [names[1], names[2], names[0]]
+    assert [burn.seconds for burn in burns] == [5.0, 5.0, 5.0]
+    assert burns[1].at_s[0] == burns[0].at_s[-1] + 1.0
+
+
+def test_a_bare_profile_has_one_more_rule() -> None:
+    profile = load_profile(PROCESSES["laser"][0])
+    on = {name for name, setting in bare(profile, "no-narrow-strips").rules.items() if setting.strength != "off"}
+    assert on - set(BARE) == {"no-narrow-strips"}
+
+
+def test_our_shrinkage_is_that_of_the_formulas_for_the_same_heat() -> None:
+    for row in list(literature())[2:]:
+        ours, okerblom, tendon = (float(cell) for cell in row.split("|")[3:6])
+        assert ours == pytest.approx(okerblom, rel=0.08)
+        assert ours == pytest.approx(tendon, rel=0.08)
+
+
+def test_strips_lie_apart_on_their_sheet() -> None:
+    nest = strips(3)
+    assert [part.id for part in nest.parts] == ["S1", "S2", "S3"]
+    assert nest.sheet.polygon.contains(nest.parts[2].polygon)
