@@ -73,8 +73,18 @@ def groups_of(wanted: Demand) -> list[Group]:
 
 
 def plain_grade(material: str) -> str:
-    """A grade without capitals, blanks and hyphens: `S 235` and `s235` are the same."""
-    return "".join(c for c in material.casefold() if c.isalnum() or c in ".+")
+    """A grade without capitals, blanks, hyphens and the quality of structural steel.
+
+    Examples
+    --------
+    >>> plain_grade("S 235"), plain_grade("S355J2+N"), plain_grade("St37-2"), plain_grade("1.4301")
+    ('s235', 's355', 'st372', '1.4301')
+    """
+    plain = "".join(c for c in material.casefold() if c.isalnum() or c in ".+")
+    return _QUALITY.sub(r"\1", plain)
+
+
+_QUALITY = re.compile(r"^(s[1-9]\d\d)(?:jr|j0|j2|k2|g[1-4]|mc|nl|ml|n|m|w|c|\+ar|\+n|\+m)+$")
 
 
 def _serves(stock: Stock, kind: PartType) -> bool:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import ClassVar
 
 from kerfwise.encoder.contour_checks import sheet_ring_problems
@@ -92,7 +92,8 @@ def order_of(
         stock += ((_sheet_row(text, remnant), Path()) for text in texts if not is_table(Path(text)))
     types = _named(_types_of(rows, reading, tell, skip_bad, bad))
     if not types:
-        raise InputError("no part can be nested", details=tuple(map(str, bad)))
+        message = "no part can be nested" if bad else "the lists name sheets and no parts: name files of parts, too"
+        raise InputError(message, details=tuple(map(str, bad)))
     if not stock:
         raise InputError(
             "there is nothing to lay parts on: name sheets such as 3000x1500, or give them in the list of parts"
@@ -239,7 +240,7 @@ def _sheet_row(text: str, remnant: bool) -> SheetRow:
 
 def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iterator[PartType]:
     """Each part in a file, as often as its row says."""
-    file = _file_of(folder / row.part)
+    file = _file_of(_in_folder(folder, row.part))
     nest = without_placing_notes(_read(file, row, reading))
     for note in nest.notes:
         tell(f"{file}: {note.text}")
@@ -260,6 +261,15 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
         yield replace(kind, material=row.material, thickness_mm=row.thickness_mm, due=due)
 
 
+def _in_folder(folder: Path, name: str) -> Path:
+    r"""A file of a list by its path, one of Windows too; `C:\parts\a.dxf`, if not there, is looked for beside it."""
+    if is_file(folder / name) or not re.search(r"[A-Za-z]:|\\", name):
+        return folder / name
+    path = PureWindowsPath(name)
+    inside = folder / path.as_posix()
+    return inside if not path.drive and inside.parent.is_dir() else folder / path.name
+
+
 def _drawn_quantity(part: Part) -> int:
     """How many of a part its drawing says, by the names of blocks, layers and the file; 1 where it says nothing."""
     said = next((value for key, value in part.attributes.items() if key.lower() == QUANTITY_KEY), None)
@@ -268,9 +278,13 @@ def _drawn_quantity(part: Part) -> int:
 
 def _file_of(file: Path) -> Path:
     """The file that a list names; where it names none with an ending, the drawing of that name."""
-    if file.suffix.lower() in SUFFIXES or is_file(file):
+    if is_file(file):
         return file
-    there = [one for suffix in SUFFIXES if is_file(one := file.with_name(file.name + suffix))]
+    names = [file.name] if file.suffix.lower() in SUFFIXES else [file.name + suffix for suffix in SUFFIXES]
+    there = [one for name in names if is_file(one := file.with_name(name))]
+    if not there and file.parent.is_dir():  # written on a system that does not tell capitals apart
+        folded = {name.casefold() for name in names}
+        there = [one for one in sorted(file.parent.iterdir()) if one.name.casefold() in folded and is_file(one)]
     return there[0] if len(there) == 1 else file
 
 

@@ -50,15 +50,20 @@ COLUMNS_OF, CELL_WORDS = _read_words()
 _UNIT = re.compile(r"[\[(/,]\s*(mm|cm|in|inch|inches|zoll|pulgadas|мм|см|\"|”|″)\s*[\])]?\s*$", re.IGNORECASE)
 _MM = {"mm": 1.0, "cm": 10.0, "мм": 1.0, "см": 10.0}
 _INCH_MM = 25.4
+_ONCE = ("quantity", "material", "thickness", "size")
+"""Columns that must not be there twice: nobody knows which counts."""
 
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The head of a table: the row it stands in, and which column each cell names, with the millimetres of its unit."""
+    """The head of a table: its row, which column each cell names, the millimetres of its unit; `twice` is a column that
+    two cells name alike.
+    """
 
     line: int
     columns: Mapping[int, str]
     mm: Mapping[int, float]
+    twice: tuple[str, str, str] | None = None
 
 
 def head_of(line: int, cells: Sequence[Any]) -> Head | None:
@@ -89,7 +94,10 @@ def head_of(line: int, cells: Sequence[Any]) -> Head | None:
     if not sheets and not ("part" in named and len(texts) - texts.count("") >= 1):
         return None
     mm = {k: _MM.get(unit[1].casefold(), _INCH_MM) for k, unit in enumerate(units) if unit is not None}
-    return Head(line, dict(sorted(columns.items())), mm)
+    same = [(column, texts[k], texts[j]) for k, column in columns.items() if column in _ONCE
+            for tier, _, j, other in meant if other == column and j not in columns and tier == 0
+            and (0, column) in COLUMNS_OF[words[k]]]  # fmt: skip
+    return Head(line, dict(sorted(columns.items())), mm, same[0] if same else None)
 
 
 # A file as tables: each with its head and its rows of cells, blank rows left out.
@@ -136,10 +144,15 @@ def read_tables(path: Path) -> list[Table]:
     except OSError as error:
         raise InputError(f"cannot read the list of parts: {error.strerror}", file=path) from None
     grids = list(_workbook(data, path)) if path.suffix.lower() in (".xlsx", ".xlsm") else [("", _csv(data, path))]
-    tables = [table for name, grid in grids if (table := _table(name, grid)) is not None]
+    tables: list[Table] = [table for name, grid in grids if (table := _table(name, grid)) is not None]
     if not tables:
         first = next((row for _, grid in grids for row in grid), (1, ()))
         raise InputError(_no_head(first), file=path, line=first[0])
+    for table in tables:
+        if table.head.twice is not None:
+            column, one, other = table.head.twice
+            message = f"two columns say {column}: {one!r} and {other!r}: leave one out, or call it otherwise"
+            raise InputError(message, file=path, line=table.head.line)
     return tables
 
 

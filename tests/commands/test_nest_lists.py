@@ -172,3 +172,18 @@ def test_a_name_says_how_many_unless_somebody_does(shop: Path) -> None:
     assert "2 of 2 parts" in nested("plate_4x.dxf=2", "--sheet", "400x300")[1]
     Path("list.csv").write_text("file;qty\nplate_4x.dxf;\nplate_4x.dxf;1\n")
     assert "5 of 5 parts" in nested("list.csv", "--sheet", "400x300")[1]
+
+
+@pytest.mark.parametrize("name", ["PLATE.JSON", "Plate", r"C:\orders\plate.json", r"in\strip", "in/strip.json"])
+def test_files_are_found_as_other_systems_write_them(shop: Path, name: str) -> None:
+    Path("in").mkdir()
+    Path("strip.json").rename("in/strip.json")
+    Path("list.csv").write_text(f"file;qty\n{name};2\n")
+    code, out, err = nested("list.csv", "--sheet", "400x300")
+    assert (code, "2 of 2 parts" in out) == (0, True), err
+
+
+def test_qualities_of_a_grade_are_cut_alike(shop: Path) -> None:
+    Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235JR;6\nstrip;2;S 235 J2+N;6\n")
+    code, out, err = nested("list.csv", "--sheet", "400x300")
+    assert (code, "4 of 4 parts" in out) == (0, True), err

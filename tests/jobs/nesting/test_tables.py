@@ -111,6 +111,8 @@ def test_every_wrong_cell_is_told_with_its_place(tmp_path: Path) -> None:
         ("Bracket;12\n", "no row names the columns"),
         ("qantity;colour\n1;red\n", "did you mean 'quantity'?"),
         ("part;qty\n", "has a head and no rows"),
+        ("part;qty;qty\na.dxf;1;2\n", "two columns say quantity: 'qty' and 'qty'"),
+        ("part;Dicke;Stärke\na.dxf;1;2\n", "two columns say thickness"),
         ("", "no row names the columns"),
     ],
 )
