@@ -15,6 +15,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.judging.facing import Faced, faced_all_round, faced_by_cuts
 from kerfwise.rules.minizinc.twin import Fields, flag, flags, numbers
+from kerfwise.rules.own.criteria import none_has
 from kerfwise.rules.own.selector import (
     areas_mm2,
     attributes,
@@ -22,7 +23,6 @@ from kerfwise.rules.own.selector import (
     is_long,
     lengths_mm,
     measure_nest,
-    none_has,
     rectangle_sides_mm,
     sizes_mm,
 )

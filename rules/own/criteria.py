@@ -6,6 +6,7 @@ import dataclasses
 import math
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -286,3 +287,20 @@ AREAS = NumberKind(Number(0), "mm²")
 COUNTED = NumberKind(Number())
 SECONDS = NumberKind(DURATION, "s")
 KILOGRAMS = NumberKind(Number(0), "kg")
+
+
+SHOWN = 8
+"""So many values of a fact are shown in a message."""
+
+
+def none_has(fact: str, said: object, values: Iterable[object]) -> str:
+    """That no contour has this value of a fact, and which there are.
+
+    Examples
+    --------
+    >>> none_has("layer", "A", ["B", "", None, "C", "B"])
+    "none has the layer 'A'; there is 'B', 'C'"
+    """
+    there = sorted({str(value) for value in values if value not in (None, "")})
+    shown = ", ".join(f"'{value}'" for value in there[:SHOWN]) + (", …" if len(there) > SHOWN else "")
+    return f"none has the {fact} {said!r}; there is {shown or 'nothing of that kind'}"

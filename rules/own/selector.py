@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ from .criteria import (
     TextKind,
     ValueKind,
     WordKind,
+    none_has,
 )
 from .plate import USUAL, Plate, corner_distances_mm, cut_seconds, extents_mm, middles_mm, weights_kg
 
@@ -39,8 +40,6 @@ if TYPE_CHECKING:
 
 
 NOT = "not"
-SHOWN = 8
-"""So many values of a fact are shown in a message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,19 +97,6 @@ class Selector:
         """The YAML data that reads back as this selector."""
         made = {name: criterion.plain() for name, criterion in self.criteria}
         return made | ({NOT: self.excluded.plain()} if self.excluded else {})
-
-
-def none_has(fact: str, said: object, values: Iterable[object]) -> str:
-    """That no contour has this value of a fact, and which there are.
-
-    Examples
-    --------
-    >>> none_has("layer", "A", ["B", "", None, "C", "B"])
-    "none has the layer 'A'; there is 'B', 'C'"
-    """
-    there = sorted({str(value) for value in values if value not in (None, "")})
-    shown = ", ".join(f"'{value}'" for value in there[:SHOWN]) + (", …" if len(there) > SHOWN else "")
-    return f"none has the {fact} {said!r}; there is {shown or 'nothing of that kind'}"
 
 
 def read_selector(node: yaml.Node, problems: Problems, what: str) -> Selector:
