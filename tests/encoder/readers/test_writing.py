@@ -322,6 +322,32 @@ def test_what_lies_in_waste_is_left_out_and_said(tmp_path: Path) -> None:
     ]
 
 
+def test_writing_that_is_not_shown_is_not_engraved(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        plate(space)
+        for layer, hide in (("Gravur off", "off"), ("Gravur frozen", "freeze")):
+            getattr(space.doc.layers.add(layer), hide)()
+            space.add_text("no", dxfattribs={"layer": layer, "insert": (50, 50), "height": 5})
+            space.add_point((60, 60), dxfattribs={"layer": layer})
+        space.add_text("no", dxfattribs=MARK | {"insert": (90, 50), "height": 5, "invisible": 1})
+        space.doc.layout("Layout1").add_text("no", dxfattribs=MARK | {"insert": (90, 50)})
+        space.add_text("   ", dxfattribs=MARK)
+
+    assert read_dxf(tmp_path, draw).parts[0].marks == ()
+
+
+@pytest.mark.parametrize(("units", "tall"), [(4, 5.0), (1, 127.0), (5, 50.0)])
+def test_letters_are_as_tall_as_the_drawing_says_in_its_units(tmp_path: Path, units: int, tall: float) -> None:
+    def draw(space: Any) -> None:
+        plate(space)
+        space.add_text("H", dxfattribs=MARK | {"insert": (50, 50), "height": 5})
+
+    nest = read_dxf(tmp_path, draw, units=units)
+    assert box(nest)[3] - box(nest)[1] == pytest.approx(tall)
+    assert nest.reading is not None
+    assert nest.reading.writings[0].height_mm == pytest.approx(tall)
+
+
 def test_a_clipped_block_hides_its_writing(tmp_path: Path) -> None:
     from ezdxf.xclip import XClip
 
