@@ -174,6 +174,9 @@ def _check_written(
         return check_program(nest, program, profile, plan=plan if silent else None, known=known, trusted=trusted)
     except InputError as error:
         block = f" ({_block(program, error.line)})" if error.line is not None else ""
+        if trusted is not None:  # burns of an old program, word for word: no dialect made them
+            message = f"its burns in another order cannot be read back{block}: {error.message}; nothing is written"
+            raise InputError(message, file=nest.file or None) from error
         message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"
         raise InputError(f"{message}: {error.message}; nothing is written", file=profile.file or None) from error
 

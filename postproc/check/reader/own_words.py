@@ -43,7 +43,7 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
     if dialect.powers is not None and control.beam and dialect.powers.full != control.full_power:
         full = float(dialect.powers.full)
         changes |= {"full_power": full, "marks_up_to": control.marks_up_to / control.full_power * full}
-    if any(_is_halt(block) for block in dialect.torch_on):
+    if any(_is_halt(block) for block in (*dialect.torch_on, *dialect.mark_on)):
         changes["halts_lit"] = True
     if not control.arcs:
         changes["mismatch_mm"] = max(control.mismatch_mm, _ROUND * dialect.step_mm)
@@ -102,6 +102,8 @@ def _program_names(dialect: Dialect) -> Iterator[re.Pattern[str]]:
         if "{program}" in block:
             before, after = (re.escape(_code(text)) for text in block.split("{program}"))
             yield re.compile(f"{before}[0-9]+{after}")
+        elif re.fullmatch(r"[O:][0-9]+", _code(block)):
+            yield re.compile(_code(block))
 
 
 def _comment_form(dialect: Dialect) -> tuple[str, str] | None:

@@ -43,6 +43,21 @@ CASES: dict[str, tuple[str, dict[str, str]]] = {
         "linuxcnc",
         {"header": "['%', G21, G64 P0.05, G90 G17 G40 G49 G80 G91.1 G94]", "footer": "[M5, '%']"},
     ),
+    "a number of its own": ("eia", {"header": "['%', O1234, G21, G90, G40]"}),
+    "a halt where a mark starts": ("eia", {"mark_on": "[M09, M00]", "torch_on": "[M01, M07]"}),
+    "a material": (
+        "linuxcnc-qtplasmac",
+        {
+            "header": "[G21, M190 P1, M66 P3 L3 Q1, G64 P0.05, G90 G17 G40 G49 G80 G91.1 G94, M68 E3 Q0]",
+            "also": "['M190 P{n}', M66 P3 L3 Q1]",
+        },
+    ),
+    "inches, GRBL": (
+        "grbl",
+        {"header": "[G20, G90 G17 G40 G49 G80 G94, M5 S0]", "scale": "0.0393700787", "decimals": "5"},
+    ),
+    "words that change, QtPlasmaC": ("linuxcnc-qtplasmac", {"modal": "true"}),
+    "words that change, GRBL": ("grbl", {"modal": "true"}),
     "a number": (
         "linuxcnc",
         {
@@ -121,10 +136,15 @@ def in_words_of_linuxcnc(text: str, like: str, changes: dict[str, str]) -> str:
         rows = re.sub(r"(?<![A-Z(])([XYIJ])(-?\d+)(?=[ \n])", lambda m: f"{m[1]}{int(m[2]) / 100:.2f}", rows)
     for own, known in (("M70", "M07"), ("M71", "M08"), ("M07 HS", "M07")):
         rows = rows.replace(f" {own}\n", f" {known}\n")
-    rows = re.sub(r"^N\d+ (?:G59 V.*|M02 T1|M14|M6[236] P.*|M6[45] P5|M1[09]0 P.*|M0)$", "", rows, flags=re.MULTILINE)
+    rows = re.sub(
+        r"^N\d+ (?:G59 V.*|M02 T1|M14|M6[236] P.*|M6[45] P5|M1[09]0 P.*|M66 .*|M0|M00|M01)$",
+        "",
+        rows,
+        flags=re.MULTILINE,
+    )
     if "milliseconds" in changes.get("dwell", ""):
         rows = re.sub(r"G4 P(\d+)", lambda m: f"G4 P{int(m[1]) / 1000}", rows)
-    return rows if like.startswith("linuxcnc") else rows.removeprefix("%\n")
+    return rows if like.startswith("linuxcnc") else rows.removeprefix("%\n").replace("O1234\n", "")
 
 
 @pytest.mark.linuxcnc

@@ -8,9 +8,11 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.read_program import OldProgram, read_old
+from kerfwise.postproc.check.reader.read_program import OldProgram, Trusted, read_old
 from kerfwise.postproc.old.program_pieces import expect_same, reordered, split_program
+from kerfwise.postproc.verdict.check_plan import judge
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED, line
+from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
@@ -109,6 +111,12 @@ def test_one_unknown_word_is_told_in_one_sentence() -> None:
     with pytest.raises(InputError, match=r"1 word is not known .*\(M231; 3 in all\)") as caught:
         read(READ["squares"].replace("M5 $0", "M231\nM5 $0"))
     assert caught.value.details == ()
+
+
+def test_burns_that_cannot_be_read_back_are_blamed_on_their_program() -> None:
+    plan, text = plan_of(plate(), good_cuts(plate()), profile()), READ["squares"].replace("M2 (end)", "M777")
+    with pytest.raises(InputError, match=r"^plate.json: its burns in another order cannot be read back"):
+        judge(plate(), plan, text, profile(), Trusted(2500))
 
 
 def test_a_feed_that_nobody_gives_is_asked_for() -> None:
