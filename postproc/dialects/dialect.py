@@ -36,7 +36,7 @@ ArcCentre = Literal["relative", "absolute", "radius", "none"]
 Positions = Literal["absolute", "incremental"]
 INCH_MM = 25.4
 Modal = Literal["motion", "x", "y", "feed"]
-FEEDS = ("mm_min", "m_min", "in_min", "mm_s")
+FEEDS = ("mm_min", "m_min", "in_min", "mm_s", "cm_s")
 """The names of a feed in a block, by its unit."""
 PLANT = ("material", "thickness", "kerf", "amps", "volts", "gas", "pierce_height", "cut_height", "process")
 """The names of what a profile, or its chart's row, says of the material."""
@@ -61,7 +61,11 @@ class Reads:
     title: str | None = field(default=None, metadata=option(TextOrWord("unknown"), "the control's own name"))
     means: tuple[tuple[str, str], ...] = field(
         default=(),
-        metadata=option(Pairs(), "words of its own, each with what `control` calls the same: {M70: M07, CR=: R}"),
+        metadata=option(
+            Pairs(),
+            "words of its own, each with what `control` calls the same: {M70: M07, CR=: R, "
+            "'PU{x},{y};': 'G0 X{x} Y{y}'}",
+        ),
     )
     fixed: tuple[str, ...] = field(
         default=(), metadata=option(Blocks(), "G words that are in force without being said, such as G21 or G91")
@@ -70,7 +74,7 @@ class Reads:
     step_mm: float | None = field(
         default=None, metadata=option(LENGTH, "what 1 is in its coordinates, where that is no mm and no inch")
     )
-    feed: Literal["units_min", "mm_min", "m_min", "in_min", "mm_s"] = field(
+    feed: Literal["units_min", "mm_min", "m_min", "in_min", "mm_s", "cm_s"] = field(
         default="units_min",
         metadata=option(
             Choice(("units_min", *FEEDS)), "what F counts (units_min: its units a minute, mm or inches, as most do)"
@@ -161,7 +165,9 @@ class Dialect:
             "(radius), or there are no arcs (none) and chords are written",
         )
     )
-    feed: str = field(metadata=option(Block(needs=FEEDS), "the feed word, with {mm_min}, {m_min}, {in_min} or {mm_s}"))
+    feed: str = field(
+        metadata=option(Block(needs=FEEDS), "the feed word, with {mm_min}, {m_min}, {in_min}, {mm_s} or {cm_s}")
+    )
     dwell: tuple[str, ...] = field(
         metadata=option(
             Blocks(Block(holes=("seconds", "milliseconds")), some=True),

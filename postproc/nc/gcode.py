@@ -269,6 +269,7 @@ class GcodeWriter:
             "in_min": mm_min / INCH_MM,
             "m_min": mm_min / 1000,
             "mm_s": feed_mm_s,
+            "cm_s": feed_mm_s / 10,
         }
         extra = 0 if dialect.feed_decimals is not None else 1 if dialect.decimals else 3
         return {

@@ -67,7 +67,7 @@ class DialectName(Choice):
 Process = Literal["plasma", "oxyfuel", "laser", "water-jet"]
 PROCESSES: tuple[Process, ...] = ("plasma", "oxyfuel", "laser", "water-jet")
 DIALECTS = (
-    "burny", "eia", "essi", "fanuc", "grbl", "linuxcnc", "linuxcnc-qtplasmac", "mach", "marlin", "sinumerik",
+    "burny", "eia", "essi", "fanuc", "grbl", "hpgl", "linuxcnc", "linuxcnc-qtplasmac", "mach", "marlin", "sinumerik",
 )  # fmt: skip
 Origin = Literal["drawing", "sheet-corner"]
 ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")

@@ -113,9 +113,10 @@ def test_each_dialects_program_is_solved_and_checked_by_the_command_line(name: s
     held = kerfwise("check", "a.json", "a.nc", "-p", "b.yaml", "--plan", "a.plan.json")
     assert held.code == 0, held.out
     rows = Path("a.nc").read_text().splitlines(keepends=True)
-    moves, a_mm = (r"^[+-]()(\d+)[+-]", 10) if name == "essi" else (r"\b(X)([0-9.]+)", 1)
+    letterless = {"essi": (r"^[+-]()(\d+)[+-]", 10), "hpgl": (r"^(P[UD])(\d+),", 40)}
+    moves, a_mm = letterless.get(name, (r"\b(X)([0-9.]+)", 1))
     at = [k for k, row in enumerate(rows) if re.search(moves, row) and row[0] != "("][3]  # in the middle of a path
-    rows[at] = re.sub(r"(X|^[+-])([0-9.]+)", lambda x: f"{x[1]}{float(x[2]) + a_mm:g}", rows[at], count=1)
+    rows[at] = re.sub(r"(X|^[+-]|^P[UD])([0-9.]+)", lambda x: f"{x[1]}{float(x[2]) + a_mm:g}", rows[at], count=1)
     Path("a.nc").write_text("".join(rows))
     damaged = kerfwise("check", "a.json", "a.nc", "-p", "b.yaml", "--plan", "a.plan.json")
     assert damaged.code in (1, 2)  # another path, or an arc that is none

@@ -26,6 +26,7 @@ from .words import BOUNDS
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 _TOKEN = re.compile(r"(?P<letter>[A-Z$#@_=]+)(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)?)|(?P<rest>.)")
 _PLACES = frozenset("XYIJR")
+_FEEDS = {"mm_min": 1.0, "m_min": 1000.0, "in_min": 25.4, "mm_s": 60.0, "cm_s": 600.0}
 _ROUND = 1.5
 """How many steps of its digits the radius of an arc may differ by between its ends."""
 
@@ -45,6 +46,8 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         changes |= {"full_power": full, "marks_up_to": control.marks_up_to / control.full_power * full}
     if any(_is_halt(block) for block in (*dialect.torch_on, *dialect.mark_on)):
         changes["halts_lit"] = True
+    if dialect.comment is None and dialect.reads is not None:
+        changes["opens"] = ""
     if not control.arcs:
         changes["mismatch_mm"] = max(control.mismatch_mm, _ROUND * dialect.step_mm)
         changes["program_names"] = (*control.program_names, *_program_names(dialect))
@@ -55,7 +58,7 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
     changes["subprograms"] = dialect.subprogram is not None
     changes["also"] = (*(_pattern(one, control, file) for one in dialect.also), *control.also)
     if (reads := dialect.reads) is not None:
-        changes["means"] = tuple((_regex(own), _code(known)) for own, known in reads.means)
+        changes["means"] = tuple((_regex(own, named=True), _template(known)) for own, known in reads.means)
         changes["title"] = reads.title or control.title
         changes["fixed"] = control.fixed | {_code_number(word, file) for block in reads.fixed for word in block.split()}
         if reads.dwell is not None:
@@ -67,7 +70,7 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         if reads.step_mm is not None:
             changes["place_mm"] = reads.step_mm
         if reads.feed != "units_min":
-            changes["feed_mm_min"] = {"mm_min": 1.0, "m_min": 1000.0, "in_min": 25.4, "mm_s": 60.0}[reads.feed]
+            changes["feed_mm_min"] = _FEEDS[reads.feed]
         if reads.longest is not None:
             changes["longest"] = reads.longest
     made: Control = replace(control, **changes)  # type: ignore[arg-type]
@@ -85,7 +88,7 @@ def _own_waits(blocks: Sequence[str], control: Control) -> Iterator[tuple[float,
     for block in blocks if not control.arcs else ():
         code = _code(block)
         for own, known in control.means:
-            code = own.sub(known, code)
+            code = own.sub(lambda found, known=known: known.format(**found.groupdict()), code)  # type: ignore[misc]
         lit = lit or any(float(m[1]) in (*control.starts, 3.0, 4.0) for m in re.finditer(r"M0*([0-9]+)", code))
         if re.match(r"G0*4(?![0-9.])", code) and (found := re.search(f"{control.dwell}({_NUMBER})", code)):
             yield float(found[1]) * control.dwell_s, lit
@@ -127,14 +130,26 @@ def _code_number(word: str, file: str) -> float:
     return float(found[1])
 
 
-def _regex(text: str) -> re.Pattern[str]:
-    """Words as a row's code has them: leading zeros do not count, and no digit goes on behind them."""
+def _template(text: str) -> str:
+    """The code that words stand for, with the names of its numbers as they are written."""
+    return "".join(f"{_code(literal)}{{{name}}}" if name else _code(literal) for literal, name, _, _ in _parsed(text))
+
+
+def _parsed(text: str) -> Iterator[tuple[str, str | None, str | None, str | None]]:
+    return iter(Formatter().parse(text))
+
+
+def _regex(text: str, named: bool = False) -> re.Pattern[str]:
+    """Words as a row's code has them: leading zeros do not count, and no digit goes on behind them.
+
+    With `named` the numbers have the names that stand for them.
+    """
     made = ""
     for literal, name, _, _ in Formatter().parse(text):
         made += re.sub(r"(?<![0-9.])0*([0-9]+)(?![0-9.])", r"0*\1(?:\\.0*)?", re.escape(_code(literal)))
-        made += _NUMBER if name is not None else ""
+        made += (f"(?P<{name}>{_NUMBER})" if named and name else _NUMBER) if name is not None else ""
     begins = r"(?<![A-Z])" if made[:1].isalpha() else ""
-    return re.compile(f"{begins}{made}" + ("(?![0-9.])" if made[-1:] not in "=)" else ""))
+    return re.compile(f"{begins}{made}" + ("(?![0-9.])" if made[-1:] not in "=);" else ""))
 
 
 def _pattern(also: Also, control: Control, file: str) -> Declared:

@@ -178,7 +178,7 @@ class Machine:
                 row = without(row, found)
         for own, known in control.means:
             for found in reversed(list(own.finditer(row.code))):
-                row = without(row, found, known)
+                row = without(row, found, known.format(**found.groupdict()))
         self.blocks += bool(code) and not row.code
         return row
 

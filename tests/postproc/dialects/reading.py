@@ -46,7 +46,8 @@ def agree(found: Differences, dialect: Dialect, cut_mm: float) -> bool:
     """
     if dialect.step_mm < 0.01:
         return found.within()
-    return found.within(dialect.step_mm, 0.1 + cut_mm / 1000)
+    chord_mm = dialect.chord_mm if dialect.arc_centre == "none" else 0.0
+    return found.within(max(dialect.step_mm, dialect.step_mm / math.sqrt(2) + chord_mm), 0.1 + cut_mm / 1000)
 
 
 def with_dialect(profile: Profile, name: str) -> Profile:
@@ -106,9 +107,10 @@ def of_linuxcnc(text: str, control: str, tabs: bool = False, dialect: str = "") 
     return Heard([b.points for b in run.burns], [b.length_mm for b in run.burns], run.idle_mm)
 
 
-def of_toolpath(text: str, control: str) -> Heard:
+def of_toolpath(text: str, control: str, dialect: str = "") -> Heard:
     """What gcode-toolpath makes of a program; one without letters is spelt with them first."""
-    heard = gcode_toolpath.read(in_linuxcnc(text, control) if control.startswith("essi") else text)
+    letterless = control.startswith("essi") or dialect == "hpgl"
+    heard = gcode_toolpath.read(in_linuxcnc(text, control, dialect) if letterless else text)
     return dataclasses.replace(heard, over_tabs=True)
 
 

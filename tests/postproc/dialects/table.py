@@ -39,9 +39,9 @@ is the reader of kerfwise itself, which shares nothing with the writer.
   0.0004 mm instead of arcs.
 
 Nobody here had a control to try: what a dialect says of a control's words comes from its maker's documents, for Burny
-from a post-processor of a third party alone; `mach`, `marlin`, `fanuc` and `sinumerik` are data alone, over a family
-that the check knows. No reader of ESSI could be had. It counts in whole tenths of a millimetre, so that its paths may
-lie one step from the plan's, and chords that zigzag by as much are a little longer.
+from a post-processor of a third party alone; `mach`, `marlin`, `fanuc`, `sinumerik` and `hpgl` are data alone, over a
+family that the check knows. No reader of ESSI could be had. It counts in whole tenths of a mm, HPGL in 0.025 mm,
+so that their paths may lie one step from the plan's, and chords that zigzag by as much are a little longer.
 
 | nest | dialect | reader | burns | apart, mm | torch on, mm | travel, mm |
 |---|---|---|---:|---:|---:|---:|
@@ -83,7 +83,7 @@ def _readers(plan: Plan, nest: Nest, plant: Profile) -> dict[str, Reader]:
         "rs274": lambda: reading.of_linuxcnc(text, dialect.control, any(p.cut.tabs for p in plan.cuts), dialect.name),
     }
     if dialect.line:
-        readers["gcode-toolpath"] = lambda: reading.of_toolpath(text, dialect.control)
+        readers["gcode-toolpath"] = lambda: reading.of_toolpath(text, dialect.control, dialect.name)
     if dialect.control == "grbl":
         readers["MeerK40t"] = lambda: reading.of_meerk40t(plan, nest, plant)
     return readers

@@ -33,8 +33,8 @@ def test_a_mismatch_is_refused_with_its_place(tmp_path: Path) -> None:
         fitting_dialect(load_profile(shop))
     assert str(caught.value) == (
         f"{shop}:4:12: machine.dialect: 'linuxcnc-qtplasmac' is for plasma, the machine's process is laser: its "
-        "programs would not run, or would run wrong. Say dialect: fanuc or grbl or linuxcnc or marlin, correct "
-        "machine.process, or say accept_dialect: true to have it all the same"
+        "programs would not run, or would run wrong. Say dialect: fanuc or grbl or hpgl or linuxcnc or "
+        "marlin, correct machine.process, or say accept_dialect: true to have it all the same"
     )
     shop.write_text("machine: {process: water-jet}\n")
     with pytest.raises(InputError, match=r":1:20: machine.dialect: 'linuxcnc-qtplasmac' is for plasma"):

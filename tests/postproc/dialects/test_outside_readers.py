@@ -52,7 +52,7 @@ def test_linuxcncs_interpreter(name: str) -> None:
 @pytest.mark.node
 @pytest.mark.parametrize("name", [name for name in dialect_names() if load_dialect(name).line])
 def test_gcode_toolpath(name: str) -> None:
-    assert agrees(name, reading.of_toolpath(case(name)[3], load_dialect(name).control))
+    assert agrees(name, reading.of_toolpath(case(name)[3], load_dialect(name).control, name))
 
 
 def test_meerk40ts_grbl_reader() -> None:

@@ -24,6 +24,8 @@ _WAITS = {"marlin": "G4 S", "fanuc": "G04 X", "sinumerik": "G4 F"}
 
 def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
     """The program in words that LinuxCNC knows; one for LinuxCNC stays as it is."""
+    if dialect == "hpgl":
+        return "\n".join(_of_hpgl(text.split("\n")))
     if dialect in _OF_DIALECT:
         rows = [_NUMBER.sub("", row) for row in text.split("\n")]
         mapped = [_OF_DIALECT[dialect].get(row, row) for row in _called(rows)]
@@ -34,6 +36,22 @@ def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
     return "\n".join(
         {"grbl": _of_grbl, "eia": _of_eia, "burny": _of_burny, "essi": _of_essi, "essi-radius": _of_essi}[control](rows)
     )
+
+
+def _of_hpgl(rows: list[str]) -> Iterator[str]:
+    """PU and PD with a place are travel and a line, 40 units a mm; alone they lift and lower what draws."""
+    yield "G21 G90 G17 G40 G94"
+    words = {"PD;": "M3 $0 S1", "PU;": "M5 $0", "SP0;": "M2"}
+    for row in rows:
+        if found := re.fullmatch(r"P([UD])(-?\d+),(-?\d+);", row):
+            x, y = (int(number) / 40 for number in found.group(2, 3))
+            yield f"{'G0' if found[1] == 'U' else 'G1'} X{x:.3f} Y{y:.3f}"
+        elif found := re.fullmatch(r"VS([\d.]+);", row):
+            yield f"F{float(found[1]) * 600:g}"
+        elif found := re.fullmatch(r"!DW(\d+);", row):
+            yield f"G4 P{int(found[1]) / 1000:g}"
+        else:
+            yield words.get(row, "")
 
 
 def _called(rows: list[str]) -> list[str]:
