@@ -92,7 +92,6 @@ MEMBERS = {
     "proof": Member("ideals after a first look", ("portfolio", "proof_suits"), _no),
     "priced": Member("sweeps by multipliers", ("ideals.prove", "priceable"), _no),
     "flows": Member("bounds by linear programs", ("bounds", "flow_bound"), lambda *_: FlowBound(0, 0.0)),
-    "windows": Member("windows in their best order", ("portfolio", "windows"), _nothing),
     "cp-sat": Member("constraint programming", ("portfolio", "solve_model"), _nothing),
     "regions": Member("search region by region", ("search.searcher", "regional"), _no),
     "merging": Member("tours merged", ("search.searcher", "mergeable"), _no),

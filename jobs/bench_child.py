@@ -23,7 +23,6 @@ from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
 from kerfwise.models.engines import ideals, member_of
 from kerfwise.models.engines.bounds import flow_bound
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.ideals.heuristic_sweeps import polish
 from kerfwise.models.engines.ideals.lattice import TooLarge, sweeping
 from kerfwise.models.engines.ideals.priced import price
 from kerfwise.models.engines.portfolio import run_portfolio
@@ -115,7 +114,6 @@ def load_kernels(problem: Problem | None = None) -> None:
         ideals.prove(problem, known, Deadline(LOADING_S), stages)
     flow_bound(problem, found, Deadline(LOADING_S))
     _load_priced(problem, found)
-    polish(problem, found, Deadline(LOADING_S))
 
 
 def _load_priced(problem: Problem, found: Incumbent) -> None:

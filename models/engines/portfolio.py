@@ -10,7 +10,7 @@ proven or the limit is reached; each may use every core. Shares are of what is t
 | ideals: proof | a bound may make the sets few, or the sweep surely ends | 45 to 90 %; most take next to nothing |
 | ideals: multipliers | a small nest whose conditions and lags linear programs hold | 60 % |
 | ideals: widening | hard orders are dense, and neither conditions nor lags bind | 50 % |
-| search, windows, flows | nothing is proven yet; by kind of problem, see `improve_and_bound` | nearly all |
+| search, flows | nothing is proven yet; by kind of problem, see `improve_and_bound` | nearly all |
 | CP-SAT | nothing is proven yet, and its model is made in time | the rest |
 """
 
@@ -22,7 +22,6 @@ from dataclasses import replace
 from threading import Event
 from typing import TYPE_CHECKING, NamedTuple
 
-from kerfwise.models.engines.ideals.heuristic_sweeps import polish
 from kerfwise.models.engines.ideals.stretch import series
 from kerfwise.models.engines.solution import Incumbent, SolveOptions, table_bytes
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -339,22 +338,10 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
     run.deadline.spend(share)
 
 
-def windows(run: Run, share: float) -> None:
-    """Windows of the best plan in their best order."""
-    known = run.known
-    if known.incumbent is None or run.over() or solution.windows_s(run.problem) > share:
-        return
-    most_bytes = shared_state.WINDOWS_BYTES * run.deadline.most_bytes
-    polished = polish(run.problem, known.incumbent, run.deadline.within(share, most_bytes))
-    known.offer(polished.incumbent, "windows")
-    run.deadline.spend(polished.work)
-
-
 def improve_and_bound(run: Run, _: float) -> None:
     """A better plan and a higher bound, where nothing is proven yet."""
     if run.known.priced:
         search(run, run.left() * shared_state.SEARCH_PLAIN)
-        windows(run, run.left())
         return
     if bounded_beside(run):
         search(run, run.left() * shared_state.SEARCH_ALONE)
@@ -369,11 +356,9 @@ def improve_and_bound(run: Run, _: float) -> None:
     )
     if not run.over():
         share = shared_state.SEARCH_NEST if well else shared_state.SEARCH if held else shared_state.SEARCH_PLAIN
-        polishing = shared_state.WINDOWS_NEST if well else shared_state.WINDOWS
-        if not (well or model_sets_out(run, run.left() * (1.0 - share) * (1.0 - polishing))):
-            share, polishing = shared_state.SEARCH_LAST, 1.0
+        if not (well or model_sets_out(run, run.left() * (1.0 - share))):
+            share = shared_state.SEARCH_LAST
         search(run, run.left() * share)
-        windows(run, run.left() * polishing)
     if well and not run.over():
         bound_by_flows(run, run.left() * shared_state.FLOW)
 
@@ -407,7 +392,7 @@ def improve_while_bounded(run: Run) -> None:
         run.deadline.overhear(bound_um)
         return not (reached.is_set() or run.deadline.stopped)
 
-    beside = run.deadline.within(share, (1.0 - shared_state.WINDOWS_BYTES) * run.deadline.most_bytes, overheard)
+    beside = run.deadline.within(share, listener=overheard)
 
     def bound() -> ideals.Proof | bounds.FlowBound:
         """By flows, and by the ideals with their multipliers where these hold all that is asked."""
@@ -420,7 +405,6 @@ def improve_while_bounded(run: Run) -> None:
         bounding = thread.submit(bound)
         try:
             search(run, shared_state.SEARCH_BESIDE * left)
-            windows(run, shared_state.WINDOWS_BESIDE * left)
             while not wait([bounding], 0.1).done:  # s between news of the bound
                 if not run.deadline("bound", plan.cost, None):
                     reached.set()

@@ -75,23 +75,19 @@ search; with more, plans are improved at the same time."""
 FLOW_FIRST, FLOW_CARRIED, FLOW = 0.15, 0.4, 0.95
 """Shares for the bound by flows before more search; where CP-SAT alone holds all that is asked; and at last, after that
 search or beside it: the better the plan, the more it closes."""
-SEARCH_NEST, WINDOWS_NEST = 0.3, 0.1
-"""Shares for more search, and then for windows of the plan, in small nests that flows bound well."""
+SEARCH_NEST = 0.3
+"""Share for more search in small nests that flows bound well."""
 PRICED = 0.6
 """Share for the ideals with multipliers of the flow, where these hold all that is asked of a small nest."""
 FIRST_BOUNDS = 1 / 30
 """Share of the work beside a search in which such programs must come to their first bounds: with less work sweeps are
 far from the plan, and flows alone bound higher."""
-SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE = 0.1, 0.4, 0.05
-"""For larger ones shares for search alone, and then for search and windows beside the bound, which keeps one core busy:
+SEARCH_ALONE, SEARCH_BESIDE = 0.1, 0.4
+"""For larger ones shares for search alone, and then for search beside the bound, which keeps one core busy:
 the search has what that leaves of two."""
 SEARCH, SEARCH_PLAIN, SEARCH_LAST = 0.6, 0.9, 0.97
 """Shares for more search elsewhere: where CP-SAT alone can prove anything, as statements look further back than a state
-does; where windows or CP-SAT have the rest; and where that would not do for CP-SAT's model."""
-WINDOWS = 0.3
-"""Share of what search has left for windows of the best plan in their best order."""
-WINDOWS_BYTES = 0.05
-"""Share of the bytes of all tables for those of windows: a bound that is looked for beside them has the rest."""
+does; where CP-SAT has the rest; and where that would not do for CP-SAT's model."""
 AT_ONCE_S, AT_ONCE_MANY_S = 1.5, 2.5
 """A sweep over all sets is begun with, before any search, if it takes no longer. Where contours are so many that no
 bound makes the sets few, a plan known before helps less, and it may take longer."""

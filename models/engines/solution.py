@@ -105,17 +105,12 @@ ARCS_LISTED_PER_S, ARCS_PER_S, PAIRS_PER_S = 1e6, 1e5, 2.5e4
 """Arcs between sites that CP-SAT's model is made of: listed with their prices, and made, presolved and begun with; and
 pairs of contours that may follow each other, of which there are orders and arcs."""
 BYTES_A_ROW = 60
-"""What every crossing takes in the tables of the search, and of windows after it, while they are made."""
+"""What every crossing takes in the tables of the search while they are made."""
 
 
 def crossed_bytes(problem: Problem) -> int:
     """What crossings take, with the tables that any engine makes of them: large nests without zones have millions."""
     return problem.crossings.nbytes + BYTES_A_ROW * len(problem.crossings)
-
-
-def windows_s(problem: Problem) -> float:
-    """Of the windows of a plan."""
-    return len(problem.crossings) / ROWS_PER_S
 
 
 def count_site_arcs(problem: Problem) -> int:

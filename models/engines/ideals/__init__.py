@@ -1,7 +1,6 @@
 """An exact dynamic program over ideals: the set already cut and the last site (Held and Karp 1962; Salii 2019)."""
 
-from .heuristic_sweeps import widen
-from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, sets_out, unfit
+from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, sets_out, unfit, widen
 from .sets import Count, count_sets
 
 __all__ = [

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import ceil, inf, isinf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +22,7 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 
-from .lattice import THREADS, Rests, TooLarge, sweep_through, sweeping
+from .lattice import THREADS, Rests, TooLarge, Width, sweep_through, sweeping
 from .stretch import Local, RestBound, series
 from .stretch_bounds import (
     WIDER,
@@ -336,3 +336,59 @@ def held_by(bound: Completion | Apart | None) -> int:
     if isinstance(bound, Apart):
         return sum(stretch.bound.to_go.nbytes for stretch in bound.ahead)
     return 0 if bound is None else bound.to_go.nbytes
+
+
+# Sweeps that keep the most promising states of every layer, each sweep wider than the last (Libralesso et al. 2020).
+#
+# Where the sets are too many for a sweep of all, one of few finds a plan soon. What it drops bounds all plans that it
+# could have missed, and where nothing is dropped that a better plan could be in, the plan is proven.
+
+FIRST_WIDTH, WIDENED = 256, 2
+"""States of a layer that the first sweep keeps, and how many times as many the next."""
+BOUND = 0.15
+"""Share of the work that a bound by walks may take."""
+ROUNDING = 1e-3
+"""Bounds are sums of doubles, costs whole: what is under the next whole number by less is taken for it."""
+
+
+def widen(
+    problem: Problem,
+    incumbent: Incumbent | None,
+    deadline: Deadline,
+    width: int = FIRST_WIDTH,
+) -> Proof:
+    """The best plan of sweeps of so many states and more, until it is proven or the work is spent.
+
+    Parameters
+    ----------
+    problem
+        One that the ideals are fit for (`prove.unfit`).
+    incumbent
+        A lawful plan: states that cannot lead to a cheaper one are dropped without a loss.
+    """
+    best, least, work = incumbent, 0, deadline.work
+    deadline.engine = "ideals"
+    deadline("ideals", None if best is None else best.cost, None)
+    bound: Completion | Apart | None = None
+    if incumbent is not None and incumbent.cost < FAR and (len(series(problem)) > 1 or problem.m <= MOST_SITES_BOUND):
+        with suppress(bounds.TooMuch):
+            bound = bound_by_walks(problem, incumbent, deadline.counting(BOUND * work), work)
+    spent = 0.0 if bound is None else bound.work
+    swept = sweeping(deadline, work - spent, held_by(bound))
+    with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
+        rests, root = rests_of(problem, bound, swept, threads)
+        least = 0 if isinf(root) else max(0, ceil(root - ROUNDING))
+        while True:
+            had, kept = swept.left, Width(width)
+            limit = None if best is None else best.cost - 1
+            found = sweep_through(problem, limit, rests, swept, threads, kept)
+            if found is not None:
+                best = found
+                deadline("ideals", best.cost, None)
+            if isinf(kept.dropped) or (best is not None and kept.dropped > best.cost - 1 + ROUNDING):
+                return Proof(best, work - swept.left)
+            least = max(least, ceil(kept.dropped - ROUNDING))
+            if swept.left < WIDENED * (had - swept.left):
+                break
+            width *= WIDENED
+    return Proof(None, work - max(0.0, swept.left), least, better=best)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.ideals import heuristic_sweeps, prove, widen
+from kerfwise.models.engines.ideals import prove, widen
 from kerfwise.models.engines.ideals.prove import Proof
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import Crossings
@@ -29,7 +30,7 @@ def within_reach(drawn: Problem) -> Problem:
 def one_sweep(asked: Problem, width: int, known: Incumbent | None = None) -> Proof:
     """What a single sweep of so many states says."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(heuristic_sweeps, "WIDER", 1e9)
+        patch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "WIDENED", 1e9)
         return widen(asked, known, Deadline(5.0), width=width)
 
 
