@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import sys
 from typing import Any
@@ -45,6 +46,10 @@ FILES = {
 }
 """The file in `commands` that has a verb, where it is not called like the verb."""
 
+COLLECTED = 100_000, 50, 1000
+"""How many objects are made before Python looks for circles among the new ones, and how many such looks there are
+before the older ones are looked at. A nest is hundreds of thousands of objects that stay: with Python's own numbers facts
+of 3000 contours take 3.1 s in place of 2.4, statements 2.1 in place of 1.3."""
 WRONG_INPUT, QUESTIONS, UNFORESEEN, INTERRUPTED = 2, 3, 70, 130
 
 
@@ -110,6 +115,7 @@ def main(argv: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
     from kerfwise.commands.terminal import terminal
 
+    gc.set_threshold(*COLLECTED)
     with terminal():
         code = _ended(argv)
     sys.exit(code)

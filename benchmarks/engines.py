@@ -16,12 +16,12 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import kerfwise
 from kerfwise.benchmarks.plates import default_without, made_plate
@@ -44,8 +44,8 @@ PAGE = """\
 # What each engine brings
 
 Made by `python -m kerfwise.benchmarks.engines{given} > docs/engines.md` with kerfwise {kerfwise}. Plates of
-`examples/gen_sheet.py` (contours, seed) are planned under the default profile, with and without its zones; the others
-are routing instances ([which](routing.md)). Each is solved within {work:g} deterministic seconds by the whole
+`examples/gen_sheet.py` (contours, seed) are planned under the default profile, with and without its zones, and with
+lags of two cuts; the others are routing instances ([which](routing.md)). Each is solved within {work:g} deterministic seconds by the whole
 portfolio, and once more without each member that had a part in it; what the rest makes of the time is counted. A member
 stays if something here is dearer, less bounded or unproven without it. What others win by its absence is shown, too.
 
@@ -66,6 +66,8 @@ CHANGED = 5e-4
 ENGINES = "kerfwise.models.engines."
 PLATES = ((16, 1), (16, 2), (41, 1), (41, 2), (60, 3), (80, 4), (115, 5), (115, 6), (308, 1))
 NESTS = ("e1x_6.json", "s8877.json", "plate40.json")
+LAGGED = ((8, 1), (16, 1))
+"""Plates where two other cuts come between near contours: a state of the dynamic program does not hold that."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,13 @@ def _plate(contours: int, seed: int, *off: str) -> Problem:
     return problem_of(made_plate(contours, seed), default_without(*off))
 
 
+def _lagged(contours: int, seed: int) -> Problem:
+    profile = default_without()
+    lag = profile.rules["heat-lag"]
+    rules = {**profile.rules, "heat-lag": replace(lag, options=replace(cast(Any, lag.options), lag_cuts=2))}
+    return problem_of(made_plate(contours, seed), replace(profile, rules=rules))
+
+
 def _shipped(name: str) -> Problem:
     file = Path(__file__).parents[1] / "examples" / "nests" / name
     return problem_of(read_json(file.read_bytes(), ReadOptions()), default_without())
@@ -137,6 +146,8 @@ def problems(folder: Path | None) -> dict[str, Callable[[], Problem]]:
     for contours, seed in PLATES:
         found[f"plate {contours}, {seed}, zones"] = partial(_plate, contours, seed)
         found[f"plate {contours}, {seed}"] = partial(_plate, contours, seed, "zone-order")
+    for contours, seed in LAGGED:
+        found[f"plate {contours}, {seed}, lags"] = partial(_lagged, contours, seed)
     for file in sorted([] if folder is None else [*folder.glob("*/*.pcglns*"), *folder.glob("*/*.sop*")]):
         found[f"{file.parent.name}/{file.name.split('.gz')[0]}"] = partial(_instance, file)
     return found

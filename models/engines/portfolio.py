@@ -256,6 +256,11 @@ def widen(run: Run, share: float) -> None:
     take_proof(run, proof)
 
 
+def sweep_all(run: Run, share: float) -> None:
+    """All sets, without a bound: to find one takes longer than the sweep where that is begun with."""
+    sweep(run, share, ())
+
+
 def take_proof(run: Run, proof: ideals.Proof | None) -> None:
     """Note the plan and the bound of a proof, or that there is none."""
     known, problem = run.known, run.problem
@@ -451,7 +456,7 @@ class Step(NamedTuple):
 
 
 STEPS = (
-    Step(swept_at_once, Run.left, sweep),
+    Step(swept_at_once, Run.left, sweep_all),
     Step(search_suits, look_share, look),
     Step(proof_suits, proof_share, prove),
     Step(priced_suits, lambda run: run.left() * shared_state.PRICED, sweep_priced),
