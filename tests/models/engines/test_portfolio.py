@@ -49,6 +49,17 @@ def test_a_forced_member_is_the_only_one_that_speaks() -> None:
     assert found(six, "search").proved_by == ""
 
 
+def test_a_sweep_of_all_sets_at_once_asks_for_no_bound_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plan that is known, as that of the round before, is no reason to look for one."""
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = cheapest(six)
+    assert best is not None
+    monkeypatch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "bound_by_walks", None)
+    known = run_portfolio(six, SolveOptions(work=0.5), start=best.route)
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.proven) == (best.cost, True)
+
+
 @pytest.mark.slow
 def test_it_says_how_many_sets_there_are_and_what_it_makes_of_that() -> None:
     few = found(problem([[(float(x), 0.0)] for x in range(5)]))
