@@ -48,8 +48,8 @@ FILES = {
 
 COLLECTED = 100_000, 50, 1000
 """How many objects are made before Python looks for circles among the new ones, and how many such looks there are
-before the older ones are looked at. A nest is hundreds of thousands of objects that stay: with Python's own numbers facts
-of 3000 contours take 3.1 s in place of 2.4, statements 2.1 in place of 1.3."""
+before the older ones are looked at. A nest is hundreds of thousands of objects that stay: with Python's own numbers
+facts of 3000 contours take 3.1 s in place of 2.4, statements 2.1 in place of 1.3."""
 WRONG_INPUT, QUESTIONS, UNFORESEEN, INTERRUPTED = 2, 3, 70, 130
 
 

@@ -6,7 +6,8 @@ Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] 
 OTHER is an earlier checkout; with one, each figure stands twice, before and after, from the same run. Plates are made
 by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its own. Seconds are those of the
 processor, all threads and processes together: other programs on the machine hardly change them. One row is by the
-clock, for a machine that does nothing else. What takes more than M minutes of
+clock, for a machine that does nothing else. `OTHER --contours` alone compares a cold and a warm `solve` of 16 to 1000
+contours. What takes more than M minutes of
 those is ended: the phases that were over by then have their seconds, the others a stroke. With --kept the seconds of
 each plate are kept in FOLDER, in a file for each checkout, with the kernels, and plates that stand there are not run
 again: the largest take long. `--contours` without numbers measures the starts alone, `--starts` without names none.
@@ -64,6 +65,8 @@ STARTS: dict[str, tuple[str, ...]] = {
     "16 contours, a limit of 5 s": ("e1x_6.json", "--time-limit", "5"),
     "41 contours": ("plate40.json", "--work", "5"),
     "115 contours": ("115", "--work", "1"),
+    "308 contours": ("308", "--work", "1"),
+    "1000 contours": ("1000", "--work", "1"),
 }
 """What is started: an example, or a plate made of so many contours, and the options of `solve`."""
 CHILD = """

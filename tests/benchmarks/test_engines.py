@@ -30,7 +30,7 @@ def test_parts_are_noted_and_what_is_left_out_has_none() -> None:
 def test_what_is_lost_and_what_is_won_is_told() -> None:
     assert effect(WHOLE, WHOLE) == ("", "")
     assert effect(WHOLE, Row(1010, 909, False, "search", "")) == ("cost +1.0%, not proven", "bound +1.0%")
-    assert effect(WHOLE, Row(None, 0, False, "", "")) == ("cost none, not proven", "")
+    assert effect(WHOLE, Row(None, 0, False, "", "")) == ("no cost, no bound, not proven", "")
 
 
 def test_the_page_has_a_line_for_every_member_and_every_problem() -> None:
