@@ -145,7 +145,7 @@ def common_cut_advice(nest: Nest, profile: Profile, already: AlreadyCut = NOTHIN
         return
     outers = [(k, c) for k, c in enumerate(nest.contours) if c.kind == "outer"]
     kerf_mm = profile.material.kerf_mm
-    for gap_mm, apart in ((kerf_mm, "one kerf apart"), (0.0, "touching")):
+    for gap_mm, apart in ((kerf_mm, "one kerf apart"), (0.0, "that touch")):
         facing = max(facing_edges(outers, gap_mm, tolerance_mm(kerf_mm)), key=lambda f: f.length_mm, default=None)
         if facing is None or facing.length_mm < _LEAST_COMMON_MM:
             continue

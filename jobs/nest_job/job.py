@@ -7,7 +7,7 @@ import hashlib
 import json
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,8 @@ from kerfwise.rules.options.quantities import PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items
 from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profiles
 from kerfwise.rules.profile.overrides import Setting, read_lock, read_settings
+from kerfwise.rules.profile.sections import where_it_belongs
+from kerfwise.rules.registry import RULES
 
 # A day, as job files have it: 2026-12-24.
 
@@ -156,12 +158,21 @@ def job_of(text: str, file: str) -> Job:
     own = {key: value for key, _, value in members if key in (LOCKS, TABS, SET)}
     rest = [member for member in members if member[0] not in own]
     said_at = {key: problems.place(key_node) for key, key_node, _ in members}
-    job = read_fields(rest, Job(file=file, said_at=said_at), problems, "job file", other=(LOCKS, TABS, SET))
+    own_keys = (LOCKS, TABS, SET)
+    job = read_fields(
+        rest, Job(file=file, said_at=said_at), problems, "job file", other=own_keys, elsewhere=_of_profile
+    )
     locks = [*_locks(own[LOCKS], problems)] if LOCKS in own else []
     locks += _tabs(own[TABS], problems) if TABS in own else []
     settings = read_settings(own[SET], problems) if SET in own else ()
     problems.raise_any()
     return replace(job, locks=tuple(locks), settings=settings)
+
+
+def _of_profile(key: str, valid: Sequence[str]) -> str:
+    """That a key is one of a profile, which a job file has under `set`; "" for others."""
+    told = where_it_belongs(key, valid, RULES)
+    return f"{told} of a profile: in a job file that stands under set" if told and "it belongs" in told else ""
 
 
 def _locks(node: yaml.Node, problems: Problems) -> Iterator[Lock]:

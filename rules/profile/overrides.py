@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,7 +22,7 @@ from kerfwise.rules.rule import Rule, RuleSetting, Strength
 from .load import parameters_of, profile_values, read_locks
 from .profile import Profile
 from .profile_sections import rule_option_problems
-from .sections import SECTIONS
+from .sections import SECTIONS, where_it_belongs
 
 SETTABLE = (*SECTIONS, "rules", "own_rules")
 """What a key that is set can begin with."""
@@ -98,7 +98,8 @@ def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COM
         return profile
     problems = Problems(file)
     own = [(setting.key, setting.key_node, setting.node) for setting in settings if is_own(setting.key)]
-    root = _nested([setting for setting in settings if not is_own(setting.key)], settings[0].key_node, problems)
+    others = [setting for setting in settings if not is_own(setting.key)]
+    root = _nested(others, settings[0].key_node, problems, profile.known_rules())
     start = {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
     start["own_rules"] = with_own_values(profile.own_rules, own, problems, parameters_of)
     try:
@@ -131,13 +132,16 @@ class _Tree(dict[str, "tuple[yaml.Node, _Tree | yaml.Node]"]):
     """Key → where it stands, and what stands under it."""
 
 
-def _nested(settings: Iterable[Setting], at: yaml.Node, problems: Problems) -> yaml.Node:
+def _nested(
+    settings: Iterable[Setting], at: yaml.Node, problems: Problems, known: Mapping[str, Rule[Any]]
+) -> yaml.Node:
     """Settings as the YAML of a profile."""
     tree = _Tree()
     for setting in settings:
         path = setting.key.split(".")
         if path[0] not in SETTABLE:
-            problems.add(setting.key_node, f"set: {unknown('key', path[0], SETTABLE)}")
+            wrong = where_it_belongs(path[0], SETTABLE, known) or unknown("key", path[0], SETTABLE)
+            problems.add(setting.key_node, f"set: {wrong}")
         else:
             _put(tree, path, setting.key_node, setting.node, setting.key, problems)
     return _mapping(tree, at)

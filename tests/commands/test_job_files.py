@@ -133,7 +133,7 @@ WRONG = {
     "profile: laser-wod": "plate.job.yaml:1:1: profile: unknown profile 'laser-wod': did you mean 'laser-wood'?",
     "set: {leads.led_in: 3}": "plate.job.yaml:1:7: leads: unknown key 'led_in': did you mean 'lead_in'?",
     "set: {leads.lead_in: 3 kg}": "plate.job.yaml:1:22: leads.lead_in: unknown unit 'kg'",
-    "set: {locks: []}": "plate.job.yaml:1:7: set: unknown key 'locks'",
+    "set: {locks: []}": "plate.job.yaml:1:7: set: there is no key 'locks' here, it belongs under locks",
     "set: {leads.lead_in: 3, leads: {lead_in: 4}}": "plate.job.yaml:1:33: set: leads.lead_in is set twice",
 }
 

@@ -163,7 +163,7 @@ def test_without_anything_laid_over_it_a_profile_stays_what_it_is() -> None:
     assert with_locks(PROFILE_FIRST, PLATE, None, (), lambda: LAST, print) is PROFILE_FIRST
 
 
-KEYS = {"material.kerf": ("material", "kerf_mm"), "machine.travel": ("machine", "travel_mm_s"),
+KEYS = {"material.kerf": ("material", "kerf_mm"), "leads.lead_out_length": ("leads", "lead_out_length_mm"),
         "leads.lead_in_min": ("leads", "lead_in_min_mm")}  # fmt: skip
 GIVEN = st.dictionaries(st.sampled_from(sorted(KEYS)), st.sampled_from([1, 1.25, 1.5, 2]))
 

@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.scrap import MOST_PIECES, with_scrap
+from kerfwise.jobs.nest_job.job import job_of
+from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.charts.read_chart import read_chart
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.overrides import read_setting, with_settings
@@ -127,6 +130,16 @@ def test_a_key_that_is_set_in_the_wrong_section_is_told_where_it_belongs() -> No
         with_settings(load_profile(), [read_setting("machine.kerf=1.4 mm")])
 
 
+def test_a_key_without_its_section_is_told_where_it_belongs() -> None:
+    with pytest.raises(InputError) as caught:
+        with_settings(load_profile(), [read_setting("kerf=1.4 mm")])
+    assert "there is no key 'kerf' here, it belongs under material: {kerf: …}" in str(caught.value)
+    with pytest.raises(InputError) as caught:
+        job_of("cut_feed: 3 m/min", "plate.job.yaml")
+    told = "it belongs under machine: {cut_feed: …} of a profile: in a job file that stands under set"
+    assert told in str(caught.value)
+
+
 ON = {
     "common: {}": ("common", "shortest_mm", 20.0),
     "common:": ("common", "shortest_mm", 20.0),
@@ -206,3 +219,10 @@ LAWS = {
 @pytest.mark.parametrize("text", LAWS)
 def test_a_law_whose_feeds_no_machine_has_is_refused(text: str, tmp_path: Path) -> None:
     assert LAWS[text] in told(tmp_path, f"time: {{model: blocks, feed_by_blocks: {text}}}")
+
+
+def test_a_grid_that_makes_more_pieces_than_anybody_carries_off_is_refused() -> None:
+    plate = nest(6000, 2000, part("A", rect(50, 50, 300, 300)))
+    with pytest.raises(InputError, match=f"into 30,000 pieces, expected {MOST_PIECES:,} at the most") as caught:
+        with_scrap(plate, 1.5, 20.0, None)
+    assert "give a larger grid" in str(caught.value)
