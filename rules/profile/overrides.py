@@ -98,8 +98,8 @@ def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COM
         return profile
     problems = Problems(file)
     own = [(setting.key, setting.key_node, setting.node) for setting in settings if is_own(setting.key)]
-    others = [setting for setting in settings if not is_own(setting.key)]
-    root = _nested(others, settings[0].key_node, problems, profile.known_rules())
+    nested = [setting for setting in settings if not is_own(setting.key)]
+    root = _nested(nested, settings[0].key_node, problems, profile.known_rules())
     start = {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
     start["own_rules"] = with_own_values(profile.own_rules, own, problems, parameters_of)
     try:
