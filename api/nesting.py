@@ -182,7 +182,11 @@ def make(
     asked = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
     found = nest_groups(asked, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
     done = [
-        Done(one, result, make_programs(result.nested, one.cutting.plant, work, relax, lambda name: Listener()))
+        Done(
+            one,
+            result,
+            make_programs(result.nested, _always(one.cutting.plant), work, relax, lambda name: Listener(), skip_bad),
+        )
         for one, result in found
     ]
     return nests_of_job(asked, done, seed, notes)
@@ -240,6 +244,11 @@ def edit(
         done = {contour for number, contour in cuts.items() if upto is None or number <= upto}
     made = editing(given.nest, given.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=done)
     return made.do(*changes) if changes else made
+
+
+def _always(plant: Profile) -> Callable[[object, int], Profile]:
+    """The same profile for every sheet: which folder job files will be in is not known yet."""
+    return lambda nested, number: plant
 
 
 @dataclass(frozen=True, slots=True)

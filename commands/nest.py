@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -308,7 +309,7 @@ def _new_list(output: str | None) -> int:
 )
 def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool, **options: Any) -> int:
     """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
-    from kerfwise.jobs.nesting.nest_list import write_list
+    from kerfwise.jobs.nesting.nest_list import plant_of_sheet, write_list
     from kerfwise.jobs.nesting.programs import labels_of, make_programs, work_sheets_of
 
     from .progress import ProgressLine
@@ -318,7 +319,14 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
     files: list[tuple[GroupRequest, Nested, dict[str, str | bytes]]] = []
     programs: list[Programs] = []
     for one, result in found:
-        made = make_programs(result.nested, one.cutting.plant, work, relax, lambda name: ProgressLine())
+        made = make_programs(
+            result.nested,
+            partial(plant_of_sheet, one, out / asked.folder(one)),
+            work,
+            relax,
+            lambda name: ProgressLine(),
+            options["skip_bad"],
+        )
         programs.append(made)
         pages = {"sheets.pdf": work_sheets_of(made), "labels.pdf": labels_of(made)} if papers else {}
         files.append((one, made.nested, {**made.files(dxf, picture), **pages}))
@@ -332,4 +340,4 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
         click.echo("\n".join(made.told))
     _end(asked, out, written)
     stopped = any(made.interrupted for made in programs) or any(result.interrupted for _, result in found)
-    return _code(asked, found, stopped)
+    return _code(asked, found, stopped) or int(any(made.unplanned for made in programs))

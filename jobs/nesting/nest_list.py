@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections import Counter
@@ -14,7 +15,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.questions import Answers
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Tell
-from kerfwise.jobs.nest_job.job import ENDING
+from kerfwise.jobs.nest_job.job import ENDING, job_of
+from kerfwise.jobs.nest_job.request import with_values
 from kerfwise.jobs.progress import Listener
 from kerfwise.nesting.demand import Demand
 from kerfwise.postproc.output_files import make_folder, write_files
@@ -145,6 +147,15 @@ def job_text(group: Group, cutting: Cutting, folder: Path, nested: Nested, numbe
         lines.append("set:")
         lines += [f"  {key}: {value}" for key, _, value in (one.partition("=") for one in cutting.settings)]
     return "\n".join(lines) + "\n"
+
+
+def plant_of_sheet(one: GroupRequest, folder: Path, nested: Nested, number: int) -> Profile:
+    """The profile of a sheet, from 0 on, with its job file as it will be written laid over it."""
+    if not one.group.said:
+        return one.cutting.plant
+    text, file = job_text(one.group, one.cutting, folder, nested, number), f"{nested.names[number]}{ENDING}"
+    job = replace(job_of(text, file), sha256=hashlib.sha256(text.encode()).hexdigest())
+    return with_values(one.cutting.base, job, (), ())
 
 
 def _profile_name(plant: Profile, folder: Path) -> str:

@@ -31,25 +31,46 @@ from .nests import Nested, nest_files, nests_from
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Programs:
-    """The nests as they are cut, the plan of each, a line for each and for what was repaired."""
+    """The nests as they are cut, the plan of each, a line for each and for what was repaired.
+
+    A sheet without a plan has None, where it may be passed over.
+    """
 
     nested: Nested
-    plans: tuple[FinishedPlan, ...]
+    plans: tuple[FinishedPlan | None, ...]
     told: tuple[str, ...]
     interrupted: bool
+
+    @property
+    def finished(self) -> list[tuple[int, str, FinishedPlan]]:
+        """Number, from 1 on, name and plan of each sheet that has one."""
+        named = enumerate(zip(self.nested.names, self.plans, strict=False), 1)
+        return [(number, name, done) for number, (name, done) in named if done is not None]
+
+    @property
+    def unplanned(self) -> int:
+        """How many sheets have no plan."""
+        return sum(done is None for done in self.plans)
 
     def files(self, dxf: bool, picture: str = "svg") -> dict[str, str | bytes]:
         """Nests, programs, plans, pictures and remnants, by the names that they have; `picture` is a format."""
         files = nest_files(self.nested, f".nest.{picture}", dxf)
-        for name, done in zip(self.nested.names, self.plans, strict=False):
+        for _, name, done in self.finished:
             files |= program_files(name, done, picture)
         return files
 
 
 def make_programs(
-    nested: Nested, profile: Profile, work: float, relax: bool, listener: Callable[[str], Listener]
+    nested: Nested,
+    plant: Callable[[Nested, int], Profile],
+    work: float,
+    relax: bool,
+    listener: Callable[[str], Listener],
+    skip_bad: bool = False,
 ) -> Programs:
-    """Plan every sheet as `kerfwise solve` would plan it.
+    """Plan every sheet as `kerfwise solve` would; with `skip_bad` one that has no plan is passed over, and told.
+
+    `plant` gives the profile of each sheet: of the nests, and of the number from 0 on.
 
     Raises
     ------
@@ -57,12 +78,18 @@ def make_programs(
         If a sheet has no plan, not even with its parts moved apart: `RulesConflict` names the sheet.
     """
     heard = Listeners(listener)
-    plans: list[FinishedPlan] = []
+    plans: list[FinishedPlan | None] = []
     told: list[str] = []
     for number, name in enumerate(nested.names):
         try:
-            nested, done, how = planned(nested, number, profile, work, heard, relax)
-        except RulesConflict as error:
+            nested, done, how = planned(nested, number, plant(nested, number), work, heard, relax)
+        except (RulesConflict, InputError) as error:
+            if skip_bad:
+                plans.append(None)
+                told.append(f"{name}: no program: {' '.join(str(error).split())}")
+                continue
+            if isinstance(error, InputError):
+                raise
             raise RulesConflict(f"{name}: {error.message}; nothing was written", error.reasons) from error
         plans.append(done)
         told += [plan_text(name, done, nested.layout.sheets[number].stock), *([how] if how else [])]
@@ -115,7 +142,7 @@ def work_sheets_of(made: Programs) -> bytes:
     return sheets_pdf(
         [
             work_sheet(done.given, done.made.plan, name=f"{name}.nc", about={"number": f"sheet {k} of {count}"})
-            for k, (name, done) in enumerate(zip(made.nested.names, made.plans, strict=False), 1)
+            for k, name, done in made.finished
         ]
     )
 
@@ -124,7 +151,7 @@ def labels_of(made: Programs) -> bytes:
     """A label for each part of all sheets, as one PDF."""
     from kerfwise.jobs.sheet_parts import labels_pdf
 
-    return labels_pdf([(done.given.nest, done.given.profile) for done in made.plans])
+    return labels_pdf([(done.given.nest, done.given.profile) for _, _, done in made.finished])
 
 
 def plan_text(name: str, done: FinishedPlan, stock: Stock) -> str:

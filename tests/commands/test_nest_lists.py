@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 
 import kerfwise as package
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.jobs.nesting import programs
+from kerfwise.jobs.nesting.nests import Nested
 from kerfwise.nesting.layout import nest_dxf, nest_json
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -187,3 +191,23 @@ def test_qualities_of_a_grade_are_cut_alike(shop: Path) -> None:
     Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235JR;6\nstrip;2;S 235 J2+N;6\n")
     code, out, err = nested("list.csv", "--sheet", "400x300")
     assert (code, "4 of 4 parts" in out) == (0, True), err
+
+
+def test_a_sheet_without_a_plan_stops_no_other(shop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = programs.plan_or_repair
+
+    def stuck(nested: Nested, number: int, *rest: Any) -> Any:
+        if number == 0:
+            raise RulesConflict("these hard rules cannot all hold", ("A before B",))
+        return whole(nested, number, *rest)
+
+    monkeypatch.setattr(programs, "plan_or_repair", stuck)
+    words = ("make", "plate.json=6", "--sheet", "200x150", "--rounds", 1, "--work", 0.2, "-o", "out")
+    assert kerfwise(*words).code == 1
+    assert not Path("out").exists()
+    ended = kerfwise(*words, "--skip-bad", "--sheets")
+    assert ended.code == 1, ended.err
+    assert "sheet1: no program: these hard rules cannot all hold - A before B" in ended.out
+    assert Path("out/sheet2.nc").exists()
+    assert not Path("out/sheet1.nc").exists()
+    assert Path("out/sheet1.json").exists()
