@@ -38,7 +38,7 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
-from .judging import check, compare, draw, explain, simulate, times
+from .judging import check, compare, distort, draw, explain, simulate, times
 from .nesting import edit, make, nest
 from .planning import conflict, facts, resequence, solve, trade_off
 from .reading import load_profile, read_job, read_nest, read_plan
@@ -70,6 +70,7 @@ __all__ = [
     "check",
     "compare",
     "conflict",
+    "distort",
     "draw",
     "edit",
     "explain",

@@ -143,11 +143,17 @@ def solve(
     if strategy not in STRATEGIES:
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))
     listener = Listener(on_progress)
+    orders = None
+    if given.profile.objective.distortion:
+        from kerfwise.distortion.straighter import straighter_for
+
+        orders = straighter_for(given.profile)
     try:
         done = plan_nest(
             given, limits,
             already=_stopped(given, resume_from, upto, redo_last, notes),
             relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
+            orders=orders,
         )  # fmt: skip
     except NoPlan:
         if listener.interrupted:

@@ -128,7 +128,7 @@ def plan_nest(
         asked = make_request(facts, profile, relax, limit.facts_made())
         left = limit.stated()
         if profile.objective.distortion and orders is None:
-            tell("objective.distortion is not looked at here: only `kerfwise solve` chooses plans by it")
+            tell("objective.distortion is not looked at here: only `solve` chooses plans by it")
         with listener:
             made = solve_and_verify(
                 asked,

@@ -116,3 +116,9 @@ def test_twice_the_heat_makes_the_band_twice_as_wide() -> None:
     one, two = (yielded("carbon-steel", 10.0, watts, 10.0) for watts in (1000.0, 2000.0))
     assert two.width_mm == pytest.approx(2 * one.width_mm, rel=1e-6)
     assert two.at_last_n == pytest.approx(2 * one.at_last_n, rel=1e-6)
+
+
+def test_python_asks_as_the_command_line_does(plan: Path) -> None:
+    found = package.distort(NEST, plan, grid_mm=16.0)
+    assert found.as_json() == json.loads(kerfwise("distort", NEST, plan, *COARSE, "--json").out)
+    assert repr(found).startswith("<Distortion: worst 0.")

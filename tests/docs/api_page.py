@@ -20,8 +20,8 @@ This page is made from the docstrings by `python -m kerfwise.tests.docs.api_page
 and what cooler orders cost.
 """
 FUNCTIONS = (
-    "read_nest", "load_profile", "solve", "check", "explain", "conflict", "times", "simulate", "trade_off", "draw",
-    "compare", "resequence", "nest", "make", "edit", "facts", "read_plan", "read_job",
+    "read_nest", "load_profile", "solve", "check", "explain", "conflict", "times", "simulate", "distort", "trade_off",
+    "draw", "compare", "resequence", "nest", "make", "edit", "facts", "read_plan", "read_job",
 )  # fmt: skip
 CLASSES = (
     "Result", "Reached", "NoPlan", "InputError", "Questions", "RulesConflict", "KerfwiseError", "Conflict",
