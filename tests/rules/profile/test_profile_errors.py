@@ -44,10 +44,9 @@ MISTAKES = {
     "- 1": "1:1: profile: expected a mapping (key: value), got a list of 1",
     "name: ''": "1:7: name: expected a text, got ''",
     "machine: fast": "1:10: machine: expected a mapping (key: value), got 'fast'",
-    "machine: {dialect: fanuc}": (
-        "1:20: machine.dialect: expected one of burny, eia, essi, grbl, linuxcnc, linuxcnc-qtplasmac, "
-        "or a dialect file of your own that ends "
-        "in .yaml, got 'fanuc'"
+    "machine: {dialect: trumpf}": (
+        "1:20: machine.dialect: expected one of burny, eia, essi, fanuc, grbl, hpgl, linuxcnc, linuxcnc-qtplasmac, "
+        "mach, marlin, sinumerik, or a dialect file of your own that ends in .yaml, got 'trumpf'"
     ),
     "machine: {travel_x: [0, 3 m], home: [-5, 0]}": (
         "1:37: machine.home: -5 mm lies outside machine.travel_x, 0 to 3000 mm"
