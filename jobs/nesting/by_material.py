@@ -7,10 +7,10 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+from kerfwise.encoder.candidates import build_with_older_kerfs
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.questions import Answers, Choice, Question, Questions
-from kerfwise.jobs.request import facts_of
 from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
 from kerfwise.nesting.fill import too_large
 from kerfwise.nesting.nofit import Placed
@@ -296,7 +296,8 @@ def _why_not(kind: PartType, plant: Profile) -> str:
     lying = Placed(0, pose, _BESIDE_MM - x0, _BESIDE_MM - y0).part(kind.part, kind.name)
     sheet = Sheet.rectangle(x1 - x0 + 2 * _BESIDE_MM, y1 - y0 + 2 * _BESIDE_MM)
     try:
-        facts_of(Nest(sheet, (lying,)), plant)
+        nest = plant.as_cut(Nest(sheet, (lying,)))
+        build_with_older_kerfs(nest, plant.lead_options(nest))
     except (InputError, RulesConflict) as error:
         return " ".join(str(error).split())
     return ""
