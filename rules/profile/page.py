@@ -26,7 +26,12 @@ Made from what profiles are read with, by `python -m kerfwise.rules.profile.page
 A profile is one YAML file. A key that it does not give has the value of the profile that it is `based_on`, else the
 default below. `kerfwise profile show PROFILE --sources` prints all of them with the line that each is from,
 `kerfwise profile diff A B` what two profiles say differently, `kerfwise profile new NAME` begins one, and `kerfwise
-profile check PROFILE` finds what is wrong. The shipped profiles give many keys another value than the default here.
+profile check PROFILE` finds what is wrong: all that `solve` would refuse of any nest, and options that have no
+effect. The shipped profiles give many keys another value than the default here.
+
+Numbers that no plant has are refused, with the unit in which they would do. A group that is there and says nothing
+of what switches it on has its defaults: `cuts: {common: {}}` is `shortest: 20 mm`, `links: {}` is `longest: 30 mm`,
+`scrap: {}` is `grid: 500 mm`. A rule that is off needs a strength.
 """
 PAGES = {
     "machine": "[the machine](machine.md), [several torches](torches.md)",
