@@ -47,7 +47,10 @@ def outline(chance: random.Random) -> list[Point]:
 
 
 def draw_list(folder: Path, kinds: int, parts: int, seed: int = 1) -> Path:
-    """Drawings of all kinds with holes, and a list that wants so many parts; the same each time."""
+    """Drawings of all kinds, some with holes, and a list that wants so many of them; the same each time.
+
+    The circle of an L lies beside its outline: the drawing then holds two parts, and each is laid as often.
+    """
     chance = random.Random(seed)
     rows = ["Zeichnung;Stück;Werkstoff;Dicke;Auftrag"]
     for k in range(kinds):
