@@ -138,6 +138,7 @@ def summary_lines(plan: Plan) -> list[str]:
         f"{counted(len(plan.cuts), 'contour')}, {counted(totals.pierces, 'pierce')}, cut {totals.cut_mm / 1000:.3f} m, "
         f"idle {totals.idle_mm / 1000:.3f} m, {_clock(totals.time_s)}",
         f"{_objective(plan)}, found by {solve.found_by}, {proof}",
+        *_prices(plan),
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{counted(max((p.cut.zone for p in plan.cuts), default=0), 'zone')}",
     ]
@@ -215,6 +216,18 @@ def _objective(plan: Plan) -> str:
     if relaxed:
         text += f" and {relaxed:.0f} relaxed statement{'s' if relaxed > 1 else ''}"
     return text
+
+
+def _prices(plan: Plan) -> Iterator[str]:
+    """What the objective is made of, where that is more than travel."""
+    if plan.prices is None or not plan.prices.breaches:
+        return
+    rules = (
+        f"{rule} {mm / 1000:.3f} m in {counted(count, 'place')}"
+        for rule, (count, mm) in plan.prices.by_rule.items()
+        if mm < EXEMPTION_MM
+    )
+    yield f"of it travel {plan.prices.travel_mm / 1000:.3f} m" + "".join(f", {rule}" for rule in rules)
 
 
 def _what_of(dropped: Dropped) -> str:

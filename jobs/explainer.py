@@ -24,6 +24,7 @@ from kerfwise.models.plan.explain import (
     try_order,
 )
 from kerfwise.models.plan.explain.explain import difference
+from kerfwise.models.plan.explain.reasons import Reasons
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import expect_plan_of, profile_change
 from kerfwise.rules.statements import About, Statement
@@ -84,6 +85,10 @@ class Explainer:
     def _along(self) -> PositionCosts:
         return PositionCosts(self.setting)
 
+    @cached_property
+    def _reasons(self) -> Reasons:
+        return Reasons(self.setting, self._along)
+
     def explain(self, contour: str) -> Explanation:
         """What holds the contour in its place, why it is entered so, and what moving it would cost.
 
@@ -94,7 +99,7 @@ class Explainer:
         """
         expect_of_first(self.whole_plan, contour)
         expect_planned(self.facts, self.plan, contour)
-        return explained(self.setting, self.plan, contour, self._along)
+        return explained(self.setting, self.plan, contour, self._along, self._reasons)
 
 
 @contextmanager

@@ -19,6 +19,8 @@ from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.jit import running_s
+from kerfwise.models.plan.explain.context import solved_context
+from kerfwise.models.plan.explain.reasons import with_reasons
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import IN_PASS, Plan, PlannedCut
 from kerfwise.postproc.check import CheckResult
@@ -241,6 +243,7 @@ def solve_and_verify(
     def planned(solution: Solution) -> Plan:
         stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_in(solution.route)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
+        plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
         plan = with_further_torches(plan, facts, stated, solution)
         plan = with_pierces(plan, facts.whole_nest, profile, limits)
         return with_times(plan, facts.whole_nest, profile)

@@ -6,6 +6,7 @@ proven or the limit is reached; each may use every core. Shares are of what is t
 | step | when it suits | what it gets |
 |---|---|---|
 | ideals: sweep at once | all sets are counted, fit into memory and are swept soon | all |
+| without wishes | soft rules tie the whole order together | 25 %, in all steps of the smaller problem |
 | search: first look | nothing is proven yet | 3 %, at least 0.9 s; all where it runs alone |
 | ideals: proof | a bound may make the sets few, or the sweep surely ends | 45 to 90 %; most take next to nothing |
 | ideals: multipliers | a small nest whose conditions and lags linear programs hold | 60 % |
@@ -26,6 +27,7 @@ from kerfwise.models.engines.ideals.stretch import series
 from kerfwise.models.engines.solution import Incumbent, SolveOptions, table_bytes
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.simplify import without_wishes
 
 from . import Member, bounds, cpsat, ideals, shared_state, solution
 from .deadline import Deadline, Progress
@@ -60,8 +62,7 @@ def run_portfolio(
         run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
     if earlier is not None:
         run.known.priced = earlier.priced
-        if earlier.proved_by:
-            run.known.raise_bound(earlier.bound_um, earlier.proved_by)
+        run.known.take_bound(earlier)
     count_sets(run)
     for step in STEPS:
         if step.suits(run):
@@ -86,7 +87,7 @@ class Run:
         self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
         self.known = SharedState()
         self.count: ideals.Count | None = None
-        self.swept = self.shown = False
+        self.swept = self.shown = self.wishes_left_out = False
         self.preview: Incumbent | None = None
         self.searcher: Searcher | None = None
 
@@ -317,7 +318,7 @@ def look_share(run: Run) -> float:
 def look(run: Run, share: float) -> None:
     """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
     few = run.options.member is None and run.problem.n <= shared_state.LONGEST
-    looks = shared_state.LOOKS if few else 1
+    looks = shared_state.LOOKS if few else 1 + run.wishes_left_out  # one from that plan, one from scratch
     best: Searcher | None = None
     for number in range(looks):
         known = run.known.incumbent
@@ -341,6 +342,22 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
     run.searcher.run(run.deadline.within(share))
     known.offer(run.searcher.best, "search")
     run.deadline.spend(share)
+
+
+def plan_without_wishes(run: Run, share: float) -> None:
+    """The best plan without wishes that tie the whole order together: its bound holds, and the search goes on from it.
+
+    So a limit never ends with a plan that is worse, all wishes priced, than the best one known without them.
+    """
+    if (fewer := without_wishes(run.problem)) is not None:
+        limits = replace(run.options, work=share, time_s=run.options.time_s and share, gap=None, no_improvement_s=None)
+        found = run_portfolio(fewer, limits, lambda engine, *_: run.deadline(engine, None, None))
+        run.deadline.spend(found.work)
+        run.known.take_bound(found)
+        if found.incumbent is not None:
+            route, run.wishes_left_out = found.incumbent.route, True
+            run.known.offer(Incumbent(route, route_cost(run.problem, route)), found.found_by)
+            run.known.notes.append("wishes: the best plan without them is where the search goes on from")
 
 
 def improve_and_bound(run: Run, _: float) -> None:
@@ -447,6 +464,11 @@ def solve_model(run: Run, share: float) -> None:
     run.deadline.spend(min(share, outcome.work) if known.proven else share)  # a proof leaves the rest to others
 
 
+def in_portfolio(run: Run) -> bool:
+    """Whether there is time, and all members may run."""
+    return not run.over() and run.options.member is None
+
+
 class Step(NamedTuple):
     """A member, when it suits, how many seconds it has, and what it does with them."""
 
@@ -457,11 +479,12 @@ class Step(NamedTuple):
 
 STEPS = (
     Step(swept_at_once, Run.left, sweep_all),
+    Step(in_portfolio, lambda run: run.left() * shared_state.WITHOUT_WISHES, plan_without_wishes),
     Step(search_suits, look_share, look),
     Step(proof_suits, proof_share, prove),
     Step(priced_suits, lambda run: run.left() * shared_state.PRICED, sweep_priced),
     Step(widening_suits, lambda run: run.left() * shared_state.WIDENED, widen),
-    Step(lambda run: not run.over() and run.options.member is None, Run.left, improve_and_bound),
+    Step(in_portfolio, Run.left, improve_and_bound),
     Step(lambda run: not run.over(), Run.left, solve_model),
 )
 """In the order in which they run (see the table above)."""

@@ -44,6 +44,12 @@ class SharedState:
         if bound_um > self.bound_um or (bound_um == self.bound_um == 0 and not self.proved_by):
             self.bound_um, self.proved_by = bound_um, engine
 
+    def take_bound(self, fewer: SharedState) -> None:
+        """What is proven of the problem with fewer statements is proven of it: a bound, or that there is no plan."""
+        self.infeasible = self.infeasible or fewer.infeasible
+        if fewer.proved_by:
+            self.raise_bound(fewer.bound_um, fewer.proved_by)
+
 
 # What the portfolio goes by: shares of the work for its members, and sizes up to which each is worth it.
 #
@@ -53,6 +59,8 @@ FIRST, FIRST_S = 0.03, 0.9
 """Share of the work for a first look by the search; as many seconds at the least."""
 AT_ONCE = 0.6
 """Share of what is left that a first look, or a sweep over all sets before it, may take at the most."""
+WITHOUT_WISHES = 0.25
+"""Share of what is left for the best plan without wishes that tie the whole order together."""
 PROOF, PROOF_SMALL, PROOF_ZONES = 0.45, 0.9, 0.75
 """Share that the proof by ideals may take, where it fits; most take next to nothing.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -78,6 +78,7 @@ class Solution:
     under a time limit, else the deterministic work spent, so that the same input gives the same plan to the byte.
     `notes` say which members of the portfolio ran, which did not, and why.
     `left_out` are soft rules that objective and bound say nothing of, because the nest is too large, and why.
+    `problem` is what was solved, with all that geometry has found, where it is at hand.
     """
 
     route: tuple[int, ...]
@@ -89,6 +90,7 @@ class Solution:
     seconds: float
     notes: tuple[str, ...] = ()
     left_out: tuple[tuple[str, str], ...] = ()
+    problem: Problem | None = field(default=None, compare=False, repr=False)
 
 
 # What it takes an engine to make its tables, or its model, of a problem: before that it finds and proves nothing.

@@ -98,9 +98,9 @@ def solve(
     if missing:
         took = f" that ends with a look of {look_s:.1f} s" if timed else ""
         known.notes.append(f"rounds: what geometry found last is priced only; the limit leaves no further round{took}")
-        problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
+        posed = problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
-    return _solution(problem, known, spent)
+    return replace(_solution(problem, known, spent), problem=posed)
 
 
 def _always(share: float) -> bool:

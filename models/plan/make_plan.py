@@ -1,4 +1,4 @@
-"""From a solution to a plan: cuts with their times, totals, excuses, and the reasons for every place."""
+"""From a solution to a plan: cuts with their times, totals and excuses, and why each is entered where it is."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ from .plan import LINKED, Dropped, LeftOut, Plan, PlannedCut, SolveReport, Total
 def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
     """The whole plan but for what only its program can tell: its times by the profile's model, and the verdicts.
 
-    Until then its times are those at constant feeds, none of them too long.
+    Until then its times are those at constant feeds, none of them too long. Why each cut comes where it does is told by
+    `with_reasons`.
     """
     nest = facts.nest
     candidates = [facts.candidates[c] for c in solution.route]
@@ -60,7 +61,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     ]
     times = schedule(legs, feeds, home)
     excuses, used = excused_and_used(facts, stated, solution.route)
-    why = reasons(facts, stated, solution.route, home, links)
+    why = entry_reasons(facts, stated, solution.route, home, links)
     across = features_cut_across(facts.whole_nest, profile.material.kerf_mm)
     told = (
         (small := uncut_hole_reasons(facts.whole_nest, profile.hole_limits())),
@@ -193,40 +194,17 @@ def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:
     return float(sum(a.part != b.part and a.line.distance(b.line) < radius_mm for a, b in pairwise(through)))
 
 
-# The short form of why: the statements that hold a contour in its place, nearest first, and its entry.
+# Why a cut is entered where it is: where that is the shortest way on, or the link that leads to it.
 
 SAME_MM = 1e-6
 
 
-def reasons(
-    facts: Facts, stated: Stated, route: Sequence[int], home: Point, links: Sequence[Link | None] | None = None
+def entry_reasons(
+    facts: Facts, stated: Stated, route: Sequence[int], home: Point, links: Sequence[Link | None]
 ) -> list[tuple[str, ...]]:
-    """For every cut of `route` (candidates in order): what kept it from coming earlier, what from coming later, and
-    the entry, where it is the shortest way on, or the link that leads to it.
-
-    Of the orders that end (begin) at a contour only the nearest in the plan is told: the others hold by more.
-    """
-    order = [facts.candidates[c].contour for c in route]
-    place = {contour: k for k, contour in enumerate(order)}
-    after: dict[int, Precede] = {}
-    before: dict[int, Precede] = {}
-    kinds = by_kind(stated.statements)
-    for s in kinds.precede:
-        if place[s.before] > place[s.after]:
-            continue
-        if s.after not in after or place[s.before] > place[after[s.after].before]:
-            after[s.after] = s
-        if s.before not in before or place[s.after] < place[before[s.before].after]:
-            before[s.before] = s
-    links = [None] * len(route) if links is None else links
-    forbidden = {s.candidate for s in kinds.forbid if s.weight is None}
-    entered = _entered(facts, forbidden, route, home, links)
-    told = []
-    for contour, entry in zip(order, entered, strict=True):
-        held = [near[contour].about.sentence for near in (after, before) if contour in near]
-        name = facts.nest.contours[contour].id
-        told.append((*(held or [f"no order rule is about {name}: it is cut here for the shortest travel"]), *entry))
-    return told
+    """For every cut of `route` (candidates in order) its entry, where it is the shortest way on, or its link."""
+    forbidden = {s.candidate for s in by_kind(stated.statements).forbid if s.weight is None}
+    return _entered(facts, forbidden, route, home, links)
 
 
 def _entered(

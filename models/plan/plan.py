@@ -95,6 +95,37 @@ class SolveReport:
 
 
 @dataclass(frozen=True, slots=True)
+class Prices:
+    """What the objective is made of, mm: travel, and each breach of a soft or excused rule.
+
+    A breach is the rule, its contours, what is not kept there, and what that costs.
+    """
+
+    travel_mm: float
+    breaches: tuple[tuple[str, tuple[str, ...], str, float], ...] = ()
+
+    @property
+    def by_rule(self) -> dict[str, tuple[int, float]]:
+        """How many breaches each rule has, and what they cost, the dearest first."""
+        found: dict[str, tuple[int, float]] = {}
+        for rule, _, _, mm in self.breaches:
+            count, before = found.get(rule, (0, 0.0))
+            found[rule] = count + 1, before + mm
+        return dict(sorted(found.items(), key=lambda of: -of[1][1]))
+
+    def as_json(self) -> dict[str, Any]:
+        """As a plan has it."""
+        rows = [{"rule": r, "contours": list(c), "why": why, "mm": _round(mm)} for r, c, why, mm in self.breaches]
+        return {"travel": _round(self.travel_mm), "breaches": rows}
+
+    @staticmethod
+    def of_json(data: Mapping[str, Any]) -> Prices:
+        """As read from a plan."""
+        rows = ((b["rule"], tuple(b["contours"]), b["why"], b["mm"]) for b in data["breaches"])
+        return Prices(data["travel"], tuple(rows))
+
+
+@dataclass(frozen=True, slots=True)
 class RuleReport:
     """One rule of the profile: whether it holds in the plan, and where it was excused and why.
 
@@ -172,6 +203,7 @@ class Plan:
     broken_off: PlannedCut | None = None
     pierces: tuple[Pierce, ...] = ()
     state: PlanState | None = None
+    prices: Prices | None = None
 
     @property
     def resumed_after(self) -> int:
@@ -260,6 +292,8 @@ class Plan:
             ],
             "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],
         }
+        if self.prices is not None:
+            tail["prices"] = self.prices.as_json()
         if self.state is not None:
             tail["state"] = self.state.as_json()
         if self.zones_cost is not None:

@@ -23,7 +23,7 @@ from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import ForOneNest, changed_since
 
-from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals, ZonesCost
+from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, Prices, RuleReport, SolveReport, Totals, ZonesCost
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
@@ -175,6 +175,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         cuts=_cuts(data["cuts"]),
         totals=_record(Totals, data["totals"]),
         solve=_record(SolveReport, data["solve"]),
+        prices=Prices.of_json(data["prices"]) if "prices" in data else None,
         rules=tuple(
             RuleReport(
                 r["id"],

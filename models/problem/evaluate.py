@@ -23,7 +23,7 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     legs = problem.legs(np.append(problem.m, sites), np.append(sites, problem.m))
     order = [int(problem.site_contour[s]) for s in route]
     total = int(legs.sum()) + int(problem.site_cost[sites].sum())
-    total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)
+    total += sum(cost for cost, _ in broken_conditions(problem, route) if cost is not None)
     total += order_cost(problem, order)
     position = {c: k for k, c in enumerate(order)}
     times = times_ms(problem, route) if any(lag.seconds for lag in problem.lags) else {}
@@ -41,7 +41,7 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
 def order_cost(problem: Problem, order: Sequence[int]) -> int:
     """The part of a route's cost that its order alone decides, µm: groups that are taken apart, and cuts between."""
     position = {c: k for k, c in enumerate(order)}
-    apart = sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
+    apart = sum(g.cost * (pieces(order, g.contours) - 1) for g in problem.soft_groups)
     near = (cost_um(lag.weight) * _missing_cuts(lag, position) for lag in problem.lags if lag.weight is not None)
     return apart + sum(near)
 
@@ -53,7 +53,7 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
         return (About("coverage", (), "every contour is cut exactly once"),)
     position = {c: k for k, c in enumerate(order)}
     found = broken_orders(problem, order)
-    found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
+    found += [about for cost, about in broken_conditions(problem, route) if cost is None]
     times = times_ms(problem, route) if any(lag.seconds for lag in problem.lags) else {}
     for lag in problem.lags:
         if lag.weight is None and (_missing_cuts(lag, position) > 0 or missing_ms(lag, times) > 0):
@@ -159,13 +159,15 @@ def _crossed(problem: Problem, route: Sequence[int]) -> list[int]:
     return [int(cost) for cost in rows.cost[taken]]
 
 
-def _pieces(order: Sequence[int], members: tuple[int, ...]) -> int:
+def pieces(order: Sequence[int], members: tuple[int, ...]) -> int:
+    """In how many pieces an order has some contours."""
     wanted = set(members)
     inside = [c in wanted for c in order]
     return sum(now and not was for was, now in zip([False, *inside], inside, strict=False))
 
 
-def _broken_conditions(problem: Problem, route: Sequence[int]) -> Iterator[tuple[int | None, About]]:
+def broken_conditions(problem: Problem, route: Sequence[int]) -> Iterator[tuple[int | None, About]]:
+    """The conditions that a route does not meet, with their prices; None where hard."""
     already: set[int] = set()
     used, of_contour = {None, *route}, dict[int, list[Condition]]()
     for condition in problem.conditions:

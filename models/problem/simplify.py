@@ -16,11 +16,31 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
-from kerfwise.rules.statements import AtLeast, Link, Pick, plain
+from kerfwise.encoder.geometry.tolerances import cost_um
+from kerfwise.rules.statements import EXEMPTION_MM, AtLeast, Link, Pick, plain
 
 from .conditions import Condition
 from .crossings import Crossings
 from .problem import Links, Problem
+
+
+def without_wishes(problem: Problem) -> Problem | None:
+    """The problem without wishes that reach over the whole order; None where there are none.
+
+    These are soft runs, soft lags of more than a cut or of seconds, and soft sums of sums or of entries: they tie
+    zones together and leave sweeps too many sets. Sites, hard statements and excuses from them are the same, so a plan
+    is lawful with the wishes, too, and a bound is one of the problem.
+    """
+
+    def stays(weight: float | None) -> bool:
+        return weight is None or weight >= EXEMPTION_MM
+
+    lags = tuple(lag for lag in problem.lags if stays(lag.weight) or not (lag.cuts > 1 or lag.seconds > 0))
+    general = tuple(s for s in problem.general if stays(s.weight))
+    groups = tuple(group for group in problem.soft_groups if group.cost >= cost_um(EXEMPTION_MM))
+    if (len(lags), len(general), len(groups)) == (len(problem.lags), len(problem.general), len(problem.soft_groups)):
+        return None
+    return replace(problem, lags=lags, general=general, soft_groups=groups)
 
 
 def simplify(problem: Problem) -> Problem:

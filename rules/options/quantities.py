@@ -102,6 +102,8 @@ LENGTH = Quantity(
     "mm",
     at_most=1e6,
 )
+WEIGHT = dataclasses.replace(LENGTH, at_most=1e5)
+"""What breaking a soft rule once costs: at most a tenth of what an excuse from a hard rule weighs."""
 SPEED = Quantity(
     "a speed",
     {

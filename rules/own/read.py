@@ -13,7 +13,7 @@ from yaml.representer import SafeRepresenter
 from kerfwise.encoder.files import is_file
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import WEIGHT
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, items
 from kerfwise.rules.rule import Strength
 
@@ -91,7 +91,7 @@ PLAIN: dict[str, tuple[OptionKind, str]] = {
     "name": (Text(), "what plans and checks call the rule, after own:"),
     "why": (Text(), "the reason, in words for the planner"),
     "strength": (Choice(STRENGTHS), "default hard"),
-    "weight": (LENGTH, "of a soft rule: cost of breaking it once, in idle travel (default 1000 mm)"),
+    "weight": (WEIGHT, "of a soft rule: cost of breaking it once, in idle travel (default 1000 mm)"),
     "scope": (Scope(), "within what the rule holds (default sheet)"),
 }
 

@@ -22,7 +22,7 @@ from kerfwise.rules.flat.model_rule import options_class
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
 from kerfwise.rules.options.option import Members, options_of
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import WEIGHT
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
 from kerfwise.rules.outside import installed_rules
 from kerfwise.rules.own import OwnFile, read_own_rules
@@ -388,7 +388,7 @@ def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Pr
     if "strength" in said:
         strength = _read(said["strength"], Choice(rule.strengths), problems, f"{what}.strength") or strength
     if "weight" in said:
-        weight = _read(said["weight"], LENGTH, problems, f"{what}.weight")
+        weight = _read(said["weight"], WEIGHT, problems, f"{what}.weight")
         if strength != "soft":
             problems.add(said["weight"], f"{what}.weight: only a soft rule has a weight, this one is {strength}")
     if not members and strength == "off":

@@ -13,7 +13,7 @@ from typing import Any
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Choice, Text
 from kerfwise.rules.options.option import Members, options_of
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import WEIGHT
 from kerfwise.rules.own import own_rules_definitions, own_rules_schema
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
@@ -78,7 +78,7 @@ def _rule(rule: Rule[Any]) -> Json:
     keys: Json = {"strength": _described(strength, f"default {rule.default}")}
     if "soft" in rule.strengths:
         keys["weight"] = _described(
-            LENGTH.schema(), "cost of breaking the rule once, in idle travel; of a soft rule only"
+            WEIGHT.schema(), "cost of breaking the rule once, in idle travel; of a soft rule only"
         )
     return _described({"anyOf": [strength, _closed(keys | _options(rule.Options))]}, rule.sentence)
 

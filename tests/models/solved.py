@@ -10,6 +10,8 @@ from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import Incumbent, Solution, SolveOptions
+from kerfwise.models.plan.explain.context import solved_context
+from kerfwise.models.plan.explain.reasons import with_reasons
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
@@ -45,7 +47,8 @@ def proven_plan(nest: Nest, profile: Profile, stated: Stated | None = None) -> t
     route = tuple(int(problem.site_candidate[s]) for s in proof.incumbent.route)
     mm = proof.incumbent.cost / UM_PER_MM
     solution = Solution(route, mm, mm, "optimal", "ideals", "ideals", 0.0)
-    return facts, stated, make_plan(facts, profile, stated, solution, "portfolio", 1)
+    plan = make_plan(facts, profile, stated, solution, "portfolio", 1)
+    return facts, stated, with_reasons(plan, solved_context(facts, profile, stated, solution))
 
 
 CYCLES = (0.05, 0.2, 0.75)

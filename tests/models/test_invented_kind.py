@@ -38,7 +38,7 @@ from kerfwise.models.plan.explain import context as explain_setting
 from kerfwise.models.plan.explain.alternatives import PositionCosts, other_statements, try_order
 from kerfwise.models.plan.explain.context import PlanContext, make_context
 from kerfwise.models.plan.explain.explain import heat_prices
-from kerfwise.models.plan.make_plan import excuses, make_plan, reasons
+from kerfwise.models.plan.make_plan import entry_reasons, excuses, make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import LoweredStatements, lower_statements
@@ -131,7 +131,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "rules/stating/lazy_statements.py": [lambda _: list(in_held_metal(FACTS, Remainder(range(PARTS), {}), [INVENTED]))],
     "models/plan/make_plan.py": [
         lambda _: excuses(FACTS, at_weight(EXEMPTION_MM), planned()[0]),
-        lambda _: reasons(FACTS, STATED, planned()[0], HOME),
+        lambda _: entry_reasons(FACTS, STATED, planned()[0], HOME, [None] * len(planned()[0])),
     ],
     "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
     "models/problem/conditions.py": [lambda _: lower_statements((INVENTED,), (), LoweredStatements())],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import join_of
 from kerfwise.encoder.text import join_names
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, Solution
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import source_changes
@@ -86,6 +86,19 @@ def make_context(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     _same_contours(facts, plan)
     problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
     candidates, stand_ins = _candidates_of(facts, problem, plan)
+    notes = (*source_changes(plan, facts.nest, profile), *stand_ins)
+    return context_along(facts, profile, stated, problem, candidates, notes)
+
+
+def context_along(
+    facts: Facts,
+    profile: Profile,
+    stated: Stated,
+    problem: Problem,
+    candidates: Sequence[int],
+    notes: tuple[str, ...] = (),
+) -> PlanContext:
+    """The setting of a route (candidates in cutting order) of a problem that is made of what is stated."""
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
     conditions: dict[int, list[Condition]] = defaultdict(list)
     for condition in problem.conditions:
@@ -104,8 +117,18 @@ def make_context(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
         orders,
         np.array([(s.before, s.after) for s in orders], dtype=np.int64).reshape(-1, 2),
         tuple(dict.fromkeys(s.about.rule for s in kinds.crossing if s.weight is None)),
-        (*source_changes(plan, facts.nest, profile), *stand_ins),
+        notes,
     )
+
+
+def solved_context(facts: Facts, profile: Profile, stated: Stated, solution: Solution) -> PlanContext:
+    """The setting of a plan that was just found: by the problem that was solved, where the engine has kept it."""
+    problem = solution.problem
+    if problem is None:
+        problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
+    else:
+        stated = replace(stated, statements=problem.told.statements)
+    return context_along(facts, profile, stated, problem, solution.route)
 
 
 def _same_contours(facts: Facts, plan: Plan) -> None:

@@ -48,6 +48,8 @@ from .alternatives import (
     other_statements,
 )
 from .context import PlanContext, make_context
+from .price_split import price_split
+from .reasons import EXEMPTION_UM, Reasons, kept_orders
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -76,7 +78,13 @@ def expect_planned(facts: Facts, plan: Plan, contour: str) -> None:
         raise InputError(unknown("contour", contour, index))
 
 
-def explained(setting: PlanContext, plan: Plan, contour: str, along: PositionCosts | None = None) -> Explanation:
+def explained(
+    setting: PlanContext,
+    plan: Plan,
+    contour: str,
+    along: PositionCosts | None = None,
+    reasons: Reasons | None = None,
+) -> Explanation:
     """One contour of a plan whose setting is made already, and perhaps what is known `along` its order."""
     along = along or PositionCosts(setting)
     facts, profile = setting.facts, setting.profile
@@ -110,13 +118,14 @@ def explained(setting: PlanContext, plan: Plan, contour: str, along: PositionCos
         plan.cuts[k].pierced_because,
         "".join(common_because(facts.candidates[setting.candidates[k]], contour)),
         facts.nest.contours[number].source.told(),
+        (reasons or Reasons(setting, along)).of(number).lines(contour) or kept_orders(setting, number),
+        tuple((rule, why, mm) for rule, names, why, mm in price_split(setting).breaches if contour in names),
     )
 
 
 # An explanation in a planner's words, or as JSON.
 
 FEW = 3
-EXEMPTION_UM = round(EXEMPTION_MM * UM_PER_MM)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +138,9 @@ class Explanation:
     and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
     says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
     torch stays on before it, and why, `tabs` why tabs hold the part, `common` which neighbours have cut some of it,
-    `drawn` what its drawing says of it.
+    `drawn` what its drawing says of it. `why` says without
+    which statements another place would cost less, or that there is none. `costs` are the soft and excused rules that
+    are not kept here: rule, sentence, and mm.
     """
 
     contour: str
@@ -158,6 +169,8 @@ class Explanation:
     pierced: str = ""
     common: str = ""
     drawn: str = ""
+    why: tuple[str, ...] = ()
+    costs: tuple[tuple[str, str, float], ...] = ()
 
     def __str__(self) -> str:
         return as_text(self)
@@ -185,6 +198,11 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
     if e.dwell_s:
         yield e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool"
     yield from filter(None, (e.linked, e.pierced, e.common))
+    yield "what decides its place"
+    yield from (f"  - {line}" for line in e.why)
+    if e.costs:
+        yield "not kept here"
+        yield from _listed([f"{rule}: {why} ({price(mm)})" for rule, why, mm in e.costs], everything)
     yield from _holds("not earlier", e.earlier, everything)
     yield from _holds("not later", e.later, everything)
     if e.also:
@@ -194,8 +212,6 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         yield "heat"
         prices = [f"{'kept' if p.kept else f'broken, costs {p.price_mm:.0f} mm'}: {p.about.sentence}" for p in e.heat]
         yield from _listed(prices, everything)
-    if not (e.earlier or e.later or e.also or e.heat):
-        yield f"no order rule is about {e.contour}: it is cut here for the shortest travel"
     if everything:
         yield from _chain("the chain back", e.contour, e.earlier_chain)
         yield from _chain("the chain on", e.contour, e.later_chain)
@@ -285,6 +301,11 @@ def difference(more_um: int | None) -> str:
     if not excuses:
         return mm
     return f"{abs(excuses)} {'more' if excuses > 0 else 'fewer'} excuses from hard rules, {mm}"
+
+
+def price(mm: float) -> str:
+    """What a breach costs; one that is excused counts before all travel."""
+    return "excused" if mm >= EXEMPTION_MM else f"costs {mm:.1f} mm"
 
 
 def _at(point: Point) -> str:

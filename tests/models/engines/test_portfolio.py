@@ -11,13 +11,15 @@ from typing import Any
 
 import pytest
 
-from kerfwise.models.engines import Member, bounds, cpsat, ideals, shared_state
+from kerfwise.models.engines import Member, bounds, cpsat, ideals, portfolio, shared_state
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem, SoftGroup
+from kerfwise.models.problem.simplify import without_wishes
 from kerfwise.rules.statements import AtLeast, Lag, Pick
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, scattered
@@ -254,3 +256,52 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
         plans.append((known.incumbent, known.bound_um, known.work, known.notes))
     assert counted[0] > 0 == counted[1]
     assert plans[0] == plans[1]
+
+
+def apart(seed: int) -> Problem:
+    """Three zones one after the other, and a wish that contours of all of them follow each other."""
+    zones = [(a, b) for a in range(24) for b in range(24) if a // 8 < b // 8]
+    made = scattered(seed, contours=24, sites=2)
+    points = [made.pierce_um[list(made.sites(k))] / 1000 for k in range(24)]
+    return problem(
+        [[(float(x), float(y)) for x, y in of] for of in points],
+        pairs=zones,
+        conditions=[Condition(k, ((k + 5) % 24,), (1,), 1, ABOUT, cost=1_000_000_000) for k in range(0, 24, 3)],
+        soft_groups=[SoftGroup(tuple(range(0, 24, 2)), 50_000, ABOUT)],
+    )
+
+
+def stuck(step: portfolio.Step) -> portfolio.Step:
+    """A step that comes to nothing where contours are wished to follow each other."""
+    return step._replace(suits=lambda run: not run.problem.soft_groups and step.suits(run))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("work", [0.004, 0.02])
+@pytest.mark.parametrize("nothing_else", [False, True])
+def test_a_wish_is_never_worse_than_the_plan_without_it(
+    seed: int, work: float, nothing_else: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However short the limit, and even where all else comes to nothing: excuses first, money after."""
+    wished = apart(seed)
+    fewer = without_wishes(wished)
+    assert fewer is not None
+    steps = [step for step in portfolio.STEPS if step.work is not portfolio.sweep]  # nothing is swept at once
+    if nothing_else:
+        steps = [step if step.work is portfolio.plan_without_wishes else stuck(step) for step in steps]
+    monkeypatch.setattr(portfolio, "STEPS", tuple(steps))
+    known, plain = found(wished, work=work), found(fewer, work=shared_state.WITHOUT_WISHES * work)
+    assert known.incumbent is not None
+    assert plain.incumbent is not None
+    assert not broken(wished, known.incumbent.route)
+    assert known.incumbent.cost == route_cost(wished, known.incumbent.route)
+    assert known.incumbent.cost <= route_cost(wished, plain.incumbent.route)
+
+
+def test_a_plan_without_wishes_that_keeps_them_is_the_best() -> None:
+    row = [[(float(x), 0.0)] for x in range(0, 120, 10)]
+    wished = problem(row, soft_groups=[SoftGroup((2, 3, 4), 50_000, ABOUT)])
+    known = found(wished)
+    assert known.incumbent is not None
+    assert known.proven
+    assert known.incumbent.cost == 220_000

@@ -53,3 +53,9 @@ def test_what_cannot_be() -> None:
         with_rule(load_profile(), must, "soft")
     with pytest.raises(InputError, match="did you mean"):
         without_rule(load_profile(), HARD + "x")
+
+
+def test_no_price_comes_near_an_excuse_from_a_hard_rule(tmp_path: Path) -> None:
+    (tmp_path / "p.yaml").write_text("rules:\n  level-ahead: {strength: soft, weight: 100.1 m}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"level-ahead\.weight.* no more than 100000 mm"):
+        load_profile(tmp_path / "p.yaml")

@@ -1,0 +1,261 @@
+"""Why each contour of a plan is where it is: what would have to go for the plan to cost less with it elsewhere.
+
+A reason is true by counterfactual: without the statements that it names, the plan with that contour in the place that
+it names breaks nothing that this one does not, and costs less. Where there is none, no place makes the plan cheaper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um
+from kerfwise.models.plan.plan import LINKED, Plan
+from kerfwise.rules.rule import Rule
+from kerfwise.rules.statements import EXEMPTION_MM, About
+from kerfwise.rules.stating.lazy_statements import lazy_statements, meeting_of
+
+from .alternatives import PositionCosts, blocking_orders
+from .context import PlanContext
+from .other_places import OtherPlace, OtherPlaces
+from .price_split import price_split
+
+LOOKS = 6000
+"""Contours that are looked at in all, where geometry has afterthoughts on whole orders: a look at an order of n
+contours counts n."""
+TRIED = 3
+"""Places that are looked at for one contour, at the most."""
+FEW_NAMED = 3
+MATTERS_UM = 50
+"""What is saved by less is no reason: moves are rounded, and many places are as good."""
+EXEMPTION_UM = round(EXEMPTION_MM * UM_PER_MM)
+BEST_ENTRIES = 150
+"""Contours up to which all places are tried with the best entries along each order."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Without the statements of `abouts` the plan would cost `saved_um` less with the contour in `place` (from 1).
+
+    Each of them alone would do where there is one; where there are several, all have to go.
+    """
+
+    abouts: tuple[About, ...]
+    place: int
+    saved_um: int
+
+    def told(self) -> str:
+        """What is to be kept, in a planner's words."""
+        of_rule: dict[str, list[str]] = {}
+        for about in self.abouts:
+            of_rule.setdefault(about.rule, []).append(about.sentence)
+        told = [
+            sentences[0] + (f", and {len(sentences) - 1} more of {rule}" if len(sentences) > 1 else "")
+            for rule, sentences in of_rule.items()
+        ]
+        if len(told) == 1:
+            return told[0]
+        others = f"; and what {', '.join(list(of_rule)[FEW_NAMED:])} says" if len(told) > FEW_NAMED else ""
+        return f"together: {'; '.join(told[:FEW_NAMED])}{others}"
+
+    def more(self) -> str:
+        """What that would save, and where."""
+        without = "without it" if len(self.abouts) == 1 else f"without these {len(self.abouts)}"
+        excuses = round(self.saved_um / EXEMPTION_UM)
+        mm = (self.saved_um - excuses * EXEMPTION_UM) / UM_PER_MM
+        fewer = f"{excuses} fewer excuses from hard rules and " if excuses else ""
+        return f"{without} as number {self.place}: {fewer}{mm:.1f} mm less"
+
+
+@dataclass(frozen=True, slots=True)
+class WhyHere:
+    """What decides where a contour is cut.
+
+    Attributes
+    ----------
+    reasons
+        What would have to go for another place to cost less: what most keeps it from coming earlier, and later.
+    for_travel_um
+        What the plan costs more with it in the best of the other places, where nothing at all is asked of any of them;
+        None where that is not so.
+    better
+        A place where nothing is broken and the plan would cost less: it was not found within the limit.
+    known
+        Whether all was judged: else nothing is said.
+    only
+        Whether it is the only cut.
+    """
+
+    reasons: tuple[Reason, ...] = ()
+    for_travel_um: int | None = None
+    better: Reason | None = None
+    known: bool = True
+    only: bool = False
+
+    def lines(self, name: str) -> tuple[str, ...]:
+        """The same for a page about this contour: each reason with its rule, and what it costs."""
+        if not self.known or self.better is not None or not self.reasons:
+            return self.sentences(name)
+        named = (", ".join(dict.fromkeys(about.rule for about in reason.abouts)) for reason in self.reasons)
+        return tuple(f"{rules}: {r.told()} ({r.more()})" for rules, r in zip(named, self.reasons, strict=True))
+
+    def sentences(self, name: str) -> tuple[str, ...]:
+        """The same for a plan, of the contour of that name."""
+        if not self.known:
+            return ()
+        if self.only:
+            return (f"{name} is the only cut",)
+        if self.better is not None:
+            mm = self.better.saved_um / UM_PER_MM
+            return (
+                f"no rule keeps {name} here: as number {self.better.place} the plan would cost {mm:.1f} mm less, "
+                "which was not found within the limit",
+            )
+        if self.reasons:
+            return tuple(dict.fromkeys(reason.told() for reason in self.reasons))
+        if self.for_travel_um is not None:
+            mm = self.for_travel_um / UM_PER_MM
+            return (
+                f"no rule asks anything of where {name} is cut, and every other place is longer, by {mm:.1f} mm "
+                "at least: it is cut here for the shortest travel",
+            )
+        return (
+            f"no rule decides where {name} is cut: with these entries no other place, nor a stretch turned round, "
+            "makes the plan cheaper, not even against a rule",
+        )
+
+
+class Reasons:
+    """Why the contours of one plan are where they are; asked of one contour, or of all in turn."""
+
+    def __init__(self, setting: PlanContext, along: PositionCosts | None = None) -> None:
+        self.setting, self.places = setting, OtherPlaces(setting)
+        self._along = along
+        self._left = LOOKS
+        book, profile = setting.profile.rulebook(), setting.profile
+        looking = any(type(book[name]).no_goods is not Rule.no_goods for name in profile.settings())
+        kerfs_meet = bool(meeting_of(setting.facts.whole_nest, setting.facts.options.kerf_mm))
+        self._looks = looking or kerfs_meet
+        self._stated = {(s.about.rule, s.about.contours) for s in setting.stated.statements} if self._looks else set()
+
+    @cached_property
+    def _turned(self) -> list[tuple[frozenset[int], OtherPlace]]:
+        return list(self.places.turned())
+
+    def of(self, contour: int) -> WhyHere:
+        """What decides where one contour is cut."""
+        if not self.places.complete:
+            return WhyHere(known=False)
+        if len(self.setting.order) == 1:
+            return WhyHere(only=True)
+        turned = [
+            replace(way, place=way.order.index(contour) + 1 + self.setting.made)
+            for among, way in self._turned
+            if contour in among
+        ]
+        alone = list(self.places.of(contour))
+        others = [*alone, *turned]
+        better = [place for place in others if not place.hard and place.more_um < -MATTERS_UM]
+        found: list[Reason] = []
+        if better:
+            reason = self._strongest([((), -place.more_um, place) for place in better])
+            if reason is None:
+                return WhyHere(known=False)
+            if not reason.abouts:
+                return WhyHere(better=reason)
+            found.append(reason)
+        now = int(self.places.at[contour]) + 1 + self.setting.made
+        for side in ([p for p in others if p.place < now], [p for p in others if p.place >= now]):
+            if candidates := list(_candidates(side)):
+                if (reason := self._strongest(candidates)) is None:
+                    return WhyHere(known=False)
+                found.append(reason)
+        if found:
+            single = [reason for reason in found if len(reason.abouts) == 1]
+            return WhyHere(tuple(single or found))
+        return WhyHere(for_travel_um=None if turned else self._for_travel(alone))
+
+    def _strongest(self, candidates: Sequence[tuple[tuple[About, ...], int, OtherPlace]]) -> Reason | None:
+        """The reason of the fewest statements that saves most, with what geometry finds there; None if not looked."""
+        ranked = sorted(candidates, key=lambda of: (_rank(of[0]), -of[1]))
+        found: list[Reason] = []
+        for abouts, saved_um, place in ranked[:TRIED]:
+            seen = self._seen(place)
+            if seen is None:
+                return None
+            worth = sum(um or 0 for _, um in seen)
+            if all(um is not None for _, um in seen) and saved_um - worth > MATTERS_UM:
+                return Reason(abouts, place.place, saved_um - worth)
+            found.append(Reason((*abouts, *(about for about, _ in seen)), place.place, saved_um))
+        return min(found, key=lambda reason: _rank(reason.abouts))
+
+    def _seen(self, place: OtherPlace) -> list[tuple[About, int | None]] | None:
+        """What geometry finds wrong with an order that is not stated yet, and its price, µm; None with no look left."""
+        if not self._looks:
+            return []
+        self._left -= len(place.order)
+        if self._left < 0:
+            return None
+        seen = lazy_statements(self.setting.facts, self.setting.profile)(place.order)
+        new = (s for s in seen if (s.about.rule, s.about.contours) not in self._stated)
+        return [(s.about, None if s.weight is None else cost_um(s.weight)) for s in new]
+
+    def _for_travel(self, others: Sequence[OtherPlace]) -> int | None:
+        """What the best of the other places costs more with the best entries, where nothing is asked of any of them."""
+        n = len(self.setting.order)
+        whole = n - 1 <= self.places.reach and n <= BEST_ENTRIES and not self._looks
+        if not whole or not others or any(p.hard or p.soft or p.more_um <= MATTERS_UM for p in others):
+            return None
+        along = self._along = self._along or PositionCosts(self.setting)
+        if not along.exact:
+            return None
+        costs = [along.moved(place.order) for place in others]
+        least = min((cost - self.setting.cost for cost in costs if cost is not None), default=None)
+        return least if least is not None and least > 0 else None
+
+
+def _candidates(others: Sequence[OtherPlace]) -> Iterator[tuple[tuple[About, ...], int, OtherPlace]]:
+    """What would have to go for each place, and what that would save."""
+    for place in others:
+        worth = sum(um for _, um in place.soft)
+        if place.hard and place.more_um < -MATTERS_UM:
+            yield place.hard, -place.more_um, place
+            continue
+        alone = [(about, um) for about, um in place.soft if place.more_um - um < -MATTERS_UM]
+        if not place.hard and alone:
+            for about, um in alone:
+                yield (about,), um - place.more_um, place
+        elif place.more_um - worth < -MATTERS_UM:
+            yield (*place.hard, *(about for about, _ in place.soft)), worth - place.more_um, place
+
+
+def _rank(abouts: tuple[About, ...]) -> tuple[int, int]:
+    """One statement before several of one rule, and these before several rules."""
+    return len({about.rule for about in abouts}) if len(abouts) > 1 else 0, len(abouts)
+
+
+# The same in a plan: a sentence or two for every cut.
+
+
+def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
+    """The plan with why each of its cuts comes where it does, before how that is cut, and what its cost is made of."""
+    reasons = Reasons(setting)
+    cuts = []
+    for contour, cut in zip(setting.order, plan.cuts, strict=True):
+        why = reasons.of(contour).sentences(setting.name(contour)) or kept_orders(setting, contour)
+        how = next((k for k, told in enumerate(cut.because) if told.startswith(ENTRY)), len(cut.because))
+        cuts.append(replace(cut, because=(*cut.because[:how], *why, *cut.because[how:])))
+    return replace(plan, cuts=tuple(cuts), prices=price_split(setting))
+
+
+ENTRY = ("entered at ", LINKED)
+"""How what a plan says of an entry begins."""
+
+
+def kept_orders(setting: PlanContext, contour: int) -> tuple[str, ...]:
+    """The nearest orders that a contour keeps, where nobody has looked what would be without them."""
+    nearest = [blocking_orders(setting, contour, earlier=earlier)[:1] for earlier in (True, False)]
+    kept = tuple(f"kept: {hold.about.sentence}" for holds in nearest for hold in holds)
+    name = setting.name(contour)
+    return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)
