@@ -345,10 +345,7 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
 
 
 def plan_without_wishes(run: Run, share: float) -> None:
-    """The best plan without wishes that tie the whole order together: its bound holds, and the search goes on from it.
-
-    So a limit never ends with a plan that is worse, all wishes priced, than the best one known without them.
-    """
+    """The best plan without wishes that tie the whole order together: no limit ends with a worse one, its bound holds."""
     if (fewer := without_wishes(run.problem)) is not None:
         limits = replace(run.options, work=share, time_s=run.options.time_s and share, gap=None, no_improvement_s=None)
         found = run_portfolio(fewer, limits, lambda engine, *_: run.deadline(engine, None, None))
