@@ -93,12 +93,20 @@ def _draw(rule: str, picture: str) -> None:
     "-o", "folder", metavar="FOLDER", type=click.Path(path_type=Path), help="Output folder. Default: the current one."
 )
 @click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="The source checkout, if not this one.")
-def new(name: str, language: str | None, folder: Path | None, into: Path | None) -> None:
+@click.option("--like", metavar="SHIPPED", help="Copy the MiniZinc text of that shipped rule; NAME may be its own.")
+def new(name: str, language: str | None, folder: Path | None, into: Path | None, like: str | None) -> None:
     """Write a working example of a rule NAME, to change into your own.
 
-    With --python or --mzn it is one file, in any folder. Without, it is the three files of a rule of the catalogue, in
-    a source checkout of kerfwise.
+    With --python or --mzn it is one file, in any folder; with --like it is the text of a shipped rule. Without, it is
+    the three files of a rule of the catalogue, in a source checkout of kerfwise.
     """
+    if like is not None:
+        if into is not None or language == "python":
+            raise InputError("--like copies a text in MiniZinc: say -o FOLDER, and neither --python nor --into")
+        from kerfwise.rules.pages import copied_rule
+
+        _told_outside(copied_rule(name, like, folder or Path()), "models")
+        return
     if language is not None:
         if into is not None:
             raise InputError(
@@ -123,7 +131,10 @@ def _new_outside(name: str, language: str, folder: Path) -> None:
     from kerfwise.rules.pages import new_outside_rule
 
     path = new_outside_rule(name, language, folder)
-    key = {"python": "python", "mzn": "models"}[language]
+    _told_outside(path, {"python": "python", "mzn": "models"}[language])
+
+
+def _told_outside(path: Path, key: str) -> None:
     click.echo(f"written: {path}")
     click.echo(f"next: kerfwise rules test {path}, then in your profile: {key}: [{path.name}]")
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file, is_folder, is_there
 from kerfwise.encoder.text import unknown
+from kerfwise.rules.flat.model_file import shipped_text
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.quantities import LENGTH
@@ -243,6 +244,47 @@ def new_outside_rule(name: str, language: str, folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         _write(template, path, name)
     except (OSError, ValueError) as error:  # ValueError: a NUL, or half a character
+        words = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot write here: {words}", file=path) from None
+    return path
+
+
+def copied_rule(name: str, like: str, folder: Path) -> Path:
+    """Write the MiniZinc text of a shipped rule as the file of a rule `name` in a folder; the file.
+
+    Under the shipped rule's own name it takes its place, and reads what kerfwise gives that rule. Under another it is a
+    rule beside it, where it needs no more than the facts.
+
+    Raises
+    ------
+    InputError
+        If no shipped rule is called so (the nearest is named), it has no such text, takes no file in its place, or its
+        text reads what only that rule is given; or the file is there already, or cannot be written.
+    """
+    if like not in RULES:
+        raise InputError(unknown("shipped rule", like, RULES))
+    text = shipped_text(like)
+    if text is None or RULES[like].takes_no_file:
+        why = RULES[like].takes_no_file or "it is not stated over facts"
+        raise InputError(f"rule {like} has no text in MiniZinc to copy: {why}")
+    stem, shipped = name.replace("-", "_"), like.replace("-", "_")
+    if name != like:
+        _check_name(name)
+        given = re.findall(rf"^[^%\n]*?:\s*({shipped}_\w+)\s*;", text, re.M)
+        if given:
+            raise InputError(
+                f"the text of {like} reads {', '.join(given)}, which only that rule is given: copy it under its own "
+                f"name, `kerfwise rules new {like} --like {like}`, and change it there"
+            )
+        text = re.sub(rf"\b{shipped}_", f"{stem}_", text)
+        text = re.sub(rf"^% {like}:", f"% {name}:", text)
+    path = folder / f"{stem}.mzn"
+    if is_there(path):
+        raise InputError("the file is there already; choose another name, or remove it", file=path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
+    except (OSError, ValueError) as error:
         words = error.strerror if isinstance(error, OSError) else error
         raise InputError(f"cannot write here: {words}", file=path) from None
     return path

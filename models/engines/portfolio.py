@@ -345,7 +345,7 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
 
 
 def plan_without_wishes(run: Run, share: float) -> None:
-    """The best plan without wishes that tie the whole order together: no limit ends with a worse one, its bound holds."""
+    """The best plan without wishes that tie the whole order together: no limit ends with a worse one."""
     if (fewer := without_wishes(run.problem)) is not None:
         limits = replace(run.options, work=share, time_s=run.options.time_s and share, gap=None, no_improvement_s=None)
         found = run_portfolio(fewer, limits, lambda engine, *_: run.deadline(engine, None, None))

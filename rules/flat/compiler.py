@@ -239,13 +239,28 @@ def read_flatzinc(text: str) -> FlatZinc:
         elif (found := _VARIABLE.match(line)) is not None:
             value = None if found[4] is None else _resolved(_values(f"[{found[4]}]")[0], known)
             kind = found[1].strip()
-            values_of = None if kind in ("bool", "int") or kind.startswith("float") else _domain(kind)
+            if kind.startswith("float") or _FRACTION.match(kind):
+                raise FractionModel
+            values_of = None if kind in ("bool", "int") else _domain(kind)
             flat.variables[found[2]] = Variable(kind == "bool", values_of, value)
         elif (found := _CONSTANT.match(line)) is not None:
             known[found[1]] = _resolved(_values(f"[{found[2]}]")[0], known)
         else:
             raise ValueError(f"no line of FlatZinc: {line[:80]}")
     return flat
+
+
+class FractionModel(ValueError):
+    """A model that counts in fractions."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "it counts in fractions, and rules count in whole numbers: multiply both sides until none is left, as in "
+            "`5 * position[2] <= 17` for `0.5 * position[2] <= 1.7`, and declare `int`, not `float`"
+        )
+
+
+_FRACTION = re.compile(r"-?\d+\.\d+(?:[eE][-+]?\d+)?\.\.|\{?-?\d+\.\d")
 
 
 def _domain(text: str) -> range | frozenset[int]:

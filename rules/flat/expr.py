@@ -194,6 +194,11 @@ def literals(node: Node) -> Iterator[Lit]:
             yield from literals(term)
 
 
+MOST_TOLD = 12
+"""Contours up to which a condition is about all that it names; one that names more is about those that its author's
+comprehension runs over."""
+
+
 def contours_of(node: Node) -> list[int]:
     """The numbers of the contours that orders, gaps and runs in the node are about; not those of picks."""
     found: dict[int, None] = {}

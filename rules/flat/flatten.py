@@ -26,6 +26,7 @@ from .compiler import (
     JUDGED_ORDERS,
     WORDS,
     Compiled,
+    FractionModel,
     compile_model,
     minizinc_program,
     printing,
@@ -34,12 +35,13 @@ from .compiler import (
 )
 from .expr import Node, TooMuch
 from .flatzinc_to_expr import SUMS, Meaning, UnsupportedModel, Words
-from .model_file import ModelFile, files_read, whole_text
+from .model_file import ModelFile, element_contours, files_read, whole_text
 
 MOST_KEPT = 64
 """Flat forms that are kept while kerfwise runs: a plan asks for each rule's several times."""
 KEPT = "flat_kept_"
 """What begins the names of constraints that say nothing, and have MiniZinc list an array."""
+ABOUT = "about"
 _ARRAYS = {
     "flat_before": ("before",),
     "flat_next": ("directly_before",),
@@ -54,12 +56,20 @@ _ARRAYS = {
 
 @dataclass(frozen=True, slots=True)
 class Flattened:
-    """What a file says of a nest: a node for each element of its array, its sentences, and further conditions."""
+    """What a file says of a nest: a node for each element of its array, its sentences, and further conditions.
+
+    `about` has for each element the contours, from 0, that its comprehension runs over there; empty where it is none.
+    """
 
     elements: tuple[Node, ...]
     says: tuple[str, ...]
     further: tuple[Node, ...]
     others: tuple[tuple[Node, ...], ...] = ()
+    about: tuple[tuple[int, ...], ...] = ()
+
+    def about_of(self, k: int) -> tuple[int, ...]:
+        """The contours that element k is about, each once."""
+        return tuple(dict.fromkeys(self.about[k])) if k < len(self.about) else ()
 
 
 _kept: OrderedDict[str, Flattened] = OrderedDict()
@@ -91,7 +101,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         elements = tuple(meaning.elements(file.array))
         further = tuple(meaning.further())
         beside = tuple(tuple(meaning.elements(name)) for name in others)
-    except (UnsupportedModel, TooMuch) as error:
+    except (UnsupportedModel, TooMuch, FractionModel) as error:
         raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
     except RecursionError:
         raise InputError(f"rule {file.name}: its conditions stand too deep in one another", file=file.path) from None
@@ -102,7 +112,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
             file=file.path,
             line=file.line,
         )
-    made = Flattened(elements, tuple(says), further, beside)
+    made = Flattened(elements, tuple(says), further, beside, _about(told, len(elements)))
     _kept[key] = made
     if len(_kept) > MOST_KEPT:
         _kept.popitem(last=False)
@@ -152,6 +162,14 @@ def judge_orders(file: ModelFile, data: str, count: int) -> list[JudgedOrder]:
     return judged
 
 
+def _about(told: Compiled, count: int) -> tuple[tuple[int, ...], ...]:
+    """The contours of each element, from 0, where the file's array is a comprehension over contours."""
+    columns = [json.loads(value) for name, value in told.printed if name == ABOUT]
+    if not columns or any(len(column) != count for column in columns):
+        return ()
+    return tuple(tuple(number - 1 for number in row) for row in zip(*columns, strict=True))
+
+
 def _says(told: Compiled) -> list[str]:
     """The file's sentences; none where it has none."""
     return next((json.loads(value) for name, value in told.printed if name == "says"), [])
@@ -166,6 +184,8 @@ def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = F
         kind = "int" if name in SUMS else "bool"
         lines.append(f"predicate {KEPT}{name}(array[int] of var {kind}: kept);")
         lines.append(f"constraint {KEPT}{name}(array1d({name}));")
+    for values in () if judged else element_contours(file).values():
+        lines.append(printing(ABOUT, f"array1d({values})"))
     if file.says:
         lines.append(printing("says", f"array1d({file.stem}_says)"))
     return "\n".join([*lines, "solve satisfy;", "output [];", data])

@@ -6,6 +6,7 @@ import hashlib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
@@ -117,6 +118,43 @@ def read_model_file(path: Path) -> ModelFile:
     )
 
 
+_OVER = re.compile(r"((?:[A-Za-z]\w*\s*,\s*)*[A-Za-z]\w*)\s+in\s+CONTOUR\b")
+
+
+def element_contours(file: ModelFile) -> dict[str, str]:
+    """Name of a contour in the comprehension of the file's array → an array of its value in each element, as MiniZinc.
+
+    Empty where the array is no single comprehension over contours.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> text = "array[int] of var bool: a_holds = [before(i, j) | i, j in CONTOUR where i != j];"
+    >>> file = ModelFile(Path("a.mzn"), text, "a", "a", "", "", "a_holds", 1, False, 0, (), "")
+    >>> element_contours(file)
+    {'i': '[i | i, j in CONTOUR where i != j]', 'j': '[j | i, j in CONTOUR where i != j]'}
+    """
+    code = without_comments(file.text)
+    begin = re.search(rf"\b{file.array}\b[^;=]*=\s*\[", code) if file.array else None
+    if begin is None:
+        return {}
+    bars, depth, k, closed = [], 1, begin.end(), begin.end()
+    while k < len(code) and depth:
+        if (text := _TEXT.match(code, k)) is not None:
+            k = text.end()
+            continue
+        depth += (code[k] in "([{") - (code[k] in ")]}")
+        if code[k] == "|" and depth == 1:
+            bars.append(k)
+        closed, k = k, k + 1
+    if depth or len(bars) != 1 or not re.match(r"\]\s*(;|\Z)", code[closed:]):
+        return {}
+    tail = code[bars[0] + 1 : closed].strip()
+    over = _OVER.findall(re.split(r"\bwhere\b", tail)[0])
+    names = [name.strip() for of in over for name in of.split(",")]
+    return {name: f"[{name} | {tail}]" for name in names}
+
+
 def states(file: ModelFile, array: str) -> bool:
     """Whether the file defines an array of that name."""
     return re.search(rf"\b{array}\b[^;=]*=", without_comments(file.text)) is not None
@@ -143,9 +181,11 @@ _FITS = {"int": r"-?\d+", "bool": "true|false", "string": r'"[^"\\\n]*"'}
 
 
 def _parameters(path: Path, text: str, stem: str) -> Iterator[Parameter]:
+    """The parameters of a file; in the place of a shipped rule those that the shipped text does not declare itself."""
+    shipped = set(re.findall(rf"\b{stem}_\w+", shipped_text(stem.replace("_", "-")) or ""))
     for match in _PARAMETER.finditer(text):
         kind, name, line = match["type"].strip(), match["name"], _line(text, match.start("name"))
-        if kind not in TYPES or not name.startswith(f"{stem}_") or stem.replace("_", "-") in RULES:
+        if kind not in TYPES or not name.startswith(f"{stem}_") or name in shipped:
             continue
         default = _DEFAULT.match((match["help"] or "").strip())
         if default is None or not re.fullmatch(_FITS[kind], default["value"].strip()):
@@ -158,6 +198,14 @@ def _parameters(path: Path, text: str, stem: str) -> Iterator[Parameter]:
             )
         key = name.removeprefix(f"{stem}_")
         yield Parameter(name, key, kind, default["value"].strip(), (default["help"] or "").strip(), line)
+
+
+def shipped_text(rule_id: str) -> str | None:
+    """The model file of a shipped rule; None where no shipped rule of that name has one."""
+    if rule_id not in RULES:
+        return None
+    file = resources.files("kerfwise.rules.minizinc.rules") / f"{rule_id.replace('-', '_')}.mzn"
+    return file.read_text(encoding="utf-8") if file.is_file() else None
 
 
 def without_comments(text: str) -> str:

@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, make_dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -15,14 +15,16 @@ from weakref import WeakKeyDictionary
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import join_names, nearest
 from kerfwise.rules.minizinc.twin import Fields, Further, TwinCase, assignments, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
+from kerfwise.rules.own.selector import attributes
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Forced, Ids, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import About, Before, Statement
 
-from .expr import Lit, Node, contours_of, parts
+from .expr import MOST_TOLD, Lit, Node, contours_of, parts
 from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments
 from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data, unknown_words
 
@@ -46,8 +48,6 @@ OF_CUTS = frozenset({"zone", "level_ahead", "start_side", "picked", "pick", "way
 """Words that mean nothing before there are cuts."""
 MOST_CONTOURS = 2000
 """Relations between contours are square tables in MiniZinc's data."""
-MOST_TOLD = 12
-"""Contours that a violation names at the most."""
 
 
 class ModelRule(Rule[Any]):
@@ -70,7 +70,7 @@ class ModelRule(Rule[Any]):
         for mark in _MARKS if self.replaces is not None else ():
             setattr(self, mark, getattr(self.replaces, mark))
         if self.replaces is not None:
-            setattr(self, "Options", options_in_place(self.replaces.Options))  # noqa: B010
+            setattr(self, "Options", options_in_place(self.replaces.Options, file.parameters))  # noqa: B010
         else:
             setattr(self, "of_whole_nest", True)  # noqa: B010
 
@@ -122,7 +122,7 @@ class ModelRule(Rule[Any]):
         ways = [Way(c.contour, _way_words(c.entry, c.direction)) for c in facts.candidates]
         why = f"{self.sentence.rstrip('.')} ({self.file.place})"
         in_parts = self.strength != "soft" and not self.excusable
-        writer = Writer(self.id, facts.nest, ways, why, in_parts)
+        writer = Writer(self.id, facts.nest, ways, why, in_parts, flat.about)
         says = [f"{text} ({self.file.place})" for text in flat.says]
         if flat.further and not in_parts:
             raise InputError(
@@ -147,9 +147,10 @@ class ModelRule(Rule[Any]):
 
     def data(self, facts: Facts, options: Any) -> Fields:
         """What the file reads beside the facts: that of the rule whose place it takes, or its parameters."""
-        if self.replaces is not None:
-            return twin_of(self.replaces.id).data(TwinCase(facts, (0.0, 0.0)), options)
-        return parameters_data(self.file, options)
+        own = parameters_data(self.file, options)
+        if self.replaces is None:
+            return own
+        return [*twin_of(self.replaces.id).data(TwinCase(facts, (0.0, 0.0)), options), *own]
 
     def further(self, options: Any) -> list[Further]:
         """Arrays of the rule whose place it takes that the file states beside its first, each at its own price.
@@ -178,7 +179,7 @@ class ModelRule(Rule[Any]):
 
         data = self._measured_data(nest, cuts, options)
         order = judge_order(self.file, data + assignments(order_data(nest, cuts)))
-        return self._blamed(nest, cuts, order, () if all(order.holds) else self._flat(nest, data).elements)
+        return self._blamed(nest, cuts, order, None if all(order.holds) else self._flat(nest, data))
 
     def violations_of_each(
         self, nest: Nest, orders: Sequence[CutSequence], options: Any
@@ -199,19 +200,28 @@ class ModelRule(Rule[Any]):
                 continue
             data = self._measured_data(nest, own[0], options)
             judged = judge_orders(self.file, data + assignments(orders_data(nest, own)), len(own))
-            elements = () if all(all(order.holds) for order in judged) else self._flat(nest, data).elements
+            flat = None if all(all(order.holds) for order in judged) else self._flat(nest, data)
             for k, order in zip(numbers, judged, strict=True):
-                found[k] = tuple(self._blamed(nest, orders[k], order, elements))
+                found[k] = tuple(self._blamed(nest, orders[k], order, flat))
         return found
 
-    def _blamed(self, nest: Nest, cuts: CutSequence, order: JudgedOrder, elements: Sequence[Node]) -> list[Violation]:
+    def _blamed(self, nest: Nest, cuts: CutSequence, order: JudgedOrder, flat: Flattened | None) -> list[Violation]:
         """What an order breaks, as violations; what is about contours alone that are not cut is none."""
         at = cuts.positions()
         found = []
         for k, held in enumerate(order.holds):
             if not held:
-                node = elements[k] if k < len(elements) else False
-                ids = tuple(nest.contours[number].id for number in contours_of(node))
+                node = flat.elements[k] if flat is not None and k < len(flat.elements) else False
+                if not isinstance(node, Lit) and (pairs := self._pairs_broken(nest, node, at)):
+                    said = order.says[k] if k < len(order.says) else self.sentence
+                    for pair in pairs:
+                        text = f"{said}: {pair[0]} before {pair[1]} ({self.file.place})"
+                        found.append(Violation(self.id, pair, text, tuple(sorted(at[name] for name in pair))))
+                    continue
+                numbers = tuple(contours_of(node))
+                if flat is not None and flat.about_of(k) and not 0 < len(numbers) <= MOST_TOLD:
+                    numbers = flat.about_of(k)
+                ids = tuple(nest.contours[number].id for number in numbers)
                 if ids and not any(name in at for name in ids):
                     continue
                 said = order.says[k] if k < len(order.says) else self._told(nest, node)
@@ -221,6 +231,18 @@ class ModelRule(Rule[Any]):
             text = f"a constraint of the file does not hold: {self.sentence} ({self.file.path.name}:{self.file.bare})"
             found.append(Violation(self.id, (), text))
         return found
+
+    def _pairs_broken(self, nest: Nest, node: Node, at: Mapping[str, int]) -> list[tuple[str, str]]:
+        """The orders that cuts break, where a hard element asks for nothing but orders: one of them may be relaxed."""
+        if self.strength == "soft" or self.excusable:
+            return []
+        pairs = []
+        for part in parts(node):
+            if not (isinstance(part, Lit) and isinstance(part.atom, Before)):
+                return []
+            i, j = (part.atom.i, part.atom.j) if part.holds else (part.atom.j, part.atom.i)
+            pairs.append((nest.contours[i].id, nest.contours[j].id))
+        return [pair for pair in pairs if all(name in at for name in pair) and at[pair[0]] > at[pair[1]]]
 
     def _told(self, nest: Nest, node: Node) -> str:
         """What does not hold, where the file has no sentence for it."""
@@ -265,11 +287,25 @@ class ModelRule(Rule[Any]):
     def allowances(self, options: Any) -> tuple[Any, ...]:
         return () if self.replaces is None else self.replaces.allowances(options)
 
+    def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
+        """Attributes that the file reads and no part has, or words that a drawing says of no contour; what there is."""
+        text = whole_text(self.file)
+        asked = sorted({w for w in re.findall(r"\battribute_(\w+)", text) if f"has_attribute_{w}" not in text})
+        lacking = [name for name in asked if all(value is None for value in attributes(nest, name))]
+        if not lacking:
+            return unknown_words(nest, "".join(map(without_comments, files_read(self.file).values())))
+        there = {name for part in nest.parts for name in part.attributes}
+        line = next((k for k, of in enumerate(self.file.text.splitlines(), 1) if f"attribute_{lacking[0]}" in of), 0)
+        known = join_names(sorted(there), MOST_TOLD) or "none"
+        near = nearest(lacking[0], there)
+        meant = f"; did you mean {near}?" if near else ""
+        return (
+            f"no part of this nest has the attribute {', '.join(lacking)} ({self.file.path.name}:{line}), "
+            f"its parts have {known}{meant}"
+        )
+
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
         return missing(cuts, whole_text(self.file))
-
-    def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
-        return unknown_words(nest, "".join(map(without_comments, files_read(self.file).values())))
 
     def still_counts(self, violation: Violation, made: int) -> bool:
         """A pair in the wrong order counts where both are new cuts, any other violation where the last of them is."""
@@ -292,10 +328,9 @@ class ModelRule(Rule[Any]):
         limits = Limits(
             **{f.name: getattr(options, f.name) for f in dataclasses.fields(Limits) if hasattr(options, f.name)}
         )
-        if self.replaces is None:
-            own = parameters_data(self.file, options)
-        else:
-            own = twin_of(self.replaces.id).measured(nest, cuts, options) or []
+        own = parameters_data(self.file, options)
+        if self.replaces is not None:
+            own = [*(twin_of(self.replaces.id).measured(nest, cuts, options) or []), *own]
         return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text)
 
     def lead_options(self, given: LeadOptions, options: Any, strength: Strength) -> LeadOptions:
@@ -337,17 +372,25 @@ _KINDS: Mapping[str, OptionKind] = {"int": Number(whole=True), "bool": Flag(), "
 @lru_cache(maxsize=256)
 def options_class(parameters: tuple[Parameter, ...]) -> type:
     """The options of a rule with these parameters: a frozen dataclass, a field each."""
-    fields = [
+    return make_dataclass("ModelOptions", [*_fields(parameters), *_unset(NoOptions)], frozen=True)
+
+
+@lru_cache(maxsize=256)
+def options_in_place(base: type, parameters: tuple[Parameter, ...] = ()) -> type:
+    """The options of a rule whose place a file takes, and the file's own parameters.
+
+    The limits that facts hang on are filled in by the profile.
+    """
+    taken = {f.name for f in dataclasses.fields(base)}
+    own = _fields(tuple(p for p in parameters if p.key not in taken))
+    return make_dataclass(base.__name__, [*own, *_unset(base)], bases=(base,), frozen=True)
+
+
+def _fields(parameters: tuple[Parameter, ...]) -> list[tuple[str, type, Any]]:
+    return [
         (p.key, object, field(default=_value(p), metadata=option(_KINDS[p.type], p.help or f"{p.name} of the file")))
         for p in parameters
     ]
-    return make_dataclass("ModelOptions", [*fields, *_unset(NoOptions)], frozen=True)
-
-
-@cache
-def options_in_place(base: type) -> type:
-    """The options of a rule whose place a file takes, with the limits that facts hang on filled in by the profile."""
-    return make_dataclass(base.__name__, _unset(base), bases=(base,), frozen=True)
 
 
 def _unset(base: type) -> list[tuple[str, type, Any]]:

@@ -23,6 +23,7 @@ from kerfwise.rules.statements import (
 )
 
 from .expr import (
+    MOST_TOLD,
     Between,
     Gate,
     Lit,
@@ -68,7 +69,8 @@ class Writer:
     """Writes the statements of one rule about one nest.
 
     `in_parts` says that a condition breached in two places may count twice, as where the rule is hard. `why` ends the
-    sentences that the rule does not give itself.
+    sentences that the rule does not give itself. `about` are the contours, from 0, that the author's comprehension runs
+    over in each element, where that is known.
     """
 
     rule: str
@@ -76,6 +78,7 @@ class Writer:
     ways: Sequence[Way]
     why: str
     in_parts: bool
+    about: Sequence[tuple[int, ...]] = ()
 
     def written(self, elements: Sequence[Node], says: Sequence[str], further: Sequence[Node]) -> Iterator[Statement]:
         """The statements of an array's elements, with the sentences that go with them, and of further conditions.
@@ -94,16 +97,25 @@ class Writer:
         for (i, j), (cuts, k) in lags.items():
             yield self._apart(Between(i, j, cuts), _said(says, k))
         for k in rest:
-            said = _said(says, k)
+            said, about = _said(says, k), self.about[k] if k < len(self.about) else ()
             if elements[k] is False:
-                words = f"element {k + 1} of the file's array can hold in no order"
-                said = f"{words}: {said or self.why}"
+                yield self._impossible(k, about, said)
+                continue
             try:
-                yield from self._of_node(elements[k], said)
+                yield from self._of_node(elements[k], said, about)
             except NotExpressible as error:
                 raise NotExpressible(k + 1, str(error)) from None
         for node in further:
             yield from self._of_node(node, None)
+
+    def _impossible(self, k: int, about: tuple[int, ...], said: str | None) -> AtLeast:
+        """An element that no order holds, told with its contours, and where one of them stands for two."""
+        ids = [self.nest.contours[c].id for c in dict.fromkeys(about)]
+        words = f"element {k + 1} of the file's array can hold in no order"
+        of = f", that of {', '.join(ids)}" if ids and not said else ""
+        if len(ids) == 1 and len(about) == 2:
+            of = f", where both contours are {ids[0]} (write `where i != j`)"
+        return AtLeast((), (), 1, About(self.rule, tuple(ids), f"{words}{of}: {said or self.why}"))
 
     def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[LagsOfPairs, list[int]]:
         """What elements ask to lie between contours, and the numbers of those left."""
@@ -128,14 +140,14 @@ class Writer:
                 rest += asked.values()
         return lags, sorted(rest)
 
-    def _of_node(self, node: Node, said: str | None) -> Iterator[Statement]:
+    def _of_node(self, node: Node, said: str | None, about: tuple[int, ...] = ()) -> Iterator[Statement]:
         if not self.in_parts:
-            yield from self._single(node, said)
+            yield from self._single(node, said, about)
             return
         for part in parts(node):
-            yield from self._single(part, said)
+            yield from self._single(part, said, about)
 
-    def _single(self, node: Node, said: str | None) -> Iterator[Statement]:
+    def _single(self, node: Node, said: str | None, about: tuple[int, ...]) -> Iterator[Statement]:
         if node is True:
             return
         if isinstance(node, Lit) and node.holds and isinstance(node.atom, Pause | Between):
@@ -151,9 +163,9 @@ class Writer:
         plain = merged(without_words(node, len(self.nest.contours)))
         if self.in_parts:
             for clause in clauses(plain):
-                yield from self._simple(merged(clause), said)
+                yield from self._simple(merged(clause), said, about)
             return
-        yield from self._simple(plain, said)
+        yield from self._simple(plain, said, about)
 
     def _apart(self, atom: Pause | Between, said: str | None) -> Lag:
         cuts, seconds = (atom.cuts, 0.0) if isinstance(atom, Between) else (0, atom.ms / 1000)
@@ -161,7 +173,7 @@ class Writer:
         ids = [self.nest.contours[k].id for k in (atom.i, atom.j)]
         return Lag(atom.i, atom.j, About(self.rule, tuple(ids), self._sentence(said, ids, words)), cuts, seconds)
 
-    def _simple(self, node: Node, said: str | None) -> Iterator[Statement]:
+    def _simple(self, node: Node, said: str | None, of: tuple[int, ...]) -> Iterator[Statement]:
         contours = self.nest.contours
         if node is True:
             return
@@ -178,13 +190,15 @@ class Writer:
             yield Forbid(node.atom.c, About(self.rule, (name,), said or f"{name} is not {way.words}: {self.why}"))
         else:
             terms = ((node, 1),) if isinstance(node, Lit) else node.terms
-            yield self._at_least(terms, 1 if isinstance(node, Lit) else node.bound, said)
+            yield self._at_least(terms, 1 if isinstance(node, Lit) else node.bound, said, of)
 
-    def _at_least(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int, said: str | None) -> AtLeast:
+    def _at_least(
+        self, terms: Sequence[tuple[Lit | Gate, int]], bound: int, said: str | None, of: tuple[int, ...]
+    ) -> AtLeast:
         when = self._when(terms, bound)
         rest = [(term, weight) for term, weight in terms if when is None or term != Lit(Pick(when), False)]
         made = _enough(rest, bound)
-        about = self._about([*rest, *(((Lit(Pick(when)), 1),) if when is not None else ())], said)
+        about = self._about([*rest, *(((Lit(Pick(when)), 1),) if when is not None else ())], said, of)
         return AtLeast(made.literals, made.weights, made.bound, about, when=when)
 
     def _when(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int) -> int | None:
@@ -204,7 +218,7 @@ class Writer:
 
         return min(free, key=fit)
 
-    def _about(self, terms: Iterable[tuple[Lit | Gate, int]], said: str | None) -> About:
+    def _about(self, terms: Iterable[tuple[Lit | Gate, int]], said: str | None, of: tuple[int, ...]) -> About:
         numbers: dict[int, None] = {}
         for term, _ in terms:
             for lit in literals(term):
@@ -212,7 +226,8 @@ class Writer:
                     numbers[self.ways[lit.atom.c].contour] = None
                 elif isinstance(lit.atom, Before):
                     numbers |= dict.fromkeys(_ends(lit))
-        ids = [self.nest.contours[k].id for k in numbers]
+        named = dict.fromkeys(of) if of and len(numbers) > MOST_TOLD else numbers
+        ids = [self.nest.contours[k].id for k in named]
         return About(self.rule, tuple(ids), self._sentence(said, ids, ""))
 
     def _sentence(self, said: str | None, ids: Sequence[str], words: str) -> str:

@@ -113,7 +113,7 @@ def test_what_is_not_cut_counts_as_cut_last(tmp_path: Path) -> None:
     assert "every-contour-once" in result.broken()
     assert [(v.contours, v.cuts) for v in result.rule("in-turn").violations] == [
         (("C.outer", "B.outer"), (2,)),
-        (("B.outer", "A.outer", "C.outer"), (1, 2)),
+        (("B.outer", "A.outer"), (1, 2)),
     ]
     alone = plant(tmp_path, "[before(3, 2), before(2, 3)]")
     nothing = check_cuts(ROW, CutSequence(cuts.cuts[:1], "left"), alone)
