@@ -10,7 +10,7 @@ import click
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
-from kerfwise.jobs.request import NOT_SHOWN, NoPlan
+from kerfwise.jobs.request import NoPlan
 from kerfwise.models.engines import STRATEGIES
 from kerfwise.models.jit import counted_s
 
@@ -45,8 +45,8 @@ def print_conflict(no_plan: NoPlan, picture: str | Path) -> int:
         said = "\n".join(conflict.for_operator(len(facts.past.already.cuts)))
     click.echo(f"kerfwise: {said}", err=True)
     if conflict is None:
-        if not no_plan.within_limit:
-            click.echo(f"  note: {NOT_SHOWN}", err=True)
+        for line in no_plan.notes:
+            click.echo(f"  {line}", err=True)
         return 1
     if conflict.relax is not None:
         click.echo("--relax takes this way out, and says so in the plan and in the program", err=True)

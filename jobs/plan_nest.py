@@ -41,7 +41,7 @@ from .adaptive_zones import FEW, SHARE, better_zones, is_look_worthwhile, zoned_
 from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
 from .progress import Listener
-from .request import NoPlan, Request, common_cut_advice, facts_of, make_request
+from .request import NoPlan, Request, common_cut_advice, facts_of, make_request, ways_on
 from .resume import lock_broken_cut_first
 from .time_limits import CommandLimit, JobLimit
 
@@ -152,10 +152,11 @@ def plan_nest(
             until = Deadline.of(limit.without_plan())
             conflict = None if listener.interrupted else find_conflict(facts, profile, until)
         except NotAnswered:
-            raise NoPlan(error, facts, profile, within_limit=False) from error
+            raise NoPlan(error, facts, profile, within_limit=False, ways=ways_on(limits, engine, relax)) from error
         if conflict is not None and conflict.alone:
             conflict = replace(conflict, notes=(*conflict.notes, *common_cut_advice(facts.nest, profile)))
-        raise NoPlan(error, facts, profile, conflict) from error
+        ways = () if listener.interrupted else ways_on(limits, engine, relax)
+        raise NoPlan(error, facts, profile, conflict, ways=ways) from error
     limit.ended(made.judging_s)
     return FinishedPlan(Inputs(nest, profile), made.facts, made)
 

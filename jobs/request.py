@@ -319,6 +319,8 @@ class NoPlan(RulesConflict):
         What went wrong in the first place.
     facts, profile
         What was to be planned.
+    ways
+        Where no contradiction was shown: what was tried, and what to try.
     """
 
     def __init__(
@@ -328,12 +330,48 @@ class NoPlan(RulesConflict):
         profile: Profile,
         conflict: Conflict | None = None,
         within_limit: bool = True,
+        ways: tuple[str, ...] = (),
     ) -> None:
         super().__init__(why.message, why.reasons)
+        self.ways = () if conflict is not None else ways
         self.why, self.facts, self.profile, self.conflict = why, facts, profile, conflict
         self.within_limit = within_limit
 
     def __str__(self) -> str:
         if self.conflict is not None:
             return str(self.conflict)
-        return str(self.why) if self.within_limit else f"{self.why}\n  note: {NOT_SHOWN}"
+        return "\n".join([str(self.why), *(f"  {line}" for line in self.notes)])
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be said where no contradiction was shown."""
+        return self.ways if self.within_limit else (f"note: {NOT_SHOWN}", *self.ways)
+
+
+LONGER, ENOUGH_WORK = 8, 2.0
+"""How many times a limit that was too short is tried again, and the work that finds a first plan of most nests."""
+
+
+def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool) -> tuple[str, str]:
+    """What was tried within limits that have come to nothing, and what to try, one line each.
+
+    Examples
+    --------
+    >>> ways_on(SolveOptions(time_s=3.0), "portfolio", True)[0]
+    'tried: all engines for 3 s, with the cheapest hard rules relaxed'
+    >>> ways_on(SolveOptions(work=0.5), "portfolio", True)[1]
+    'try: --work 4, which counts work and not the clock (in Python work=4)'
+    """
+    who = "all engines" if engine == "portfolio" else f"the engine {engine}"
+    spent = f"work {limits.work:g}" if limits.time_s is None else f"{limits.time_s:g} s"
+    looked = "then for a contradiction among the hard rules, and none was shown"
+    looked = "with the cheapest hard rules relaxed" if relaxed else looked
+    more = f"{max(ENOUGH_WORK, LONGER * limits.work if limits.time_s is None else 0.0):g}"
+    tries = [f"--work {more}, which counts work and not the clock (in Python work={more})"]
+    if limits.time_s is not None:
+        tries.append(f"--time-limit {LONGER * limits.time_s:g}")
+    if engine != "portfolio":
+        tries.append("all engines, without --engine")
+    if not relaxed:
+        tries.append("or --relax, which lets the cheapest hard rules give way")
+    return f"tried: {who} for {spent}, {looked}", f"try: {'; '.join(tries)}"

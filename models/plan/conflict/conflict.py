@@ -203,6 +203,12 @@ class _Finder:
             raise
 
 
+NOT_FOUND = (
+    "no way out was found within the limit (none is proven impossible): rules were relaxed one after the other; try a "
+    "longer limit, such as --work 60 (in Python work=60), or make one of these rules soft or off"
+)
+
+
 def _way_out_or_why_none(
     facts: Facts, profile: Profile, statements: Sequence[Statement], finder: _Finder
 ) -> tuple[str, tuple[About, ...] | None]:
@@ -231,7 +237,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
         except NotAnswered:
             if finder.trusting and more:  # what was found so far may do, or nothing was left to ask
                 return tuple(out)
-            raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
+            raise RulesConflict(NOT_FOUND) from None
         if found is None:
             raise RulesConflict(NO_HELP)
         if not found.groups:
