@@ -34,6 +34,7 @@ from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.profile import Profile, expect_common_cuts
 from kerfwise.rules.profile.profile_sections import common_cut_problems
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import (
     HOPELESS,
     DroppedStatement,
@@ -42,6 +43,7 @@ from kerfwise.rules.stating.state_rules import (
     loose_orders,
     state_rules,
 )
+from kerfwise.rules.stating.zones_yield import zones_that_yield
 
 from .gantry import drop_parts, facts_of_torches, first_groups, with_best_spacing
 from .inputs import expect_torches
@@ -240,6 +242,10 @@ def make_request(
             tuple(o.about.sentence for o in loose),
         )
     stated = state_rules(facts, profile)
+    zoning = frozenset(name for name, rule in RULES.items() if rule.minds_zones)
+    if (zone := zones_that_yield(facts, stated.statements, zoning)) is not None:
+        facts = replace(facts, zone=zone)
+        stated = state_rules(facts, profile)
     return Request(facts, stated, running_s() - began_s)
 
 

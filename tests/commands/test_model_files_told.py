@@ -24,6 +24,12 @@ RULES_OFF = [
 ]
 
 
+@pytest.fixture(autouse=True)
+def in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is written without a name lies there."""
+    monkeypatch.chdir(tmp_path)
+
+
 def box(name: str, x: float, y: float, w: float, h: float, **attributes: object) -> dict[str, object]:
     return {"id": name, "outer": [[x, y], [x + w, y], [x + w, y + h], [x, y + h]], **attributes}
 
@@ -184,3 +190,26 @@ def test_a_shipped_text_is_copied_to_begin_with(tmp_path: Path) -> None:
         assert refused.code == 2
         assert why in refused.err
     assert not (tmp_path / "plant" / "mine.mzn").exists()
+
+
+@pytest.mark.parametrize("share", [40, 60])
+def test_zones_yield_to_a_hard_rule_over_sums(share: int, tmp_path: Path) -> None:
+    """The parts of order 17 lie in the last zone; without zones there is a plan, and so there is with them."""
+    nest, profile = plant(tmp_path, "early17", EARLY, f"  early17: {{share: {share}}}\n")
+    parts = [
+        box(f"P{3 * c + r}", 20 + c * 120, 20 + r * 120, 100, 100, order=17 if c > 5 else 18)
+        for c in range(8)
+        for r in range(3)
+    ]
+    sheet = {"width": 1000, "height": 400}
+    made = {"format": "kerfwise-nest/1", "units": "mm", "sheet": sheet, "parts": parts}
+    nest.write_text(json.dumps(made), encoding="utf-8")
+    zoned = profile.read_text(encoding="utf-8").replace(
+        "zone-order: off", "zone-order: {strength: hard, zone_contours: 6}"
+    )
+    profile.write_text(zoned, encoding="utf-8")
+    done = kerfwise("solve", nest, "-p", profile, "--work", "2")
+    assert done.code == 0, done.err
+    plan = json.loads((tmp_path / "nest.plan.json").read_text(encoding="utf-8"))
+    assert max(cut["zone"] for cut in plan["cuts"]) > 1
+    assert kerfwise("check", nest, tmp_path / "nest.nc", "-p", profile).code == 0

@@ -6,11 +6,14 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.commands.run_cli import kerfwise
 
 
-def test_the_advice_after_nothing_was_found_leads_to_a_plan(tmp_path: Path) -> None:
+def test_the_advice_after_nothing_was_found_leads_to_a_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     nest, profile = tmp_path / "nest.json", tmp_path / "plant.yaml"
     sheet = {"format": "kerfwise-nest/1", "units": "mm", **make_sheet(7, 24)}
     nest.write_text(json.dumps(sheet), encoding="utf-8")
