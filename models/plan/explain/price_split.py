@@ -65,4 +65,4 @@ def _paid(setting: PlanContext) -> Iterator[tuple[About, int]]:
             taken = step.get((int(rows.leave[k]), int(rows.reach[k])))
             contour, cost = int(rows.over[k]), int(rows.cost[k])
             if taken is not None and place[contour] < taken and cost != FORBIDDEN:
-                yield over[contour], cost
+                yield over.get(contour) or over[None], cost  # what was out from the start is any contour that is cut
