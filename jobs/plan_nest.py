@@ -127,20 +127,20 @@ def plan_nest(
     limit.begin(limits, tell)
     facts = facts_of(nest, profile, already, limit)
     try:
-        asked = make_request(facts, profile, relax, limit.facts_made())
+        request = make_request(facts, profile, relax, limit.facts_made())
         left = limit.stated()
         if profile.objective.distortion and orders is None:
             tell("objective.distortion is not looked at here: only `solve` chooses plans by it")
         with listener:
-            made = solve_and_verify(
-                asked,
+            verified = solve_and_verify(
+                request,
                 profile,
                 left,
                 limit.watched(listener),
                 engine,
                 solver,
                 strategy,
-                None if orders is None else orders(facts, profile, asked.stated),
+                None if orders is None else orders(facts, profile, request.stated),
                 and_zones=True,
                 planned_as=planned_as,
             )
@@ -157,8 +157,8 @@ def plan_nest(
             conflict = replace(conflict, notes=(*conflict.notes, *common_cut_advice(facts.nest, profile)))
         ways = () if listener.interrupted else ways_on(limits, engine, relax)
         raise NoPlan(error, facts, profile, conflict, ways=ways) from error
-    limit.ended(made.judging_s)
-    return FinishedPlan(Inputs(nest, profile), made.facts, made)
+    limit.ended(verified.judging_s)
+    return FinishedPlan(Inputs(nest, profile), verified.facts, verified)
 
 
 # The main job in one call: what is asked of a plan becomes a plan, its program, and the verdict on both.
@@ -184,7 +184,7 @@ class VerifiedPlan:
 
 
 def solve_and_verify(
-    asked: Request,
+    request: Request,
     profile: Profile,
     limits: SolveOptions,
     progress: Progress | None = None,
@@ -211,7 +211,7 @@ def solve_and_verify(
     RulesConflict
         If no lawful plan exists, or none was found.
     """
-    facts, started_s = asked.facts, running_s()
+    facts, started_s = request.facts, running_s()
     engine_named = engine if strategy == "ours" else "portfolio"
     whole = limits
     and_zones = (
@@ -220,7 +220,7 @@ def solve_and_verify(
         and engine == "portfolio"
         and strategy == "ours"
         and is_look_worthwhile(facts.n, limits)
-        and bool(zoned_by(asked, profile))
+        and bool(zoned_by(request, profile))
     )
     if and_zones and limits.time_s is not None and facts.n <= FEW:  # of larger nests it has what the first plan leaves
         limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
@@ -234,15 +234,15 @@ def solve_and_verify(
     if strategy == "ours" and price_mm and profile.heat.absorbed_power_w:
         from .heat_control import solve_priced
 
-        cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)
-        asked = Request(facts, stated)
+        cool, stated = solve_priced(request, profile, limits, solved, progress, cooler)
+        request = Request(facts, stated)
 
     @cache  # looking for what an order leaves takes long
     def seen_in(route: tuple[int, ...]) -> tuple[Statement, ...]:
         return lazy_statements(facts, profile)([facts.candidates[c].contour for c in route])
 
     def planned(solution: Solution) -> Plan:
-        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_in(solution.route)))
+        stated = replace(request.stated, statements=(*request.stated.statements, *seen_in(solution.route)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
         plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
         plan = with_further_torches(plan, facts, stated, solution)
@@ -255,25 +255,25 @@ def solve_and_verify(
         again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
 
         def attempt(share: float, further: tuple[Statement, ...]) -> Solution:
-            return solved(share, asked.stated, further)
+            return solved(share, request.stated, further)
 
         def going() -> bool:
             in_time = limits.time_s is None or running_s() - started_s < limits.time_s
             return in_time and (progress is None or progress(limit.rule, None, None))
 
-        solution, plan = Cooler(facts, profile, limit, asked.stated.statements, attempt, planned, going).find(again)
+        solution, plan = Cooler(facts, profile, limit, request.stated.statements, attempt, planned, going).find(again)
     else:
-        solution = solved(1.0, asked.stated) if cool is None else cool
+        solution = solved(1.0, request.stated) if cool is None else cool
         plan = planned(solution)
     if and_zones:
         ends_s = None if whole.time_s is None else started_s + whole.time_s
         stays, first = limit is not None or cool is not None, solution
         best = better_zones(
-            asked, seen_in(solution.route), profile, solution, whole, ends_s, progress, may_move=not stays
+            request, seen_in(solution.route), profile, solution, whole, ends_s, progress, may_move=not stays
         )
-        asked, solution = best.asked, best.solution
+        request, solution = best.asked, best.solution
         if solution is not first:
-            facts = asked.facts
+            facts = request.facts
             plan = planned(solution)
         plan = replace(plan, zones_cost=best.cost(limits))
     if planned_as is not None:
@@ -294,7 +294,7 @@ def solve_and_verify(
 
 
 def _solved(
-    asked: Request,
+    request: Request,
     further: tuple[Statement, ...],
     profile: Profile,
     limits: SolveOptions,
@@ -304,7 +304,7 @@ def _solved(
     strategy: Strategy,
 ) -> Solution:
     """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones."""
-    facts, stated = asked.facts, asked.stated
+    facts, stated = request.facts, request.stated
     refine = lazy_statements(facts, profile)
     if strategy != "ours":
         from kerfwise.models.engines.baselines import solve_by
