@@ -189,23 +189,36 @@ def by_lines(
     row = dict(zip(meta["fields"], columns, strict=True))
     nothing = [None] * len(wkb)
     kinds = _kinds(data)
-    said_of = _said(found)
+    said_of, hidden = _said(found), _hidden(found)
     types = [kinds.get(str(handle), "") for handle in row.get("EntityHandle", nothing)]
     said = [
         text is not None
         or kind in said_of
+        or str(layer) in hidden
         or (kind in ANNOTATIONS and options.layers.use([str(layer)]).purpose == "ignore")
         for text, kind, layer in zip(row.get("Text", nothing), types, row.get("Layer", nothing), strict=True)
     ]
     scale = 1.0 if found.reading is None else mm_of(found.reading.units) or 1.0
-    shapes = [
-        shapely.transform(shapely.force_2d(shape), lambda points: points * scale)
-        for shape, is_said in zip(shapely.from_wkb(wkb), said, strict=True)
+    shown = [
+        (line, kind)
+        for shape, kind, is_said in zip(shapely.from_wkb(wkb), types, said, strict=True)
         if shape is not None and not is_said
+        for line in _lines_of(shapely.transform(shapely.force_2d(shape), lambda points: points * scale))
     ]
-    shown = [line for shape in shapes for line in _lines_of(shape)]
     lines = [curve.line(0.01) for curve in known]
-    return _off(shown, lines, NEAR_MM), _off([curve.line(0.01) for curve in cut], shown, NEAR_MM)
+    bands = [_chords_mm(line) for line, kind in shown if kind == "SPLINE"]
+    unseen = _off([line for line, kind in shown if kind != "SPLINE"], lines, NEAR_MM)
+    unseen += sum(
+        _off([line], lines, band) for (line, _), band in zip((s for s in shown if s[1] == "SPLINE"), bands, strict=True)
+    )
+    others = [shapely.buffer(line, _chords_mm(line)) if kind == "SPLINE" else line for line, kind in shown]
+    return unseen, _off([curve.line(0.01) for curve in cut], others, NEAR_MM)
+
+
+def _chords_mm(line: shapely.Geometry) -> float:
+    """How far the chords of a spline, as GDAL gives them at even steps, may lie off its corners."""
+    steps = np.hypot(*np.diff(shapely.get_coordinates(line), axis=0).T)
+    return NEAR_MM + float(steps.max(initial=0.0)) / 2
 
 
 ANNOTATIONS = frozenset({"DIMENSION", "LEADER", "MULTILEADER", "MLEADER"})
@@ -223,6 +236,13 @@ def _kinds(data: bytes) -> dict[str, str]:
         elif code == "5":
             found.setdefault(value, kind)
     return found
+
+
+def _hidden(found: Seen) -> set[str]:
+    """The layers of which the reader says that what is on them is not shown."""
+    notes = [] if found.nest is None else [note.text for note in found.nest.notes]
+    told = (text for text in notes if text.startswith("left out, as they are invisible"))
+    return {layer for text in told for layer in re.findall(r"on '([^']+)'", text)}
 
 
 def _said(found: Seen) -> set[str]:
@@ -263,12 +283,12 @@ def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Cur
     from PIL import Image
     from scipy import ndimage
 
-    text = _sized(file.read_text(encoding="utf-8", errors="replace"))
+    text = _sized(_with_box(file.read_text(encoding="utf-8", errors="replace"), found, known))
     png = resvg_py.svg_to_bytes(svg_string=text, width=PIXELS, dpi=96, skip_system_fonts=True)
     picture = np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA"), dtype=np.float64)
     ink = picture[:, :, 3] > 60
     assert found.nest is not None
-    page = _page(file, found)
+    page = _page(file, found, known)
     mm = page[2] / picture.shape[1]
     edges = ink & ~ndimage.binary_erosion(ink, iterations=2, border_value=1)
     pen = ink & ~ndimage.binary_opening(ink, iterations=4)
@@ -310,7 +330,24 @@ def _pen_px(text: str, mm: float) -> float:
     return max(widths) * per_unit / 2
 
 
-def _page(file: Path, found: Seen) -> tuple[float, float, float]:
+def _box(known: Sequence[Curve]) -> tuple[float, float, float, float]:
+    """A page around all lines, mm, for a file that has none."""
+    x0, y0, x1, y1 = shapely.total_bounds([curve.line() for curve in known]).tolist()
+    more = 0.05 * max(x1 - x0, y1 - y0)
+    return x0 - more, y0 - more, x1 + more, y1 + more
+
+
+def _with_box(text: str, found: Seen, known: Sequence[Curve]) -> str:
+    """The file with a viewBox around all that is known of it, where it says nothing of its size."""
+    root = re.search(r"<svg\b[^>]*>", text)
+    if root is None or re.search(r"\s(width|height|viewBox)=", root[0]) or found.reading is None:
+        return text
+    scale = mm_of(found.reading.units) or 1.0
+    x0, y0, x1, y1 = (side / scale for side in _box(known))
+    return text.replace("<svg", f'<svg viewBox="{x0} {-y1} {x1 - x0} {y1 - y0}"', 1)
+
+
+def _page(file: Path, found: Seen, known: Sequence[Curve]) -> tuple[float, float, float]:
     """Left edge and top of the page in mm, and its width."""
     from kerfwise.encoder.readers.svg import page_of, parsed_svg
 
@@ -318,7 +355,8 @@ def _page(file: Path, found: Seen) -> tuple[float, float, float]:
     svg = parsed_svg(file.read_bytes())
     page = page_of(svg, ReadOptions(units=units), file.read_bytes())
     if page.sheet is None:
-        raise ValueError("no page")
+        x0, _, x1, y1 = _box(known)
+        return x0, y1, x1 - x0
     x0, _, x1, y1 = page.sheet.bounds
     dots = 1.0 if svg.viewbox or units is None else (mm_of(units) or 1.0) * 96 / 25.4  # resvg counts 96 an inch
     measured = str(svg.values.get("width", "")).strip().endswith(("mm", "cm", "in"))
