@@ -37,6 +37,39 @@ def test_dimensions_are_lines_to_others_and_are_said(tmp_path: Path) -> None:
     assert judged(file, ReadOptions(kerf_mm=1.5)) == Judged(file, "planned")
 
 
+def test_what_the_other_program_draws_coarsely_is_no_difference(tmp_path: Path) -> None:
+    """GDAL takes even steps along splines, and cuts their corners; a layer that is off is said."""
+
+    def draw(space: Any) -> None:
+        space.add_arc((0, 0), 450, 0, 90)
+        lines(space, [(0, 450), (0, 0), (450, 0)], closed=False)
+        corners = [
+            (100, 100),
+            (160, 100),
+            (220, 100),
+            (220, 130),
+            (220, 160),
+            (160, 160),
+            (100, 160),
+            (100, 130),
+            (100, 100),
+        ]
+        knots = [0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4]
+        space.add_spline().dxf.degree = 2
+        spline = space[-1]
+        spline.control_points, spline.knots = [(x, y, 0) for x, y in [*corners, corners[0]]], knots
+        space.doc.layers.add("OFF").off()
+        space.add_circle((300, 100), 20, dxfattribs={"layer": "OFF"})
+
+    assert judged(save_dxf(tmp_path, draw), ReadOptions(kerf_mm=0.2)) == Judged(tmp_path / "drawing.dxf", "planned")
+
+
+def test_a_file_without_a_page_is_compared_too(tmp_path: Path) -> None:
+    file = tmp_path / "bare.svg"
+    file.write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H300V200H0Z"/></svg>', encoding="utf-8")
+    assert judged(file, ReadOptions(kerf_mm=0.2)) == Judged(file, "asked (1)")
+
+
 def test_a_small_picture_is_as_sharp_as_a_large_one(tmp_path: Path) -> None:
     file = tmp_path / "small.svg"
     frame = '<rect x="0.5" y="0.5" width="15.4" height="10.3" fill="none" stroke="black" stroke-width="0.05"/>'
