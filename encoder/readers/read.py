@@ -178,9 +178,10 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
     for purpose, piece in rows:
         if not piece.curve.segments:
             continue
-        middle = shapely.Point(piece.curve.point_at(piece.curve.length_mm / 2))
-        if purpose in ("cut", "mark") and not len(tree.query(middle, predicate="dwithin", distance=_OFF_MM)):
-            on_sheet = purpose == "cut" and nest.sheet.outline.line().distance(middle) <= _OFF_MM
+        points = shapely.points([piece.curve.point_at(share * piece.curve.length_mm) for share in _SHARES])
+        near = np.unique(tree.query(points, predicate="dwithin", distance=_OFF_MM)[0])
+        if purpose in ("cut", "mark") and len(near) < len(points):
+            on_sheet = purpose == "cut" and shapely.distance(nest.sheet.outline.line(), points).max() <= _OFF_MM
             found.append(("sheet" if on_sheet else "ignore", piece.curve))
         elif purpose not in ("cut", "mark"):
             found.append((purpose, piece.curve))
@@ -188,6 +189,8 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
 
 
 _KINDS = {"mark": "mark", "scrap": "scrap"}
+_SHARES = (0.1, 0.35, 0.5, 0.8)
+"""Where along a line it is asked whether it is a piece of a contour."""
 _OFF_MM = 0.2
 """How far a line may lie off the contour that it has become a piece of."""
 

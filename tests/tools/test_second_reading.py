@@ -43,17 +43,7 @@ def test_what_the_other_program_draws_coarsely_is_no_difference(tmp_path: Path) 
     def draw(space: Any) -> None:
         space.add_arc((0, 0), 450, 0, 90)
         lines(space, [(0, 450), (0, 0), (450, 0)], closed=False)
-        corners = [
-            (100, 100),
-            (160, 100),
-            (220, 100),
-            (220, 130),
-            (220, 160),
-            (160, 160),
-            (100, 160),
-            (100, 130),
-            (100, 100),
-        ]
+        corners = [(100, 100), (160, 100), (220, 100), (220, 130), (220, 160), (160, 160), (100, 160), (100, 130)]
         knots = [0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4]
         space.add_spline().dxf.degree = 2
         spline = space[-1]
