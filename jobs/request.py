@@ -375,9 +375,9 @@ def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool) -> tuple[str, s
     more = f"{max(ENOUGH_WORK, LONGER * limits.work if limits.time_s is None else 0.0):g}"
     tries = [f"--work {more}, which counts work and not the clock (in Python work={more})"]
     if limits.time_s is not None:
-        tries.append(f"--time-limit {LONGER * limits.time_s:g}")
+        tries.append(f"--time-limit {LONGER * limits.time_s:g} (in Python time_limit=)")
     if engine != "portfolio":
-        tries.append("all engines, without --engine")
+        tries.append("all engines, without --engine (in Python engine=)")
     if not relaxed:
-        tries.append("or --relax, which lets the cheapest hard rules give way")
+        tries.append("or --relax (in Python relax=True), which lets the cheapest hard rules give way")
     return f"tried: {who} for {spent}, {looked}", f"try: {'; '.join(tries)}"

@@ -60,7 +60,7 @@ def optima(problem: Problem) -> dict[str, int | None]:
         if proof is not None:
             found["ideals"] = None if proof.incumbent is None else proof.incumbent.cost
     else:
-        outcome = solve_cpsat(problem, _LIMITS, None)
+        outcome = solve_cpsat(problem, Deadline(_LIMITS.work), None)
         if outcome.infeasible or outcome.proven_optimal:
             found["cp-sat"] = None if outcome.incumbent is None else outcome.incumbent.cost
     if factorial(problem.n) * prod(len(problem.sites(i)) for i in range(problem.n)) <= FEW_ROUTES:

@@ -16,6 +16,7 @@ from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines import Member
 from kerfwise.models.engines.cpsat import solve_cpsat
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
 from kerfwise.models.engines.solution import SolveOptions
@@ -84,7 +85,7 @@ def test_a_plan_of_cp_sat_costs_what_it_does_whatever_the_model_has_for_it(
     kind: Callable[[int, int], Problem], seed: int, contours: int, work: float
 ) -> None:
     given = kind(seed, contours)
-    outcome = solve_cpsat(given, SolveOptions(work=work), None)
+    outcome = solve_cpsat(given, Deadline(work), None)
     assert outcome.incumbent is not None
     assert not outcome.proven_optimal
     assert outcome.incumbent.cost == route_cost(given, outcome.incumbent.route)
