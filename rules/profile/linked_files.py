@@ -292,7 +292,10 @@ def _beside(profile: str, chart: str) -> str:
     """The path of a file as seen from the profile's file, without `..` where that leads to the same file."""
     path = str(Path(profile).parent / chart)
     shorter = os.path.normpath(path)
-    return shorter if os.path.realpath(shorter) == os.path.realpath(path) else path
+    try:
+        return shorter if os.path.realpath(shorter) == os.path.realpath(path) else path
+    except ValueError:  # a NUL, or half a character: no file can have this name, and whoever reads it says so
+        return path
 
 
 def _said(found: Mapping[str, yaml.Node]) -> dict[Key, yaml.Node]:
