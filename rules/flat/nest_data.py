@@ -16,16 +16,8 @@ from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.judging.facing import Faced, faced_all_round, faced_by_cuts
 from kerfwise.rules.minizinc.twin import Fields, flag, flags, numbers
 from kerfwise.rules.own.criteria import none_has
-from kerfwise.rules.own.selector import (
-    areas_mm2,
-    attributes,
-    edge_gaps_mm,
-    is_long,
-    lengths_mm,
-    measure_nest,
-    rectangle_sides_mm,
-    sizes_mm,
-)
+from kerfwise.rules.own.measures import areas_mm2, edge_gaps_mm, lengths_mm, rectangle_sides_mm, sizes_mm
+from kerfwise.rules.own.selector import attributes, is_long, measure_nest
 from kerfwise.rules.registry import RULES
 
 # The facts of `facts.mzn` as the check knows them: measured from the nest and its cuts, each cut being a candidate.

@@ -15,8 +15,8 @@ from kerfwise.rules.rule import Ids, Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 from .constraint import Chosen, Constraint, DirectionConstraint, EntryConstraint
+from .measures import Plate
 from .order_constraints import Apart, Ends, OneStays, OrderConstraint, Together, WithinTime
-from .plate import Plate
 from .selector import KnownFacts, Selector, facts_values, groups, measure_nest, nest_values
 
 if TYPE_CHECKING:

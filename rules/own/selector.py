@@ -6,11 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import shapely
 import yaml
 
-from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.encoder.text import unknown
@@ -33,7 +31,20 @@ from .criteria import (
     WordKind,
     none_has,
 )
-from .plate import USUAL, Plate, corner_distances_mm, cut_seconds, extents_mm, middles_mm, weights_kg
+from .measures import (
+    USUAL,
+    Plate,
+    areas_mm2,
+    corner_distances_mm,
+    cut_seconds,
+    edge_gaps_mm,
+    lengths_mm,
+    middles_mm,
+    rectangle_sides_mm,
+    rectangles_mm,
+    sizes_mm,
+    weights_kg,
+)
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -209,46 +220,11 @@ def measure_nest(
     return MeasuredNest(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm, plate)
 
 
-def areas_mm2(nest: Nest) -> list[float]:
-    """Area inside every contour, 0 for a mark or a slit."""
-    return [float(c.polygon.area) if c.encloses else 0.0 for c in nest.contours]
-
-
-def lengths_mm(nest: Nest) -> list[float]:
-    """Length of every contour."""
-    return [c.curve.length_mm for c in nest.contours]
-
-
-def sizes_mm(nest: Nest, axis: int) -> list[float]:
-    """Extent of every contour along x (axis 0) or y (axis 1)."""
-    bounds = extents_mm(nest)
-    return _listed(bounds[:, axis + 2] - bounds[:, axis])
-
-
-def rectangle_sides_mm(nest: Nest, longer: bool) -> list[float]:
-    """The longer or the shorter side of the smallest rectangle, at any angle, around every contour."""
-    sides = _rectangles_mm(nest)
-    return _listed(sides.max(axis=1) if longer else sides.min(axis=1))
-
-
 def is_long(m: MeasuredNest) -> list[bool]:
     """Outer contours whose smallest rectangle has one side at least `long_ratio` times the other (Petunin 2009)."""
-    sides = _rectangles_mm(m.nest)
+    sides = rectangles_mm(m.nest)
     slim = sides.max(axis=1) >= m.long_ratio * sides.min(axis=1) * (1 - 1e-9)
     return [bool(s) and c.kind == "outer" for s, c in zip(slim, m.nest.contours, strict=True)]
-
-
-def edge_gaps_mm(nest: Nest, side: str) -> list[float]:
-    """Distance of every contour from a side of the sheet, from the nearest of the four where side is `edge`."""
-    xmin, ymin, xmax, ymax = nest.sheet.bounds
-    bounds = extents_mm(nest)
-    gaps = {
-        "left": bounds[:, 0] - xmin,
-        "right": xmax - bounds[:, 2],
-        "bottom": bounds[:, 1] - ymin,
-        "top": ymax - bounds[:, 3],
-    }
-    return _listed(np.min(list(gaps.values()), axis=0) if side == "edge" else gaps[side])
 
 
 def hosts(m: MeasuredNest) -> list[str]:
@@ -302,23 +278,6 @@ def attributes(nest: Nest, name: str) -> list[Any]:
         alike = (other for part in nest.parts for other in part.attributes if other.lower() == name.lower())
         key = next(alike, name)
     return [nest.part_of[c.part].attributes.get(key) if c.part else None for c in nest.contours]
-
-
-def _rectangles_mm(nest: Nest) -> Floats:
-    """Two sides (n, 2) of the smallest rectangle around every contour."""
-    lines = np.array([c.line for c in nest.contours], dtype=object)
-    hulls = shapely.convex_hull(lines)
-    flat = shapely.get_dimensions(hulls) < 2
-    sides = np.zeros((len(lines), 2))
-    corners = shapely.get_coordinates(shapely.oriented_envelope(lines[~flat])).reshape(-1, 5, 2)
-    for k in (0, 1):
-        sides[~flat, k] = np.hypot(*(corners[:, k + 1] - corners[:, k]).T)
-    sides[flat, 0] = shapely.length(hulls[flat])
-    return sides
-
-
-def _listed(values: Floats) -> list[float]:
-    return [float(v) for v in values]
 
 
 # The facts that selectors of own rules may name: one table for reading, messages, schema and docs.

@@ -1,4 +1,4 @@
-"""What own rules may read of the sheet's metal, how it is cut, and where contours lie on it."""
+"""What own rules measure of contours: the metal and how it is cut, sizes, places."""
 
 from __future__ import annotations
 
@@ -62,3 +62,55 @@ def corner_distances_mm(nest: Nest) -> list[float]:
 def extents_mm(nest: Nest) -> Floats:
     """The bounding box (n, 4) of every contour: x and y from, x and y to."""
     return np.asarray(shapely.bounds([c.line for c in nest.contours]), dtype=np.float64).reshape(-1, 4)
+
+
+def areas_mm2(nest: Nest) -> list[float]:
+    """Area inside every contour, 0 for a mark or a slit."""
+    return [float(c.polygon.area) if c.encloses else 0.0 for c in nest.contours]
+
+
+def lengths_mm(nest: Nest) -> list[float]:
+    """Length of every contour."""
+    return [c.curve.length_mm for c in nest.contours]
+
+
+def sizes_mm(nest: Nest, axis: int) -> list[float]:
+    """Extent of every contour along x (axis 0) or y (axis 1)."""
+    bounds = extents_mm(nest)
+    return _listed(bounds[:, axis + 2] - bounds[:, axis])
+
+
+def rectangle_sides_mm(nest: Nest, longer: bool) -> list[float]:
+    """The longer or the shorter side of the smallest rectangle, at any angle, around every contour."""
+    sides = rectangles_mm(nest)
+    return _listed(sides.max(axis=1) if longer else sides.min(axis=1))
+
+
+def edge_gaps_mm(nest: Nest, side: str) -> list[float]:
+    """Distance of every contour from a side of the sheet, from the nearest of the four where side is `edge`."""
+    xmin, ymin, xmax, ymax = nest.sheet.bounds
+    bounds = extents_mm(nest)
+    gaps = {
+        "left": bounds[:, 0] - xmin,
+        "right": xmax - bounds[:, 2],
+        "bottom": bounds[:, 1] - ymin,
+        "top": ymax - bounds[:, 3],
+    }
+    return _listed(np.min(list(gaps.values()), axis=0) if side == "edge" else gaps[side])
+
+
+def rectangles_mm(nest: Nest) -> Floats:
+    """Two sides (n, 2) of the smallest rectangle around every contour."""
+    lines = np.array([c.line for c in nest.contours], dtype=object)
+    hulls = shapely.convex_hull(lines)
+    flat = shapely.get_dimensions(hulls) < 2
+    sides = np.zeros((len(lines), 2))
+    corners = shapely.get_coordinates(shapely.oriented_envelope(lines[~flat])).reshape(-1, 5, 2)
+    for k in (0, 1):
+        sides[~flat, k] = np.hypot(*(corners[:, k + 1] - corners[:, k]).T)
+    sides[flat, 0] = shapely.length(hulls[flat])
+    return sides
+
+
+def _listed(values: Floats) -> list[float]:
+    return [float(v) for v in values]
