@@ -71,10 +71,10 @@ def test_touching_wood_is_cut_with_a_warning(tmp_path: Path) -> None:
     assert "A and B are less than the kerf of 0.7 mm apart: each cut takes metal of both, up to 0.700 mm" in done.out
 
 
-def test_a_slot_that_the_kerf_does_not_enter_is_refused_with_its_place(tmp_path: Path) -> None:
+def test_a_deep_slot_that_the_kerf_does_not_enter_is_asked_about_with_its_place(tmp_path: Path) -> None:
     slot = [[20, 20], [80, 20], [80, 120], [50.5, 120], [50.5, 40], [49.5, 40], [49.5, 120], [20, 120]]
     nest = nest_file(tmp_path, A=slot, B=rect(120, 20, 60, 60))
     done = solve(nest, "--work", "1")
-    assert done.code == 2
-    assert "A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (50.0, 120.0), 1.00 mm wide" in done.err
+    assert done.code == 3
+    assert "A.outer, slot, notch or neck at (50.0, 120.0), 1.00 mm wide and 80.0 mm deep: what is done?" in done.err
     assert not (tmp_path / "nest.nc").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import re
 import tempfile
@@ -66,6 +67,9 @@ BEYOND: Mapping[str, str] = {
     "edges that touch": COMMON.removesuffix("}") + ", accept_loss: true}}\n",
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
+ANSWERS = {"small-holes": ("refuse",), "narrow": ("slit", "leave")}
+"""What a plant answers where a drawing asks: another choice for each seed. Holes that are left out on purpose would be
+metal that stays: the judge knows the drawing, not the answer."""
 
 
 def beyond(seed: int, profile: str) -> str:
@@ -90,7 +94,8 @@ def tried(
     with tempfile.TemporaryDirectory(prefix="metal-") as name:
         folder = Path(name)
         (folder / "nest.json").write_text(nest.text, encoding="utf-8")
-        own = f"name: tried\nbased_on: {profile}\n{BEYOND[cuts_with]}"
+        answers = {question: choices[nest.seed % len(choices)] for question, choices in ANSWERS.items()}
+        own = f"name: tried\nbased_on: {profile}\ndrawing: {{answers: {json.dumps(answers)}}}\n{BEYOND[cuts_with]}"
         (folder / "profile.yaml").write_text(own, encoding="utf-8")
         words = ("-p", "profile.yaml", *effort)
         asked = Tried(nest.seed, profile, cuts_with)
