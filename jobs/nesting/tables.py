@@ -412,7 +412,7 @@ def yes_in(cell: Any) -> bool:
 # A new list, to fill in.
 
 TEMPLATE = """\
-# One row a part, for kerfwise nest parts.csv -o OUT with the sheets to lay them on; rows that begin with # are left out.
+# One row a part, for kerfwise nest parts.csv -o OUT and the sheets; rows that begin with # are not read.
 # part: DXF, SVG or JSON, from this file's folder. due: year-month-day. priority: 1 is first, or rush, normal, low.
 # grain: along, across or none. rotations: 0/180, a step such as 90, none or any. mirror: yes or no.
 part;quantity;material;thickness [mm];order;due;priority;grain;rotations;mirror
