@@ -54,9 +54,7 @@ def test_a_torch_that_leaves_no_heat(made: Path) -> None:
 def test_a_program_for_another_control_is_not_guessed_at(made: Path) -> None:
     done = kerfwise("heat", NEST, made / "e.nc", "-p", "water-jet")
     assert done.code == 2
-    assert (
-        "$0: tools by number are not supported here in a program for LinuxCNC" in done.err
-    )
+    assert "$0: tools by number are not supported here in a program for LinuxCNC" in done.err
 
 
 @pytest.mark.slow
