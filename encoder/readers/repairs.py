@@ -75,7 +75,11 @@ def repaired(nest: Nest, options: ReadOptions, asking: Asking) -> Nest:
         made |= {one.contour.id: _as_answered(one, said) for one in asked}
         ids = [one.contour.id for one in asked]
         notes.append(
-            Note("repaired", f"{join_names(ids, 6)} crossed {_itself(ids)}: {_DONE[said]}, as answered", tuple(ids))
+            Note(
+                "repaired",
+                f"{join_names(ids, 6)} crossed {_itself(ids)}: {_DONE[said]}, {asking.because(CROSSING)}",
+                tuple(ids),
+            )
         )
     if not made:
         return nest if not notes else replace(nest, parts=tuple(parts), notes=(*nest.notes, *notes))

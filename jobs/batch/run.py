@@ -227,7 +227,7 @@ def plan_task_inputs(piece: NestTask, key: str) -> TaskOutput:
         return _without_plan(piece, "fault", str(changed))
     except Questions as error:
         asks = "\n".join(
-            f"  - {escape_text(line)}" for question in error.questions for line in question.told().split("\n")
+            "  - " + "\n  ".join(map(escape_text, question.told().split("\n"))) for question in error.questions
         )
         return _without_plan(piece, "asks", f"{error.message}\n{asks}")
     except InputError as error:

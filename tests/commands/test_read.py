@@ -181,3 +181,19 @@ def test_a_dialect_without_marks_names_what_leaves_writing_out(tmp_path: Path) -
     assert advice in refused.err
     done = kerfwise("solve", nest, "-p", profile, "--answer", "point:Gravur=ignore", "--answer", "text:Gravur=ignore")
     assert done.code == 0, done.err
+
+
+def test_a_repair_that_nobody_has_answered_is_not_said_to_be_answered(tmp_path: Path) -> None:
+    crossed = [[200, 20], [300, 20], [300, 100], [201, 100], [199, 98], [200, 100]]
+    data = {
+        "format": "kerfwise-nest/1",
+        "sheet": {"width": 400, "height": 200},
+        "parts": [{"id": "B", "outer": crossed}],
+    }
+    (tmp_path / "nest.json").write_text(json.dumps(data))
+    asked = kerfwise("read", tmp_path / "nest.json")
+    assert asked.code == 3
+    assert "the largest loop is kept, the likeliest, until it is answered" in asked.out
+    answered = kerfwise("read", tmp_path / "nest.json", "--answer", "crossing=largest")
+    assert answered.code == 0
+    assert "the largest loop is kept, as answered" in answered.out

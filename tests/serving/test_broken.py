@@ -161,9 +161,9 @@ def test_marks_stay_where_the_problems_are_and_repair_opens_the_drawing(
     page.wait_for_selector("#broken .mark >> nth=1", state="detached")
     assert page.locator("#broken li").count() == 1
     assert page.locator("#broken .repair").count() == 0
-    drop(page, f"{tmp_path.name}-2.json", MENDABLE)
-    page.wait_for_selector("#broken .repair")
-    page.click("#broken .repair")
+    drop(page, f"{tmp_path.name}-2.json", MENDABLE)  # wrong in nothing but what is asked
+    page.get_by_role("button", name="the largest loop of each").click()
+    page.click("#answer-all")
     page.wait_for_url("**/nest/*")
     page.wait_for_selector("[data-ready=yes]", state="attached")
     assert (served.server.folder.path / f"{tmp_path.name}-2.json").read_text() == MENDABLE
