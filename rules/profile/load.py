@@ -238,9 +238,8 @@ def profile_values(
     for section in SECTIONS:
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
-            given[section] = read_fields(
-                members, given[section], problems, section, elsewhere=partial(where_it_belongs, rules=known)
-            )
+            stand = partial(where_it_belongs, rules=known, section=section)
+            given[section] = read_fields(members, given[section], problems, section, elsewhere=stand)
     given = with_dialect_beside(found.get("machine"), given, problems)
     if not problems.found:
         given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
@@ -372,7 +371,7 @@ def read_rules(
             with rule_hook(known[name], "its options"):
                 settings[name] = _read_rule(value, known[name], settings[name], problems)
         else:
-            wrong = where_it_belongs(name, list(known), known) or unknown("rule", name, known)
+            wrong = where_it_belongs(name, list(known), known, "rules") or unknown("rule", name, known)
             problems.add(key_node, f"rules: {wrong}")
     return settings
 
@@ -394,7 +393,7 @@ def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Pr
     if not members and strength == "off":
         problems.add(node, f"{what}: the rule is off, and nothing is said of it: {_say_strength(rule)}")
     rest = [member for member in members if member[0] not in said]
-    stand = partial(where_it_belongs, rules=RULES)
+    stand = partial(where_it_belongs, rules=RULES, section="rules")
     options = read_fields(rest, base.options, problems, what, other=("strength", "weight"), elsewhere=stand)
     if rule.brought and rest and strength == "off" and "strength" not in said:
         problems.add(node, f"{what}: rules from outside are off unless a profile says otherwise: {_say_strength(rule)}")

@@ -398,8 +398,11 @@ _TOP = ("based_on", "locks", "models", "own_rules", "python", "rules")
 """Keys of a profile that are no sections."""
 
 
-def where_it_belongs(key: str, valid: Sequence[str], rules: Mapping[str, Rule[Any]]) -> str:
+def where_it_belongs(key: str, valid: Sequence[str], rules: Mapping[str, Rule[Any]], section: str = "") -> str:
     """Where a profile has a key that is not valid where it stands, or one that is called nearly so; "" where nowhere.
+
+    `section` is the one in which it stands: a key of a group of another section, as `colour` of `drawing.layers`, says
+    too little by its name alone to be what was meant there.
 
     Examples
     --------
@@ -409,11 +412,11 @@ def where_it_belongs(key: str, valid: Sequence[str], rules: Mapping[str, Rule[An
     guess = nearest(key, valid)
     if guess is not None and SequenceMatcher(None, key, guess).ratio() > _ALIKE:
         return ""
-    if places := where_keys_stand(key, rules):
+    if places := where_keys_stand(key, rules, section):
         return f"there is no key {key!r} here, it belongs under {_either(places)}"
-    if guess is None and (guess := nearest(key, _every_key(rules))) is not None:
-        return f"there is no key {key!r} here; did you mean {_either(where_keys_stand(guess, rules))}?"
-    return ""
+    guess = nearest(key, _every_key(rules)) if guess is None else None
+    places = where_keys_stand(guess, rules, section) if guess is not None else ()
+    return f"there is no key {key!r} here; did you mean {_either(places)}?" if places else ""
 
 
 def _either(places: Sequence[str]) -> str:
@@ -430,8 +433,10 @@ def _every_key(rules: Mapping[str, Rule[Any]]) -> Iterator[str]:
         owners += [one.kind.owner for one in options_of(owner) if isinstance(one.kind, Members)]
 
 
-def where_keys_stand(key: str, rules: Mapping[str, Rule[Any]]) -> tuple[str, ...]:
+def where_keys_stand(key: str, rules: Mapping[str, Rule[Any]], section: str = "") -> tuple[str, ...]:
     """Every place where a profile has a key of this name, a section, an option or a rule, as YAML that leads there.
+
+    With a `section`, of groups only those in it.
 
     Examples
     --------
@@ -439,18 +444,18 @@ def where_keys_stand(key: str, rules: Mapping[str, Rule[Any]]) -> tuple[str, ...
     (('material: {kerf: …}',), ('rules: {level-ahead: …}',), ('cuts: {links: {longest: …}}',))
     """
     found = [f"{key}: {{…}}" if key in SECTIONS else f"{key}: …"] if key in (*SECTIONS, *_TOP) else []
-    found += [text for name, owner in SECTIONS.items() for text in _groups(name, owner, key)]
+    found += [text for name, owner in SECTIONS.items() for text in _groups(name, owner, key, section in ("", name))]
     found += [f"rules: {{{key}: …}}"] if key in rules else []
     found += [f"rules: {{{name}: {{{key}: …}}}}" for name, rule in rules.items() if _has(rule.Options, key)]
     return tuple(found)
 
 
-def _groups(name: str, owner: Any, key: str) -> Iterator[str]:
+def _groups(name: str, owner: Any, key: str, deep: bool) -> Iterator[str]:
     for one in options_of(owner):
         if one.key == key:
             yield f"{name}: {{{key}: {'{…}' if isinstance(one.kind, Members) else '…'}}}"
-        if isinstance(one.kind, Members):
-            yield from (f"{name}: {{{inner}}}" for inner in _groups(one.key, one.kind.owner, key))
+        if deep and isinstance(one.kind, Members):
+            yield from (f"{name}: {{{inner}}}" for inner in _groups(one.key, one.kind.owner, key, deep))
 
 
 def _has(owner: Any, key: str) -> bool:

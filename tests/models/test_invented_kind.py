@@ -38,6 +38,8 @@ from kerfwise.models.plan.explain import context as explain_setting
 from kerfwise.models.plan.explain.alternatives import PositionCosts, other_statements, try_order
 from kerfwise.models.plan.explain.context import PlanContext, make_context
 from kerfwise.models.plan.explain.explain import heat_prices
+from kerfwise.models.plan.explain.other_places import OtherPlaces
+from kerfwise.models.plan.explain.price_split import price_split
 from kerfwise.models.plan.make_plan import entry_reasons, excuses, make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
@@ -48,6 +50,7 @@ from kerfwise.rules.stating.feasible_order import positions
 from kerfwise.rules.stating.lazy_statements import in_held_metal
 from kerfwise.rules.stating.reduced_statements import GantryStatements, Remainder, remaining_statements
 from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
+from kerfwise.rules.stating.zones_yield import zones_that_yield
 from kerfwise.tests.models.every_kind import ABOUT, FEEDS, HOME, PARTS, PROFILE, TRAVEL
 from kerfwise.tests.models.plan.conflict.statements import row
 
@@ -129,6 +132,7 @@ REFUSES: dict[str, list[Refuses]] = {
     ],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
     "rules/stating/lazy_statements.py": [lambda _: list(in_held_metal(FACTS, Remainder(range(PARTS), {}), [INVENTED]))],
+    "rules/stating/zones_yield.py": [lambda _: zones_that_yield(FACTS, [INVENTED], frozenset())],
     "models/plan/make_plan.py": [
         lambda _: excuses(FACTS, at_weight(EXEMPTION_MM), planned()[0]),
         lambda _: entry_reasons(FACTS, STATED, planned()[0], HOME, [None] * len(planned()[0])),
@@ -158,6 +162,8 @@ REFUSES: dict[str, list[Refuses]] = {
     ],
     "models/plan/explain/explain.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
     "models/plan/explain/context.py": [set_up],
+    "models/plan/explain/other_places.py": [lambda _: OtherPlaces(setting())],
+    "models/plan/explain/price_split.py": [lambda _: price_split(setting())],
     "models/engines/minizinc_model.py": [
         lambda _: condition_arrays(PROFILE, STATED),
         lambda _: conditions(INVENTED),

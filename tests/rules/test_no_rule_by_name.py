@@ -30,6 +30,7 @@ WORDS = {
         "rules/profile/profile_sections.py",
         "rules/profile/load.py",
         "rules/profile/schema.py",
+        "rules/profile/sections.py",
     },
     "pierce": {
         "jobs/work_sheet.py",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.deadline import Deadline
@@ -23,16 +24,21 @@ from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import About, AtLeast, Before, Enough, IdleTravel, Pick
 from kerfwise.rules.stating.state_rules import state_rules
 
-ROW = nest(400, 100, *(part(f"P{k}", rect(10 + 90 * k, 10, 70, 70)) for k in range(4)))
+
+def row(parts: int) -> Nest:
+    return nest(40 + 90 * parts, 100, *(part(f"P{k}", rect(10 + 90 * k, 10, 70, 70)) for k in range(parts)))
 
 
-def posed(folder: Path, text: str) -> Problem:
-    """The problem of a row of four under a profile."""
+ROW = row(4)
+
+
+def posed(folder: Path, text: str, drawn: Nest = ROW) -> Problem:
+    """The problem of a row, of four unless another is given, under a profile."""
     (folder / "plant.yaml").write_text(f"based_on: plasma-carbon-steel\n{text}\n", encoding="utf-8")
     profile = load_profile(str(folder / "plant.yaml"))
-    facts = facts_of(ROW, profile)
+    facts = facts_of(drawn, profile)
     stated = state_rules(facts, profile)
-    return make_problem(facts, stated.statements, profile.home_on(ROW), feeds_of(profile))
+    return make_problem(facts, stated.statements, profile.home_on(drawn), feeds_of(profile))
 
 
 def test_travel_that_weighs_too_much_is_refused(tmp_path: Path) -> None:
@@ -40,9 +46,14 @@ def test_travel_that_weighs_too_much_is_refused(tmp_path: Path) -> None:
         posed(tmp_path, "objective: {idle: 1e9}\nmachine: {home: [1e6, 0]}")
 
 
-def test_the_rule_whose_weight_is_too_much_is_named(tmp_path: Path) -> None:
+def test_a_rule_whose_largest_weight_is_too_much_in_sum_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="weight of heat-lag"):
-        posed(tmp_path, "rules: {heat-lag: {lag: 1e5 s, weight: 1e6}}")
+        posed(tmp_path, "rules: {heat-lag: {lag: 1e5 s, heat_radius: 1000, weight: 1e5}}", row(5))
+
+
+def test_a_weight_is_less_than_an_excuse(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"plant\.yaml:2:28: rules\.heat-lag\.weight: .* no more than 100000 mm"):
+        posed(tmp_path, "rules: {heat-lag: {weight: 100001}}")
 
 
 @pytest.mark.parametrize(
@@ -50,7 +61,7 @@ def test_the_rule_whose_weight_is_too_much_is_named(tmp_path: Path) -> None:
     [
         "machine: {home: [1e6, -1e6]}",
         "objective: {idle: 1e3}\nmachine: {home: [-1e5, 1e5]}",
-        "rules: {no-islands: {weight: 1e6}, heat-lag: {weight: 1e6}, no-tip-travel: {weight: 1e6}}",
+        "rules: {no-islands: {weight: 1e5}, heat-lag: {weight: 1e5}, no-tip-travel: {weight: 1e5}}",
     ],
 )
 def test_the_largest_costs_are_added_up_alike_by_every_engine(tmp_path: Path, text: str) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 import warnings
 from pathlib import Path
 
 import jsonschema
 import pytest
-import yaml
 
 import kerfwise as api
 from kerfwise.encoder.errors import InputError
@@ -169,7 +169,7 @@ def test_it_is_listed_and_has_a_page_and_a_place_in_the_schema(tmp_path: Path) -
     page = kerfwise("rules", "bars-last", "-p", path, "--trust").out
     assert f"Brought by file {tmp_path / 'bars.py'}." in page
     assert "| `ratio` | `4` | how many times longer than wide a bar is |" in page
-    schema = yaml.safe_load(kerfwise("profile", "schema", path, "--trust").out)
+    schema = json.loads(kerfwise("profile", "schema", path, "--trust").out)
     jsonschema.validate({"python": ["bars.py"], "rules": {"bars-last": {"ratio": 2}}}, schema)
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({"rules": {"bars-last": {"ratio": 2}}}, profile_schema())

@@ -117,12 +117,32 @@ BELONGS = {
         "1:23: rules.level-ahead: there is no key 'clearance' here, it belongs under rules: {pierce: {clearance: …}}"
     ),
     "machine: {thicknes: 6}": "1:11: machine: there is no key 'thicknes' here; did you mean material: {thickness: …}?",
+    "rules: {heat-lag: {kerf: 2}}": (
+        "1:20: rules.heat-lag: there is no key 'kerf' here, it belongs under material: {kerf: …}"
+    ),
+    "longest: 20": "1:1: there is no key 'longest' here, it belongs under cuts: {links: {longest: …}}",
 }
 
 
 @pytest.mark.parametrize("text", BELONGS)
 def test_a_key_in_the_wrong_section_is_told_where_it_belongs(text: str, tmp_path: Path) -> None:
     assert told(tmp_path, text) == BELONGS[text]
+
+
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        ("rules: {heat-lag: {colour: red}}", "rules.heat-lag"),
+        ("rules: {heat-lag: {linetype: DASHED}}", "rules.heat-lag"),
+        ("rules: {no-islands: {longest: 20}}", "rules.no-islands"),
+        ("machine: {colour: red}", "machine"),
+        ("material: {longest: 20}", "material"),
+    ],
+)
+def test_a_key_of_a_group_is_advised_in_its_own_section_only(text: str, where: str, tmp_path: Path) -> None:
+    answer = told(tmp_path, text)
+    assert f"{where}: unknown key" in answer
+    assert "belongs under" not in answer
 
 
 def test_a_key_that_is_set_in_the_wrong_section_is_told_where_it_belongs() -> None:
