@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import json
 import math
-import resource
 import sys
 import time
 from collections.abc import Iterator
@@ -28,6 +27,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.bench_child import peak_mb
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import TimedPath
@@ -121,9 +121,8 @@ def speed() -> Iterator[str]:
         begin_s = time.process_time()
         distort_path(given, path, grid_mm)
         took_s = time.process_time() - begin_s
-        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         count = len(given.nest.contours)
-        yield f"| {count} | {size[0]:g} × {size[1]:g} | {grid_mm:.1f} | {took_s:.1f} | {memory:.0f} |"
+        yield f"| {count} | {size[0]:g} × {size[1]:g} | {grid_mm:.1f} | {took_s:.1f} | {peak_mb():.0f} |"
 
 
 TABLES = {"convergence": convergence, "literature": literature, "strip": strip, "speed": speed}

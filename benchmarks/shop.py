@@ -12,7 +12,6 @@ import argparse
 import json
 import math
 import random
-import resource
 import tempfile
 import time
 from pathlib import Path
@@ -20,6 +19,7 @@ from pathlib import Path
 from ezdxf.addons.r12writer import r12writer
 
 from kerfwise.cli import program
+from kerfwise.jobs.bench_child import peak_mb
 from kerfwise.jobs.inputs import plant_of, reading
 from kerfwise.jobs.nesting.find_nests import spacing_of
 from kerfwise.jobs.nesting.request import order_of
@@ -62,7 +62,7 @@ def draw_list(folder: Path, kinds: int, parts: int, seed: int = 1) -> Path:
                 dxf.add_circle(middle, 8, layer="CUT")
         count = parts // kinds + (k < parts % kinds)
         rows.append(f"part{k:02};{count};S235;6;{4700 + k // 5}")
-    (folder / "list.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    (folder / "list.csv").write_text("\n".join(rows) + "\n", encoding="utf-8", newline="\n")
     return folder / "list.csv"
 
 
@@ -101,9 +101,8 @@ def main() -> None:
         words += ["--work", str(given.work), "--sheets", "--skip-bad", "-o", str(out)]
         code = program.main(words, standalone_mode=False)
         minutes = (time.monotonic() - began_s) / 60
-        memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(f"exit code {code}; {minutes:.1f} min ({(time.process_time() - began_cpu_s) / 60:.1f} of processor)")
-        print(f"{memory_mb:.0f} MB at most; sheets.pdf {(out / 'sheets.pdf').stat().st_size / 1e6:.1f} MB")
+        print(f"{peak_mb():.0f} MB at most; sheets.pdf {(out / 'sheets.pdf').stat().st_size / 1e6:.1f} MB")
         table = json.loads((out / "nests.json").read_text(encoding="utf-8"))
         print("use of each sheet:", ", ".join(f"{row['use']:.3f}" for row in table["sheets"]))
         plant = plant_of()

@@ -134,7 +134,7 @@ def _letter(sign: str) -> Letter | None:
 
 @cache
 def _font() -> dict[str, str]:
-    rows = [row.partition(" ") for row in NEWSTROKE.read_text("ascii").splitlines() if not row.startswith("#")]
+    rows = [row.partition(" ") for row in NEWSTROKE.read_text(encoding="ascii").splitlines() if not row.startswith("#")]
     return {chr(int(code, 16)): drawn for code, _, drawn in rows}
 
 

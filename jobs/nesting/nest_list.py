@@ -7,6 +7,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -163,7 +164,11 @@ def _profile_name(plant: Profile, folder: Path) -> str:
     shipped = Path(plant.file).stem
     if plant.file.startswith(SHIPPED) and shipped in shipped_profiles():
         return shipped
-    return os.path.relpath(plant.file, folder) if plant.file else plant.name
+    if not plant.file:
+        return plant.name
+    with suppress(ValueError):  # no way from one drive to another
+        return Path(os.path.relpath(plant.file, folder)).as_posix()
+    return Path(plant.file).resolve().as_posix()
 
 
 def write_list(

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise
+from kerfwise.tests.jobs.test_proposed_dialect import programs
 
 ROOT = Path(kerfwise.__file__).parent
 PAGE = (ROOT / "docs" / "writing-a-dialect.md").read_text(encoding="utf-8")
@@ -23,7 +24,9 @@ def test_a_file_of_your_own(tmp_path: Path) -> None:
     (tmp_path / "postproc").symlink_to(ROOT / "postproc")
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT.parent), os.environ.get("PYTHONPATH", "")])}
     steps = STEP.findall(OWN)
-    assert len(steps) == 6
+    assert len(steps) == 7
+    for name, text in zip(("old1", "old2"), programs("eia", {})[0], strict=True):
+        (tmp_path / f"{name}.nc").write_text(text)
     for command, said in steps:
         real = re.sub("^kerfwise ", f'"{sys.executable}" -m kerfwise ', command)
         done = subprocess.run(real, shell=True, cwd=tmp_path, env=env, capture_output=True, text=True)

@@ -155,9 +155,14 @@ def test_every_dialect_stays_on_along_a_link(name: str) -> None:
 
 
 def allowed_mm(name: str) -> float:
-    """0.1 mm, but a little more where the control counts in whole tenths."""
-    step_mm = 10.0 ** -load_dialect(name).decimals / load_dialect(name).scale
-    return max(0.1, 5 * step_mm)
+    """0.1 mm, or five of the control's steps; beside it what chords cut off their arcs.
+
+    A chord that is h off its arc is h / 3 shorter for each radian that it turns by, and each contour turns round once.
+    """
+    dialect = load_dialect(name)
+    step_mm = 10.0**-dialect.decimals / dialect.scale
+    chords_mm = dialect.chord_mm / 3 * 2 * math.pi * len(SHEET.contours) if dialect.arc_centre == "none" else 0.0
+    return max(0.1, 5 * step_mm) + chords_mm
 
 
 def unlinked(plan: Plan) -> Plan:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from itertools import cycle
 
 import pytest
 
@@ -40,11 +41,15 @@ def turned(text: str) -> str:
     first = r"((?:M0?[347]\b.*|M04)\n(?:.*\n)??.*X)(-?)(\d+)"
     if text.startswith("71\n"):
         first = r"(39\+\d+\n(?:[+-]0)?)([+-])(\d+)"
+    if text.startswith("IN;\n"):
+        first = r"(PD;\n(?:VS.*\n)?PD)(-?)(\d+)"
     return re.sub(first, lambda m: f"{m[1]}{'+' if m[2] == '-' else '-'}{m[3]}", text, count=1)
 
 
 def still_on(text: str) -> str:
-    """The first way between two cuts with the torch on: GRBL's beam is dark in G0, so G1 there."""
+    """The first way between two cuts with the torch on: GRBL's beam is dark in G0 and HPGL's in PU, so G1 and PD there."""
+    if text.startswith("IN;\n"):
+        return re.sub(r"^PU;\nPU(?=\d)", "PD", text, count=1, flags=re.MULTILINE)
     if "M4 S" in text:
         return re.sub(r"^M5\n((?:\(.*\n)*)G0 ", r"\1G1 ", text, count=1, flags=re.MULTILINE)
     return re.sub(r"^(N\d+ )?(M5 \$0|M08|M5|M03|54)\n", "", text, count=1, flags=re.MULTILINE)
@@ -52,8 +57,8 @@ def still_on(text: str) -> str:
 
 def faster(text: str) -> str:
     """The feed of the first cut half as high again."""
-    feed = r"([XYIJ][-\d.]+ F|\b39\+)(\d+)"
-    return re.sub(feed, lambda f: f"{f[1]}{int(f[2]) * 3 // 2}", text, count=1)
+    feed = r"([XYIJ][-\d.]+ F|\b39\+|\bVS)(\d+)(\.\d+)?"
+    return re.sub(feed, lambda f: f"{f[1]}{float(f[2] + (f[3] or '')) * 1.5:.{len(f[3] or ' ') - 1}f}", text, count=1)
 
 
 DAMAGES = {"an arc's sign": turned, "a missing off": still_on, "a feed": faster}
@@ -74,6 +79,6 @@ def test_one_block_changed_is_found(name: str, dialect: str, damage: str) -> Non
     assert says(name, dialect, DAMAGES[damage])
 
 
-@pytest.mark.parametrize(("dialect", "damage"), rows(zip(dialect_names(), [*DAMAGES] * 3, strict=False), 3))
+@pytest.mark.parametrize(("dialect", "damage"), rows(zip(dialect_names(), cycle(DAMAGES), strict=False), 3))
 def test_one_block_changed_is_found_on_the_plate(dialect: str, damage: str) -> None:
     assert says("a made plate of 115 contours", dialect, DAMAGES[damage])
