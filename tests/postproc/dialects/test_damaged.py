@@ -47,7 +47,7 @@ def turned(text: str) -> str:
 
 
 def still_on(text: str) -> str:
-    """The first way between two cuts with the torch on: GRBL's beam is dark in G0 and HPGL's in PU, so G1 and PD there."""
+    """The first way between two cuts with the torch on: GRBL is dark in G0 and HPGL in PU, so G1 and PD there."""
     if text.startswith("IN;\n"):
         return re.sub(r"^PU;\nPU(?=\d)", "PD", text, count=1, flags=re.MULTILINE)
     if "M4 S" in text:
