@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,19 @@ def test_groups_have_the_row_of_their_thickness(shop: Path) -> None:
     assert sorted(path.name for path in Path("out").iterdir()) == [
         "nests.csv", "nests.json", "sheet1.json", "sheet1.svg",
     ]  # fmt: skip
+
+
+def test_a_profile_on_another_drive_is_named_by_its_whole_path(shop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_way(path: object, start: object = None) -> str:
+        raise ValueError("path is on mount 'D:', start on mount 'C:'")
+
+    Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235;6\n")
+    monkeypatch.setattr(os.path, "relpath", no_way)
+    code, _, err = nested("list.csv", "--sheet", "400x300", "-p", "plant.yaml")
+    assert code == 0, err
+    (job,) = Path("out").rglob("sheet1.job.yaml")
+    assert yaml.safe_load(job.read_text())["profile"] == (shop / "plant.yaml").resolve().as_posix()
+    assert kerfwise("job", "check", job).code == 0
 
 
 def test_a_thickness_without_a_row_is_a_question(shop: Path) -> None:
