@@ -58,6 +58,7 @@ def test_solve_says_nothing_of_it_unless_it_is_asked(tmp_path: Path) -> None:
     assert "off when cold" not in done.out
 
 
+@pytest.mark.slow
 def test_solve_tells_a_tolerance_that_is_not_kept_before_anyone_cuts(tmp_path: Path) -> None:
     done = solved(tmp_path, small(tmp_path, tolerance="0.001 mm"), "distortion: {tolerance: 50 mm}\n")
     assert done.code == 0, done.err
@@ -99,7 +100,7 @@ def test_a_price_on_distortion_needs_one_simulation(tmp_path: Path) -> None:
         straighter_for(priced)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_plan_that_is_chosen_is_no_worse_by_its_own_simulation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -121,7 +122,7 @@ def test_the_plan_that_is_chosen_is_no_worse_by_its_own_simulation(
     assert chosen.plan.solve.objective == pytest.approx(min(found), rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_compare_has_mm_beside_travel_and_time(tmp_path: Path) -> None:
     nest = small(tmp_path)
     assert solved(tmp_path, nest).code == 0
@@ -133,7 +134,7 @@ def test_compare_has_mm_beside_travel_and_time(tmp_path: Path) -> None:
     assert figures["off_max_mm"]["a"] >= figures["off_mean_mm"]["a"] > 0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_pareto_has_mm_beside_travel_and_time(tmp_path: Path) -> None:
     done = kerfwise(
         "pareto", small(tmp_path), "-p", plant(tmp_path), "--price", 0, "--work", 0.5, "--distortion", "--json",
