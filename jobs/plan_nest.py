@@ -249,6 +249,7 @@ def solve_and_verify(
         plan = with_pierces(plan, facts.whole_nest, profile, limits)
         return with_times(plan, facts.whole_nest, profile)
 
+    plan: Plan | None = None  # reasons take long: they are looked for when the zones stand
     if (limit := profile.temperature_limit()) is not None:
         from .heat_control import Cooler
 
@@ -264,7 +265,7 @@ def solve_and_verify(
         solution, plan = Cooler(facts, profile, limit, request.stated.statements, attempt, planned, going).find(again)
     else:
         solution = solved(1.0, request.stated) if cool is None else cool
-        plan = planned(solution)
+    zones_cost = None
     if and_zones:
         ends_s = None if whole.time_s is None else started_s + whole.time_s
         stays, first = limit is not None or cool is not None, solution
@@ -273,9 +274,9 @@ def solve_and_verify(
         )
         request, solution = best.asked, best.solution
         if solution is not first:
-            facts = request.facts
-            plan = planned(solution)
-        plan = replace(plan, zones_cost=best.cost(limits))
+            facts, plan = request.facts, None
+        zones_cost = best.cost(limits)
+    plan = replace(plan or planned(solution), zones_cost=zones_cost)
     if planned_as is not None:
         planned_as(plan)
     began_s = running_s()
