@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import shapely
 
@@ -160,11 +160,13 @@ Planned = Callable[[Solution], Plan]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TriedPlan:
-    """A solution, its plan, and the waits that the plan needs."""
+    """A solution, its plan, and the waits that it needs; `waits` (s) and why, `heated`, are those that the plan has."""
 
     solution: Solution
     plan: Plan
     pace: Pacing
+    waits: Mapping[str, float] = field(default_factory=dict)
+    heated: Mapping[str, Heated] = field(default_factory=dict)
 
     @property
     def least_s(self) -> float:
@@ -181,7 +183,10 @@ class Cooler:
     limit: TemperatureLimit
     statements: tuple[Statement, ...]
     attempt: Attempt
+    timed: Planned
+    """The plan without its reasons, which take long: what is tried."""
     planned: Planned
+    """The whole plan: of what is chosen."""
     going: Callable[[], bool] = lambda: True
     """Asked between orders whether to go on: not once somebody has had enough."""
 
@@ -220,15 +225,16 @@ class Cooler:
         best = next((one for one in tried if not one.pace.heated), None) or self._soonest_done(tried, grid)
         if best is None:
             raise too_hot(list(map(self._hottest, tried)), [one.pace for one in tried], self.limit)
-        if best.solution is tried[0].solution:
-            return best.solution, best.plan
-        solution = self._proven(best.solution, tried[0].solution)
-        report = self.planned(solution).solve
-        return solution, replace(best.plan, solve=report)
+        first = tried[0].solution
+        solution = first if best.solution is first else self._proven(best.solution, first)
+        plan = self.planned(solution)
+        if best.waits:
+            plan = with_times(_waiting(plan, best.waits, best.heated, self.limit), self.facts.nest, self.profile)
+        return solution, plan
 
     def _tried(self, solution: Solution, grid: Grid) -> TriedPlan:
         """The plan of a solution, and the waits that it needs, however long."""
-        plan = self.planned(solution)
+        plan = self.timed(solution)
         return TriedPlan(solution, plan, self._pace(path_of_plan(plan, self.facts.nest, self.profile), grid))
 
     def _pace(self, path: TimedPath, grid: Grid) -> Pacing:
@@ -269,7 +275,7 @@ class Cooler:
             written = read_program(write_program(plan, nest, profile), nest, profile)
             paces = [self._pace(path, grid) for path in (path_of_plan(plan, nest, profile), path_of_program(written))]
             if not any(paced.heated for paced in paces):
-                return replace(one, plan=plan)
+                return replace(one, plan=plan, waits=waits, heated=heated)
             for contour in dict.fromkeys(name for paced in paces for name in paced.waits):
                 more_s = max(paced.waits.get(contour, 0.0) for paced in paces)
                 waits[contour] = waits.get(contour, 0.0) + more_s
@@ -327,7 +333,7 @@ class Cooler:
                 yield NoGood(out, frozenset({index[hot.contour]}), about, SOON_S * price_mm)
 
 
-def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], limit: TemperatureLimit) -> Plan:
+def _waiting(plan: Plan, waits: Mapping[str, float], heated: Mapping[str, Heated], limit: TemperatureLimit) -> Plan:
     """The plan with waits (contour id to s) before the torch is lit, each with its reason: what would get too hot."""
     cuts = []
     for planned in plan.cuts:

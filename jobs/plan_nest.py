@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
@@ -241,15 +241,16 @@ def solve_and_verify(
     def seen_in(route: tuple[int, ...]) -> tuple[Statement, ...]:
         return lazy_statements(facts, profile)([facts.candidates[c].contour for c in route])
 
-    def planned(solution: Solution) -> Plan:
+    def planned(solution: Solution, *, reasons: bool = True) -> Plan:
         stated = replace(request.stated, statements=(*request.stated.statements, *seen_in(solution.route)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
-        plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
+        if reasons:  # they take long
+            plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
         plan = with_further_torches(plan, facts, stated, solution)
         plan = with_pierces(plan, facts.whole_nest, profile, limits)
         return with_times(plan, facts.whole_nest, profile)
 
-    plan: Plan | None = None  # reasons take long: they are looked for when the zones stand
+    plan: Plan | None = None
     if (limit := profile.temperature_limit()) is not None:
         from .heat_control import Cooler
 
@@ -262,7 +263,9 @@ def solve_and_verify(
             in_time = limits.time_s is None or running_s() - started_s < limits.time_s
             return in_time and (progress is None or progress(limit.rule, None, None))
 
-        solution, plan = Cooler(facts, profile, limit, request.stated.statements, attempt, planned, going).find(again)
+        timed = partial(planned, reasons=False)
+        cooler_orders = Cooler(facts, profile, limit, request.stated.statements, attempt, timed, planned, going)
+        solution, plan = cooler_orders.find(again)
     else:
         solution = solved(1.0, request.stated) if cool is None else cool
     zones_cost = None
