@@ -301,6 +301,24 @@ class TemperatureLimit:
 
 
 @dataclass(frozen=True, slots=True)
+class Plate:
+    """The sheet's metal and how it is cut: what a rule may read of the profile."""
+
+    thickness_mm: float = 6.0
+    material: str = "S235"
+    process: str = "plasma"
+    density_kg_m3: float = 7850.0
+    cut_mm_s: float = 40.0
+    mark_mm_s: float = 100.0
+    pierce_s: float = 0.5
+    mark_s: float = 0.2
+
+
+USUAL = Plate()
+"""What is read where no profile is given."""
+
+
+@dataclass(frozen=True, slots=True)
 class Plant:
     """The plant's sheet, its heat, its locks, and what cuts.
 
@@ -316,9 +334,4 @@ class Plant:
     process: str = "plasma"
     common_cuts: bool = False
     longest_link_mm: float = 0.0
-    material: str = "S235"
-    density_kg_m3: float = 7850.0
-    cut_mm_s: float = 40.0
-    mark_mm_s: float = 100.0
-    pierce_s: float = 0.5
-    mark_s: float = 0.2
+    plate: Plate = USUAL

@@ -3,31 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.nest import Nest
-
-
-@dataclass(frozen=True, slots=True)
-class Plate:
-    """The sheet's metal and how it is cut: what a rule may read of the profile."""
-
-    thickness_mm: float = 6.0
-    material: str = "S235"
-    process: str = "plasma"
-    density_kg_m3: float = 7850.0
-    cut_mm_s: float = 40.0
-    mark_mm_s: float = 100.0
-    pierce_s: float = 0.5
-    mark_s: float = 0.2
-
-
-USUAL = Plate()
-"""What is read where no profile is given."""
+from kerfwise.rules.rule import Plate
 
 
 def cut_seconds(nest: Nest, plate: Plate) -> list[float]:

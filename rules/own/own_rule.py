@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,11 +11,10 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import Place as FilePlace
-from kerfwise.rules.rule import Ids, Rule, Strength, Violation
+from kerfwise.rules.rule import USUAL, Ids, Plate, Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 from .constraint import Chosen, Constraint, DirectionConstraint, EntryConstraint
-from .measures import Plate
 from .order_constraints import Apart, Ends, OneStays, OrderConstraint, Together, WithinTime
 from .selector import KnownFacts, Selector, facts_values, groups, measure_nest, nest_values
 
@@ -120,19 +119,7 @@ class Thresholds:
 
     long_ratio: float = 4.0
     web_mm: float = 25.0
-    thickness_mm: float = 6.0
-    material: str = "S235"
-    process: str = "plasma"
-    density_kg_m3: float = 7850.0
-    cut_mm_s: float = 40.0
-    mark_mm_s: float = 100.0
-    pierce_s: float = 0.5
-    mark_s: float = 0.2
-
-    @property
-    def plate(self) -> Plate:
-        """What is cut, and how."""
-        return Plate(**{f.name: getattr(self, f.name) for f in fields(Plate)})
+    plate: Plate = USUAL
 
 
 class PlantRule(Rule[Thresholds]):

@@ -15,6 +15,7 @@ from kerfwise.encoder.text import unknown
 from kerfwise.rules.judging.metal import host_holes, places
 from kerfwise.rules.options.kind import Choice, OptionKind, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
+from kerfwise.rules.rule import USUAL, Plate
 
 from .criteria import (
     AREAS,
@@ -32,8 +33,6 @@ from .criteria import (
     none_has,
 )
 from .measures import (
-    USUAL,
-    Plate,
     areas_mm2,
     corner_distances_mm,
     cut_seconds,

@@ -19,7 +19,7 @@ from kerfwise.rules.options.yaml_positions import Problems, deepest
 from kerfwise.rules.outside import PythonFile
 from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Plant, Rule, RuleFile, Strength, TemperatureLimit
+from kerfwise.rules.rule import Plant, Plate, Rule, RuleFile, Strength, TemperatureLimit
 
 from .linked_files import ChartUse, ModelSource
 from .plant_sections import MACHINE_WAITS, MATERIALS, Heat, KeptOfThickness, Prices
@@ -196,12 +196,16 @@ def plant_of_sections(machine: Machine, material: Material, heat: Heat, locks: t
         process=machine.process,
         common_cuts=cuts.common.shortest_mm is not None,
         longest_link_mm=cuts.links.longest_mm,
-        material=material.name,
-        density_kg_m3=MATERIALS[heat.material].density,
-        cut_mm_s=machine.cut_feed_mm_s,
-        mark_mm_s=machine.mark_feed_mm_s,
-        pierce_s=machine.pierce_time_s,
-        mark_s=machine.mark_time_s,
+        plate=Plate(
+            thickness_mm=material.thickness_mm,
+            material=material.name,
+            process=machine.process,
+            density_kg_m3=MATERIALS[heat.material].density,
+            cut_mm_s=machine.cut_feed_mm_s,
+            mark_mm_s=machine.mark_feed_mm_s,
+            pierce_s=machine.pierce_time_s,
+            mark_s=machine.mark_time_s,
+        ),
     )
 
 
