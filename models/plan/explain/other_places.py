@@ -1,7 +1,9 @@
 """What a plan would cost with a contour in another place, and which statements that would break: every place, exactly.
 
 The others keep their order, or a stretch of it is turned round, and all keep their entries. As a contour slides along
-the order, one other is passed at a time, so that only what names the two is looked at again.
+the order, one other is passed at a time, so that only what names the two is looked at again. Most places are told by
+travel alone to be none that a reason could name: only what the plan pays today can be saved elsewhere, and that is
+summed up beforehand.
 """
 
 from __future__ import annotations
@@ -9,18 +11,18 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, groupby, pairwise
+from itertools import accumulate, chain, groupby, pairwise
 
 import numpy as np
-import shapely
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.geometry.tolerances import GRAZE_UM, UM_PER_MM, cost_um
+from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import general_holds, missing_ms, times_ms
 from kerfwise.rules.statements import About, Contiguous, Lag, by_kind
 
 from .context import PlanContext
+from .crossed_moves import CrossedMoves
 
 MOST_CONTOURS, MOST_STEPS = 2000, 40_000
 """Contours beyond which no other places are tried; and how many contours are passed in all, at the most."""
@@ -28,9 +30,8 @@ MOST_WHOLE = 60
 """Contours up to which statements that look at whole orders are judged anew for every place."""
 MOST_TURNED = 120
 """Contours up to which stretches are turned round."""
-MOST_CROSSED = 400
-"""Contours up to which every move is looked at that leads over parts."""
-TIPPED = "no idle travel leads over parts that are out"
+MATTERS_UM = 50
+"""What is saved by less is no reason: moves are rounded, and many places are as good."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +64,7 @@ class OtherPlaces:
         self.setting, problem = setting, setting.problem
         self.order, n = list(setting.order), problem.n
         whole = bool(problem.general) or any(lag.seconds for lag in problem.lags)
-        crossed = by_kind(setting.stated.statements).crossing
-        most = MOST_WHOLE if whole else MOST_CROSSED if crossed else MOST_CONTOURS
-        self.complete = n <= most and not problem.left_out
+        self.complete = n <= (MOST_WHOLE if whole else MOST_CONTOURS) and not problem.left_out
         self.reach = max(20, MOST_STEPS // max(n, 1))
         if not self.complete:
             return
@@ -79,28 +78,37 @@ class OtherPlaces:
         self._conditions()
         self._neighbours()
         self._far = [lag for lag in problem.lags if lag.cuts > 1 or lag.seconds > 0]
-        self._whole_now = self._whole(self.order) if self._far or problem.general else {}
-        self._crossings()
+        self.whole_now = self._whole(self.order) if self._far or problem.general else {}
+        self.crossed = CrossedMoves(problem, by_kind(setting.stated.statements).crossing, self.site, self.order)
+        self._paid = _Paid(self)
 
-    def of(self, contour: int) -> Iterator[OtherPlace]:
-        """The contour alone in every other place within reach, and what it is cut in one run with as a whole."""
-        yield from self.slid((contour,))
+    def of(self, contour: int, every: bool = False) -> Iterator[OtherPlace]:
+        """The contour alone in other places within reach, and what it is cut in one run with as a whole.
+
+        In those that would make the plan cheaper if what they break did not count, or in `every` one.
+        """
+        yield from self.slid((contour,), every)
         block = self.setting.problem.block
-        unit = tuple(c for c in self.order if block[c] == block[contour])
+        unit = tuple(np.array(self.order)[block[self.order] == block[contour]].tolist())
         if 1 < len(unit) < len(self.order) and max(self.at[list(unit)]) - min(self.at[list(unit)]) == len(unit) - 1:
-            yield from self.slid(unit)
+            yield from self.slid(unit, every)
 
-    def slid(self, moved: tuple[int, ...]) -> Iterator[OtherPlace]:
-        """Contours that follow each other, moved as one to every other place within reach."""
+    def slid(self, moved: tuple[int, ...], every: bool) -> Iterator[OtherPlace]:
+        """Contours that follow each other, moved as one to other places within reach."""
         start = int(self.at[moved[0]])
-        rest = [c for c in self.order if c not in set(moved)]
-        more = self._travel_and_neighbours(moved, rest, start)
+        rest = [*self.order[:start], *self.order[start + len(moved) :]]
+        more = self._travel(moved, rest, start)
+        likely = np.ones(len(more), dtype=np.bool_) if every else more - self._paid.by_slot(moved, start) < -MATTERS_UM
         for there in (range(start - 1, -1, -1), range(start + 1, len(rest) + 1)):
-            state = _Slide(self)
+            state, passed = _Slide(self), start
             for slot in there:
                 if abs(slot - start) > self.reach:
                     break
-                state.passes(moved, rest[slot if there.step < 0 else slot - 1], earlier=there.step < 0)
+                if not likely[slot]:
+                    continue
+                for k in range(passed, slot, there.step):
+                    state.passes(moved, rest[k - 1 if there.step < 0 else k], earlier=there.step < 0)
+                passed = slot
                 order = (*rest[:slot], *moved, *rest[slot:])
                 changes = [*self._near_changes(moved, rest, slot, start), *self._whole_changes(order)]
                 split = self._runs_split(moved, rest, slot)
@@ -121,25 +129,27 @@ class OtherPlaces:
             yield from self._turned_of([(contour,) for contour in self.order])
 
     def _turned_of(self, units: Sequence[tuple[int, ...]]) -> Iterator[tuple[frozenset[int], OtherPlace]]:
+        leg: list[list[int]] = self.leg.tolist()
         ends = [(self.home, self.home), *((unit[0], unit[-1]) for unit in units), (self.home, self.home)]
+        starts = [0, *accumulate(map(len, units))]
         for first in range(len(units) - 1):
-            state, inside = _Slide(self), list(units[first])
-            back = 0  # what travel and neighbours within the stretch cost more, turned round
+            state, passed = _Slide(self), first
+            back = 0  # what travel within the stretch costs more, turned round
+            saved = self._paid.by_turned(units, first)
             for last in range(first + 1, len(units)):
-                for other in inside:
-                    state.passes(units[last], other, earlier=True)
-                inside += units[last]
                 (a, b), (c, d) = ends[last], ends[last + 1]  # the two units that meet at its end
-                back += int(self.leg[d, a] - self.leg[b, c])
+                back += leg[d][a] - leg[b][c]
                 (_, before), (after, _) = ends[first], ends[last + 2]
                 (f0, f1), (l0, l1) = ends[first + 1], ends[last + 1]
-                more = back + int(self.leg[before, l0] + self.leg[f1, after])
-                more -= int(self.leg[before, f0] + self.leg[l1, after])
-                worth = sum(min(um, 0) for _, um in state.soft.values())
-                if more + worth >= 0 and not self.groups and not self.lags and not self.over and not self._far:
+                more = back + leg[before][l0] + leg[f1][after] - leg[before][f0] - leg[l1][after]
+                if more >= saved[last]:
                     continue
+                for unit in range(passed + 1, last + 1):
+                    for other in self.order[starts[first] : starts[unit]]:
+                        state.passes(units[unit], other, earlier=True)
+                passed = last
                 turned = [c for unit in reversed(units[first : last + 1]) for c in unit]
-                start = sum(map(len, units[:first]))
+                start = starts[first]
                 order = (*self.order[:start], *turned, *self.order[start + len(turned) :])
                 changes = [*self._turned_near(order, start, len(turned)), *self._whole_changes(order)]
                 split = self._split(order, chain.from_iterable(self.runs.values())) if len(units) == len(order) else ()
@@ -154,7 +164,7 @@ class OtherPlaces:
         for along, way in ((self.order, -1), (order, 1)):
             stretch = [self.home, *along, self.home][start : start + length + 2]
             for a, b in pairwise(stretch):
-                for about, um in self._near(a, b):
+                for about, um in self.near(a, b):
                     if um is not None:
                         yield about, um * way
                     elif way > 0:
@@ -173,13 +183,13 @@ class OtherPlaces:
         hard = [*state.hard.values(), *split]
         soft = dict(state.soft)
         cost = more_um + sum(um for _, um in soft.values())
-        crossed = self._crossed_more(order)
-        for about, um in (*changes, (self.tipped, crossed)):
+        crossed = self.crossed.more(order)
+        for about, um in (*changes, (self.crossed.tipped, crossed)):
             if um is None:
                 hard.append(about)
             elif um:
                 cost += um
-                _add(soft, about, um)
+                add_to(soft, about, um)
         broken = {id(about): about for about in hard}
         newly = tuple((about, um) for about, um in soft.values() if um > 0)
         return OtherPlace(order, at + 1 + self.setting.made, cost, tuple(broken.values()), newly)
@@ -192,12 +202,16 @@ class OtherPlaces:
             self.first[order.before, order.after].append(order.about)
 
     def _conditions(self) -> None:
+        """Conditions, and for each contour those that some statement names with it."""
         problem = self.setting.problem
         used = {None, *self.setting.route}
         self.asked = [c for c in problem.conditions if c.when in used]
         self.of_contour: dict[int, list[int]] = defaultdict(list)
         self.weight: list[dict[int, int]] = []
-        self.naming: dict[int, list[int]] = defaultdict(list)
+        self.named_with: dict[int, set[int]] = defaultdict(set)
+        for a, b in self.first:
+            self.named_with[a].add(b)
+            self.named_with[b].add(a)
         self.sums: list[int] = []
         for k, condition in enumerate(self.asked):
             self.of_contour[condition.contour].append(k)
@@ -205,8 +219,9 @@ class OtherPlaces:
             for member, value in zip(condition.members, condition.weights, strict=True):
                 weight[member] += value
             self.weight.append(weight)
+            self.named_with[condition.contour].update(weight)
             for member in weight:
-                self.naming[member].append(k)
+                self.named_with[member].add(condition.contour)
             here = self.at[condition.contour]
             self.sums.append(sum(value for member, value in weight.items() if self.at[member] < here))
 
@@ -231,7 +246,7 @@ class OtherPlaces:
                 for pair in ((lag.first, lag.second), (lag.second, lag.first)):
                     self.lags[pair].append((lag.about, price))
 
-    def _near(self, a: int, b: int) -> Iterator[tuple[About, int | None]]:
+    def near(self, a: int, b: int) -> Iterator[tuple[About, int | None]]:
         """What it costs, or breaks, that b is cut right after a; either may be home."""
         yield from self.lags.get((a, b), ())
         for members, cost, about in self.groups.get(b, ()):
@@ -246,7 +261,7 @@ class OtherPlaces:
         now, then = (self._ends(moved, rest, k) for k in (start, slot))
         for (a, b, c, d), sign in ((now, -1), (then, 1)):
             for pair, way in (((a, b), sign), ((c, d), sign), ((a, d), -sign)):
-                for about, um in self._near(*pair):
+                for about, um in self.near(*pair):
                     if um is not None:
                         yield about, um * way
                     elif way > 0:
@@ -257,7 +272,7 @@ class OtherPlaces:
         after = rest[slot] if slot < len(rest) else self.home
         return before, moved[0], moved[-1], after
 
-    def _travel_and_neighbours(self, moved: tuple[int, ...], rest: Sequence[int], start: int) -> Ints:
+    def _travel(self, moved: tuple[int, ...], rest: Sequence[int], start: int) -> Ints:
         """What travel costs more, by slot."""
         a, b = np.array([self.home, *rest]), np.array([*rest, self.home])
         put = self.leg[a, moved[0]] + self.leg[moved[-1], b] - self.leg[a, b]
@@ -288,7 +303,7 @@ class OtherPlaces:
             return
         there = self._whole(order)
         for key, (about, um) in there.items():
-            now = self._whole_now[key][1]
+            now = self.whole_now[key][1]
             if um is None:
                 if now is not None:
                     yield about, None
@@ -314,45 +329,89 @@ class OtherPlaces:
             found[id(s)] = s.about, 0 if holds else None if s.weight is None else cost_um(s.weight)
         return found
 
-    # Idle travel over parts that are out.
 
-    def _crossings(self) -> None:
-        """Moves over parts, hard orders or not: a problem has only those that can occur."""
-        problem, kinds = self.setting.problem, by_kind(self.setting.stated.statements)
-        self.over: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
-        self._crossed_now: int | None = 0
-        self.tipped = About(kinds.crossing[0].about.rule if kinds.crossing else "", (), TIPPED)
-        if not kinds.crossing:
-            return
-        ends, pierces = problem.ends()[self.site], problem.pierces()[self.site]
-        leave, reach = (of.ravel() for of in np.meshgrid(np.arange(problem.n + 1), np.arange(problem.n + 1)))
-        if len(problem.links):
-            idle = problem.links.rows_of(self.site[leave], self.site[reach]) < 0
-            leave, reach = leave[idle], reach[idle]
-        lines = shapely.linestrings(np.stack([ends[leave], pierces[reach]], axis=1) / UM_PER_MM)
-        areas = shapely.buffer([s.area for s in kinds.crossing], -GRAZE_UM / UM_PER_MM)
-        for line, area in shapely.STRtree(areas).query(lines, predicate="intersects").T.tolist():
-            s = kinds.crossing[area]
-            over, cost = -1 if s.over is None else s.over, FORBIDDEN if s.weight is None else cost_um(s.weight)
-            self.over[int(leave[line]), int(reach[line])].append((over, cost))
-        self._crossed_now = self._crossed(self.order)
+class _Paid:
+    """What a plan pays for soft statements, µm: no other place can save more of it than hangs on what changes there.
 
-    def _crossed_more(self, order: Sequence[int]) -> int | None:
-        """What is crossed more, µm; None where it may not be."""
-        there = self._crossed(order) if self.over else 0
-        return None if there is None else there - (self._crossed_now or 0)
+    By place: what the move there costs beside travel; by contour: what moves over it cost, and what conditions that are
+    not met cost that name it.
+    """
 
-    def _crossed(self, order: Sequence[int]) -> int | None:
-        place = {c: k for k, c in enumerate(order)}
-        total, leave = 0, self.home
-        for k, reach in enumerate((*order, self.home)):
-            for over, cost in self.over.get((leave, reach), ()):
-                if over < 0 or place[over] < k:
-                    if cost == FORBIDDEN:
-                        return None
-                    total += cost
-            leave = reach
-        return total
+    def __init__(self, places: OtherPlaces) -> None:
+        self._places, order = places, places.order
+        n = len(order)
+        self.near, self.crossed = np.zeros((2, n + 1), dtype=np.int64)
+        self.of_contour = np.zeros(n + 1, dtype=np.int64)
+        self.whole = sum(um or 0 for _, um in places.whole_now.values())
+        for k, over, cost in places.crossed.over(order):
+            if (over < 0 or places.at[over] < k) and cost != FORBIDDEN:
+                self.crossed[k] += cost
+                self.of_contour[over] += cost * (over >= 0)
+        for k, (a, b) in enumerate(pairwise((places.home, *order, places.home))):
+            self.near[k] = sum(um or 0 for _, um in places.near(a, b))
+        self._unmet: list[tuple[int, int, int]] = []
+        for k, condition in enumerate(places.asked):
+            if condition.cost and places.sums[k] < condition.bound:
+                members = [c for c, weight in places.weight[k].items() if weight]
+                self.of_contour[[condition.contour, *members]] += condition.cost
+                self._unmet += self._turned_by(k, condition.cost)
+
+    def by_slot(self, moved: tuple[int, ...], start: int) -> Ints:
+        """What can be saved at the most with contours that follow each other moved to each slot among the others."""
+        end = start + len(moved)
+        paid = self.near + self.crossed
+        fixed = self.whole + paid[start] + paid[end] + self.crossed[start + 1 : end].sum()
+        fixed += self.of_contour[list(moved)].sum()
+        return np.asarray(fixed + np.concatenate([paid[:start], [0], paid[end + 1 :]]), dtype=np.int64)
+
+    def by_turned(self, units: Sequence[tuple[int, ...]], first: int) -> list[int]:
+        """What can be saved at the most with the units from one to each later one turned round."""
+        places = self._places
+        if first == 0:
+            self._by_end(units)
+        start = int(places.at[units[first][0]])
+        saved, total = [0] * len(units), self.whole + int(self.near[start] + self.crossed[start])
+        for k in range(first, len(units)):
+            total += self._within[k] if k > first else int(self.crossed[start + 1 : start + len(units[k])].sum())
+            total += sum(cost for from_place, cost in self._ending[k] if from_place >= start)
+            after = int(places.at[units[k][-1]]) + 1
+            saved[k] = total + int(self.near[after] + self.crossed[after])
+        return saved
+
+    def _by_end(self, units: Sequence[tuple[int, ...]]) -> None:
+        """By unit: what is paid within a stretch for it, and what the conditions cost that can be met once it is in."""
+        places, unit_at = self._places, [k for k, unit in enumerate(units) for _ in unit]
+        self._within = [0] * len(units)
+        for k in range(1, len(units)):
+            changes: dict[int, tuple[About, int]] = {}
+            for pair, way in (((units[k - 1][-1], units[k][0]), -1), ((units[k][-1], units[k - 1][0]), 1)):
+                for about, um in places.near(*pair):
+                    add_to(changes, about, way * (um or 0))
+            self._within[k] = sum(max(-um, 0) for _, um in changes.values())
+            first = int(places.at[units[k][0]])
+            self._within[k] += int(self.crossed[first : first + len(units[k])].sum())
+        self._ending: list[list[tuple[int, int]]] = [[] for _ in units]
+        for from_place, to_place, cost in self._unmet:
+            self._ending[unit_at[to_place]].append((from_place, cost))
+
+    def _turned_by(self, k: int, cost: int) -> Iterator[tuple[int, int, int]]:
+        """The shortest stretches of the order which turned round can meet a condition, and what that saves."""
+        places = self._places
+        condition, here = places.asked[k], int(places.at[places.asked[k].contour])
+        missing = condition.bound - places.sums[k]
+        later = sorted((int(places.at[c]), w) for c, w in places.weight[k].items() if w > 0 and places.at[c] > here)
+        earlier = [int(places.at[c]) for c, w in places.weight[k].items() if w < 0 and places.at[c] < here]
+        if earlier:
+            yield max(earlier), here, cost
+            missing = 1
+        for (there, _), so_far in zip(later, accumulate(w for _, w in later), strict=True):
+            if so_far >= missing:
+                yield here, there, cost
+                break
+
+
+def add_to(soft: dict[int, tuple[About, int]], about: About, um: int) -> None:
+    soft[id(about)] = about, soft.get(id(about), (about, 0))[1] + um
 
 
 class _Slide:
@@ -368,6 +427,8 @@ class _Slide:
         """The moved contours come before another one that they came after, or the other way round."""
         places, sign = self._places, 1 if earlier else -1
         for mine in moved:
+            if other not in places.named_with[mine]:
+                continue
             pair = (other, mine) if earlier else (mine, other)
             for about in places.first.get(pair, ()):
                 self.hard[id(about), pair] = about
@@ -391,11 +452,7 @@ class _Slide:
             elif met:
                 self.hard[k] = condition.about
         else:
-            _add(self.soft, condition.about, condition.cost * (was - now))
-
-
-def _add(soft: dict[int, tuple[About, int]], about: About, um: int) -> None:
-    soft[id(about)] = about, soft.get(id(about), (about, 0))[1] + um
+            add_to(self.soft, condition.about, condition.cost * (was - now))
 
 
 def _missing(lag: Lag, place: dict[int, int]) -> int:

@@ -18,7 +18,7 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements, meeting_of
 
 from .alternatives import PositionCosts, blocking_orders
 from .context import PlanContext
-from .other_places import OtherPlace, OtherPlaces
+from .other_places import MATTERS_UM, OtherPlace, OtherPlaces
 from .price_split import price_split
 
 LOOKS = 6000
@@ -27,8 +27,6 @@ contours counts n."""
 TRIED = 3
 """Places that are looked at for one contour, at the most."""
 FEW_NAMED = 3
-MATTERS_UM = 50
-"""What is saved by less is no reason: moves are rounded, and many places are as good."""
 EXEMPTION_UM = round(EXEMPTION_MM * UM_PER_MM)
 BEST_ENTRIES = 150
 """Contours up to which all places are tried with the best entries along each order."""
@@ -174,7 +172,7 @@ class Reasons:
         if found:
             single = [reason for reason in found if len(reason.abouts) == 1]
             return WhyHere(tuple(single or found))
-        return WhyHere(for_travel_um=None if turned else self._for_travel(alone))
+        return WhyHere(for_travel_um=None if turned or alone else self._for_travel(contour))
 
     def _strongest(self, candidates: Sequence[tuple[tuple[About, ...], int, OtherPlace]]) -> Reason | None:
         """The reason of the fewest statements that saves most, with what geometry finds there; None if not looked."""
@@ -201,16 +199,16 @@ class Reasons:
         new = (s for s in seen if (s.about.rule, s.about.contours) not in self._stated)
         return [(s.about, None if s.weight is None else cost_um(s.weight)) for s in new]
 
-    def _for_travel(self, others: Sequence[OtherPlace]) -> int | None:
+    def _for_travel(self, contour: int) -> int | None:
         """What the best of the other places costs more with the best entries, where nothing is asked of any of them."""
         n = len(self.setting.order)
         whole = n - 1 <= self.places.reach and n <= BEST_ENTRIES and not self._looks
-        if not whole or not others or any(p.hard or p.soft or p.more_um <= MATTERS_UM for p in others):
+        if not whole or any(p.hard or p.soft or p.more_um <= MATTERS_UM for p in self.places.of(contour, every=True)):
             return None
         along = self._along = self._along or PositionCosts(self.setting)
         if not along.exact:
             return None
-        costs = [along.moved(place.order) for place in others]
+        costs = [along.moved(place.order) for place in self.places.of(contour, every=True)]
         least = min((cost - self.setting.cost for cost in costs if cost is not None), default=None)
         return least if least is not None and least > 0 else None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.plan.explain.context import PlanContext, solved_context
-from kerfwise.models.plan.explain.other_places import OtherPlaces
+from kerfwise.models.plan.explain.other_places import MATTERS_UM, OtherPlace, OtherPlaces
 from kerfwise.models.plan.explain.reasons import with_reasons
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
@@ -141,7 +142,7 @@ def test_the_judge_finds_a_false_reason() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_every_other_place_costs_what_the_plain_reference_says(seed: int) -> None:
+def test_every_other_place_costs_what_the_plain_reference_says(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     profile = load_profile()
     plate = nest(
         420,
@@ -166,7 +167,9 @@ def test_every_other_place_costs_what_the_plain_reference_says(seed: int) -> Non
     places = OtherPlaces(setting)
     tried = 0
     for contour in setting.order:
-        for place in list(places.of(contour))[seed::3]:
+        every = list(places.of(contour, every=True))
+        assert named(places.of(contour)) == named(every)
+        for place in every[seed::3]:
             route = [int(places.site[c]) for c in place.order]
             wrong = broken(setting.problem, route)
             assert bool(wrong) == bool(place.hard)
@@ -174,6 +177,14 @@ def test_every_other_place_costs_what_the_plain_reference_says(seed: int) -> Non
                 assert route_cost(setting.problem, route) - setting.cost == place.more_um
             tried += 1
     assert tried > 80
+    turned = [place for _, place in places.turned()]
+    monkeypatch.setattr(places._paid, "by_turned", lambda units, _: [1 << 60] * len(units))
+    assert turned == [place for _, place in places.turned()] != []
+
+
+def named(places: Iterable[OtherPlace]) -> list[OtherPlace]:
+    """Those that would make the plan cheaper if what they break did not count."""
+    return [place for place in places if place.more_um - sum(um for _, um in place.soft) < -MATTERS_UM]
 
 
 def test_own_rules_and_model_files_are_named(tmp_path: Path) -> None:
