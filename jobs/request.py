@@ -39,6 +39,7 @@ from kerfwise.rules.stating.state_rules import (
     HOPELESS,
     DroppedStatement,
     Stated,
+    every_statement,
     hopeless_anyway,
     loose_orders,
     state_rules,
@@ -225,6 +226,7 @@ def make_request(
         if contours are left in metal that has fallen out.
     """
     loose, began_s = loose_orders(facts), running_s()
+    zoning = frozenset(name for name, rule in RULES.items() if rule.minds_zones)
     if relax:
         from kerfwise.models.engines.deadline import Deadline
         from kerfwise.models.plan.conflict import state_relaxed
@@ -233,6 +235,9 @@ def make_request(
         deadline = None
         if limits is not None:
             deadline = Deadline.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
+        if len(set(facts.zone.tolist())) > 1:  # zones yield before anything is relaxed
+            zone = zones_that_yield(facts, every_statement(facts, profile)[0], zoning)
+            facts = facts if zone is None else replace(facts, zone=zone)
         stated = state_relaxed(facts, profile, deadline=deadline)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
         return Request(facts, replace(stated, dropped=(*stated.dropped, *left_out)), running_s() - began_s)
@@ -242,7 +247,6 @@ def make_request(
             tuple(o.about.sentence for o in loose),
         )
     stated = state_rules(facts, profile)
-    zoning = frozenset(name for name, rule in RULES.items() if rule.minds_zones)
     if (zone := zones_that_yield(facts, stated.statements, zoning)) is not None:
         facts = replace(facts, zone=zone)
         stated = state_rules(facts, profile)

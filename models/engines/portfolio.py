@@ -6,7 +6,7 @@ proven or the limit is reached; each may use every core. Shares are of what is t
 | step | when it suits | what it gets |
 |---|---|---|
 | ideals: sweep at once | all sets are counted, fit into memory and are swept soon | all |
-| without wishes | soft rules tie the whole order together | 25 %, in all steps of the smaller problem |
+| without wishes | soft rules tie the whole order together | 10 %, in all steps of the smaller problem |
 | search: first look | nothing is proven yet | 3 %, at least 0.9 s; all where it runs alone |
 | ideals: proof | a bound may make the sets few, or the sweep surely ends | 45 to 90 %; most take next to nothing |
 | ideals: multipliers | a small nest whose conditions and lags linear programs hold | 60 % |

@@ -59,7 +59,7 @@ FIRST, FIRST_S = 0.03, 0.9
 """Share of the work for a first look by the search; as many seconds at the least."""
 AT_ONCE = 0.6
 """Share of what is left that a first look, or a sweep over all sets before it, may take at the most."""
-WITHOUT_WISHES = 0.25
+WITHOUT_WISHES = 0.1
 """Share of what is left for the best plan without wishes that tie the whole order together."""
 PROOF, PROOF_SMALL, PROOF_ZONES = 0.45, 0.9, 0.75
 """Share that the proof by ideals may take, where it fits; most take next to nothing.

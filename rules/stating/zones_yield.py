@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 
 from kerfwise.arrays import Ints
-from kerfwise.rules.statements import AtLeast, Before, Statement, by_kind
+from kerfwise.rules.statements import AtLeast, Before, Enough, Literal, Pick, Statement, by_kind, plain
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -22,54 +23,64 @@ def zones_that_yield(facts: Facts, statements: Sequence[Statement], zoning: froz
     """Zones (n,) in which no hard sum is impossible for the zones alone; None where they need not, or cannot, yield.
 
     `zoning` are the rules whose orders may come from zones: they do where all lead from one zone to a later one. A part
-    changes zone as a whole, with all that lies in it or around it; what must be cut before it comes along. It goes to
-    the nearest zone that leaves room for all parts of which the same rule asks the same.
+    changes zone as a whole, with all that lies in it or around it; what must be cut before it comes along. Where all
+    orders of a sum are about one contour, that goes to the nearest zone that leaves room for all parts of which the
+    same rule asks the same. Else the orders that fail by the fewest zones are mended first, until enough of them can
+    hold.
     """
     kinds = by_kind(statements)
     zone, first = facts.zone.copy(), facts.zone
-    sums = [(pivot, s) for s in kinds.at_least if s.weight is None and (pivot := _pivot(s)) is not None]
+    sums = [(_pivot(s), s) for s in kinds.at_least if s.weight is None and s.when is None and s.literals]
     hard = [s for s in kinds.precede if s.weight is None]
     zoning &= {s.about.rule for s in hard} - {s.about.rule for s in hard if first[s.before] >= first[s.after]}
     if not sums or not zoning:
         return None
-    unit = _units(facts)
-    orders = [(s.before, s.after) for s in hard if s.about.rule not in zoning]
+    moves = _Moves(_units(facts), [(s.before, s.after) for s in hard if s.about.rule not in zoning])
     for _ in range(MOST_ROUNDS):
-        stuck = [(pivot, s) for pivot, s in sums if not _possible(s, zone, frozenset())]
+        stuck = [(pivot, s) for pivot, s in sums if not _possible(s, zone)]
         if not stuck:
             return None if (zone == first).all() else zone
         of_rule: dict[str, set[int]] = defaultdict(set)
         for pivot, s in stuck:
-            of_rule[s.about.rule].add(pivot)
+            if pivot is not None:
+                of_rule[s.about.rule].add(pivot)
         for pivot, s in stuck:
-            if _possible(s, zone, frozenset()):
+            if _possible(s, zone):
                 continue
-            zone = _moved(pivot, s, zone, frozenset(of_rule[s.about.rule]), unit, orders)
+            if pivot is None:
+                zone = _mended(s, zone, moves)
+            else:
+                zone = _moved(pivot, s, zone, frozenset(of_rule[s.about.rule]), moves)
     return None
 
 
 def _pivot(s: AtLeast) -> int | None:
     """The contour that all orders of a sum are about; None where there is none, or fewer than three orders."""
-    if s.when is not None or len(s.literals) < 3:
+    if len(s.literals) < 3:
         return None
     pairs = [{x.i, x.j} for x in s.literals if isinstance(x, Before)]
     common = set.intersection(*pairs) if len(pairs) == len(s.literals) else set()
     return common.pop() if len(common) == 1 else None
 
 
-def _possible(s: AtLeast, zone: Ints, together: frozenset[int]) -> bool:
-    """Whether the sum can hold by the zones alone; contours `together` in the pivot's zone take the worst place."""
-    most = 0
-    for literal, weight in zip(s.literals, s.weights, strict=True):
-        assert isinstance(literal, Before)
-        before, after = int(zone[literal.i]), int(zone[literal.j])
-        if before == after and {literal.i, literal.j} <= together:
-            most += min(weight, 0)
-        elif before == after:
-            most += max(weight, 0)
-        elif before < after:
-            most += weight
-    return most >= s.bound
+def _possible(s: AtLeast | Enough, zone: Ints, together: frozenset[int] = frozenset()) -> bool:
+    """Whether the sum can hold by the zones alone; contours `together` in one zone take the worst place."""
+    return sum(_most(x, weight, zone, together) for x, weight in zip(s.literals, s.weights, strict=True)) >= s.bound
+
+
+def _most(literal: Literal, weight: int, zone: Ints, together: frozenset[int]) -> int:
+    """What a literal adds at the most: an order between zones is decided, an entry is not."""
+    match literal:
+        case Pick():
+            return max(weight, 0)
+        case Enough():
+            return max(weight, 0) if weight < 0 or _possible(literal, zone, together) else 0
+        case Before(i, j):
+            if zone[i] == zone[j]:
+                return min(weight, 0) if {i, j} <= together else max(weight, 0)
+            return weight if zone[i] < zone[j] else 0
+        case _:
+            assert_never(literal)
 
 
 def _units(facts: Facts) -> Ints:
@@ -83,22 +94,65 @@ def _units(facts: Facts) -> Ints:
     return number
 
 
-def _moved(
-    pivot: int, s: AtLeast, zone: Ints, group: frozenset[int], unit: Ints, orders: Sequence[tuple[int, int]]
-) -> Ints:
-    """The zones with a pivot and its group in the nearest one in which its sum can hold, whatever their order."""
-    now, changed = int(zone[pivot]), zone
-    for away in sorted(range(int(zone.min()), int(zone.max()) + 1), key=lambda z: (abs(z - now), z)):
-        earlier, changed = away < now, zone.copy()
-        waiting, done = [pivot, *group], set[int]()
+@dataclass(frozen=True, eq=False, slots=True)
+class _Moves:
+    """Changes of zone: units (n,) of contours that share one, and the hard orders that zones do not give."""
+
+    unit: Ints
+    orders: Sequence[tuple[int, int]]
+
+    def to(self, zone: Ints, contours: Iterable[int], away: int, *, earlier: bool) -> Ints:
+        """The zones with contours in zone `away`, or an earlier (later) one, and what must come before (after) them."""
+        changed = zone.copy()
+        waiting, done = [*contours], set[int]()
         while waiting:
             contour = waiting.pop()
-            for k in np.flatnonzero(unit == unit[contour]).tolist():
+            for k in np.flatnonzero(self.unit == self.unit[contour]).tolist():
                 if k in done or (changed[k] <= away if earlier else changed[k] >= away):
                     continue
                 done.add(k)
                 changed[k] = away
-                waiting += [a for a, b in orders if b == k] if earlier else [b for a, b in orders if a == k]
+                waiting += [a for a, b in self.orders if b == k] if earlier else [b for a, b in self.orders if a == k]
+        return changed
+
+
+def _moved(pivot: int, s: AtLeast, zone: Ints, group: frozenset[int], moves: _Moves) -> Ints:
+    """The zones with a pivot and its group in the nearest one in which its sum can hold, whatever their order."""
+    now, changed = int(zone[pivot]), zone
+    for away in sorted(range(int(zone.min()), int(zone.max()) + 1), key=lambda z: (abs(z - now), z)):
+        changed = moves.to(zone, (pivot, *group), away, earlier=away < now)
         if _possible(s, changed, group | {pivot}):
             break
     return changed
+
+
+def _mended(s: AtLeast, zone: Ints, moves: _Moves) -> Ints:
+    """The zones in which so many orders of a sum can hold that it can: each order by the smaller of its two moves."""
+    for _ in range(len(tuple(plain(s.literals)))):
+        if _possible(s, zone):
+            break
+        wrong = [(first, last) for first, last in _wanted(s, zone) if zone[first] > zone[last]]
+        if not wrong:
+            break
+        first, last = min(wrong, key=lambda pair: (zone[pair[0]] - zone[pair[1]], pair))
+        ways = (
+            moves.to(zone, (first,), int(zone[last]), earlier=True),
+            moves.to(zone, (last,), int(zone[first]), earlier=False),
+        )
+        zone = min(ways, key=lambda way: np.count_nonzero(way != zone))
+    return zone
+
+
+def _wanted(s: AtLeast | Enough, zone: Ints) -> Iterator[tuple[int, int]]:
+    """The orders that would help a sum, of each the contour that should come first."""
+    for literal, weight in zip(s.literals, s.weights, strict=True):
+        match literal:
+            case Pick():
+                pass
+            case Enough():
+                if weight > 0 and not _possible(literal, zone):
+                    yield from _wanted(literal, zone)
+            case Before(i, j):
+                yield (i, j) if weight > 0 else (j, i)
+            case _:
+                assert_never(literal)
