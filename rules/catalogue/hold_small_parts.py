@@ -29,8 +29,8 @@ LIT_AGAIN_FREELY = ("laser",)
 """Processes that may go out and be lit again on the way without a pierce."""
 WIDTH_MM = 0.05
 """By how much a tab may be wider or narrower than it should be."""
-BESIDE_MM = 0.1
-"""By how much a tab may be narrower beside a lead: controls that count in tenths of a millimetre round both."""
+TENTHS_MM = 0.1
+"""By how much a tab may be narrower beside a lead in a program that counts in tenths of a millimetre: both are rounded."""
 PLACE_MM = 0.5
 
 
@@ -177,7 +177,7 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
         yield f"has no tab: {why}"
         return
     beside_mm = _tab_width_at_lead_mm(cut, options)
-    if beside_mm is not None and beside_mm < cut.tabs[0].width_mm - BESIDE_MM:
+    if beside_mm is not None and beside_mm < cut.tabs[0].width_mm - (TENTHS_MM if _in_tenths(cut) else WIDTH_MM):
         yield f"burns all but {max(beside_mm, 0.0):.2f} mm of its tab with its lead-in"
     if len(cut.tabs) != given:
         yield f"has {_tabs(len(cut.tabs))}, not {given}: {why}"
@@ -209,6 +209,12 @@ def _tab_width_at_lead_mm(cut: Cut, options: HoldSmallPartsOptions) -> float | N
     if not options.at_end or len(cut.tabs) != 1 or cut.lead_in is None or cut.lead_out is None:
         return None
     return float(shapely.distance(shapely.Point(cut.end), cut.lead_in.line())) - options.kerf_mm
+
+
+def _in_tenths(cut: Cut) -> bool:
+    """Whether a cut goes by whole tenths of a millimetre from its pierce to its end, as some controls count."""
+    steps = [10 * (end - begin) for begin, end in zip(cut.pierce, cut.end, strict=True)]
+    return all(abs(step - round(step)) < SLACK_MM for step in steps)
 
 
 def _asked(part: Part, options: HoldSmallPartsOptions) -> tuple[tuple[int, tuple[Tab, ...]] | None, str]:
