@@ -30,7 +30,7 @@ LIT_AGAIN_FREELY = ("laser",)
 WIDTH_MM = 0.05
 """By how much a tab may be wider or narrower than it should be."""
 TENTHS_MM = 0.1
-"""By how much a tab may be narrower beside a lead in a program that counts in tenths of a millimetre: both are rounded."""
+"""By how much a tab may be narrower beside a lead in a program of tenths of a millimetre: both are rounded."""
 PLACE_MM = 0.5
 
 
