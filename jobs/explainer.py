@@ -217,6 +217,21 @@ class Mover:
         strips_mm = self._seen_mm(order) - self._seen_now_mm if look else 0.0
         return MovePreview(names, place, (), (tried.cost - setting.cost) / UM_PER_MM + strips_mm, look), tried.route
 
+    def has_room(self, contours: Collection[str], place: int, given_up: Iterable[str] = ()) -> bool:
+        """Whether the hard orders leave the place open once the others may move: enough can come before, and after.
+
+        What must come before the contours, directly or by way of others, fits before the place, and so does the rest
+        behind it. Zones and lags are not looked at: a plan may still not be found.
+        """
+        setting = self._setting(frozenset(given_up))
+        index, before = setting.facts.nest.index, setting.problem.before
+        moved = [index[name] for name in contours if name in index]
+        ahead = set(np.flatnonzero(before[:, moved].any(axis=1)).tolist()).difference(moved)
+        behind = set(np.flatnonzero(before[moved].any(axis=0)).tolist()).difference(moved)
+        at = place - 1 - setting.made
+        left = len(setting.order) - len(moved) - at
+        return not ahead & behind and len(ahead) <= at and len(behind) <= left
+
     def _setting(self, given_up: frozenset[str]) -> PlanContext:
         """The setting of the plan; without locks that do not count it is made anew, and kept for the next question."""
         if not given_up:

@@ -137,18 +137,24 @@ class Desk:
     ) -> dict[str, Any]:
         """Whether contours can be cut from another place on, what it costs, or what forbids it; nothing is planned.
 
-        `locks` are what a drop there would lock, and `undone` those of before that it takes the place of.
+        `how` is "goes"; "gives way", where rules yield to the lock; "others move", where it is forbidden with the
+        others in their places and orders leave room for another plan; or "no". `locks` are what a drop there would
+        lock, and `undone` those of before that it takes the place of.
         """
         explainer, mover = self._mover(wanted, plan)
         contours = _contours_of(self._read(wanted).given.nest, contours)
         locks = self._locks_of(explainer, contours, place)
         gone = self._against(wanted, locks)
-        moved, _ = mover.move(contours, place, [lock.because for lock in gone], look)
+        given_up = [lock.because for lock in gone]
+        moved, _ = mover.move(contours, place, given_up, look)
+        gives_way = _gives_way(explainer, moved)
+        room = not moved.lawful and mover.has_room(contours, place, given_up)
         return {
+            "how": "goes" if moved.lawful else "gives way" if gives_way else "others move" if room else "no",
             "contours": list(moved.contours),
             "place": moved.place,
             "lawful": moved.lawful,
-            "gives_way": _gives_way(explainer, moved),
+            "gives_way": gives_way,
             "more_mm": moved.more_mm,
             "looked": moved.looked,
             "text": escape_text(moved.sentence),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -16,11 +17,13 @@ from typing import Any, NamedTuple
 from kerfwise.encoder.cut import Cut, Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, Source
+from kerfwise.encoder.text import escape_text
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.models.plan.read_plan import expect_plan_of
 from kerfwise.rules.plan_state import PlanState
 
+from .language import page_texts
 from .legend import nest_name
 
 _IMPORT = re.compile(r'^import\s+(?:\{[^}]*\}\s+from\s+)?"\./(?P<name>[\w/.-]+\.js)";[ \t]*\n', re.MULTILINE)
@@ -49,6 +52,7 @@ def page_and_policy(
     entry: str = "static.js",
     connect: bool = False,
     more: Mapping[str, str] = MappingProxyType({}),
+    noscript: str = "",
 ) -> Page:
     """The page of such data, as one HTML file, and its policy.
 
@@ -62,6 +66,8 @@ def page_and_policy(
         Whether the page may ask the server that it came from. Without it every request is forbidden.
     more
         Texts of further modules by name, which `entry` and others may import, and of further style sheets.
+    noscript
+        HTML for browsers without JavaScript; "" for a picture of the data's nest.
     """
     frame = _text("page.html")
     style = "\n".join([_text("page.css"), *(text for name, text in more.items() if name.endswith(".css"))])
@@ -80,6 +86,8 @@ def page_and_policy(
         "@policy": escape(policy),
         "@title": escape(str(data.get("title", "kerfwise"))),
         "@style": style,
+        "@noscript": noscript or _without_script(data),
+        "@texts": as_script_data(page_texts()),
         "@data": as_script_data(data),
         "@script": script,
     }
@@ -88,6 +96,60 @@ def page_and_policy(
         before, _, frame = frame.partition(mark)
         made += [before, text]
     return Page("".join([*made, frame]), policy)
+
+
+def _without_script(data: Mapping[str, Any]) -> str:
+    """What a browser shows that runs no JavaScript: what the plan is, and its picture."""
+    if not data.get("nest"):
+        return "<p>This page needs JavaScript. <code>kerfwise plot</code> draws the nest without it.</p>"
+    sides = data["sides"]
+    told = f"<p>{escape(sides[0]['state']['told'])}</p>" if sides else ""
+    picture = base64.b64encode(bare_svg(data).encode("utf-8")).decode("ascii")
+    title = escape(str(data.get("title", "")))
+    alt = f"the nest {title}, with the numbers of the cuts" if sides else f"the nest {title}"
+    return (
+        f"<h1>{title}</h1>{told}<p>The page needs JavaScript to explain and play the plan.</p>"
+        f'<img alt="{alt}" src="data:image/svg+xml;base64,{picture}">'
+    )
+
+
+_NUMBERED = 600
+"""Cuts up to which the picture without JavaScript has numbers."""
+
+
+def bare_svg(data: Mapping[str, Any]) -> str:
+    """A picture of a page's data as SVG: the sheet, every contour, and where each cut begins."""
+    nest, (x0, y0, x1, y1) = data["nest"], data["nest"]["bounds"]
+    size = max(x1 - x0, y1 - y0, 1.0)
+
+    def path(rows: Sequence[float], closed: bool) -> str:
+        bits = [f"M{rows[0]:g} {y1 - rows[1]:g}"]
+        count = len(rows) // 3
+        for k in range(count if closed else count - 1):
+            (xa, ya, bulge), (xb, yb) = rows[3 * k : 3 * k + 3], rows[3 * ((k + 1) % count) :][:2]
+            if bulge:
+                chord = math.hypot(xb - xa, yb - ya)
+                radius = abs(chord * (1 + bulge * bulge) / (4 * bulge))
+                bits.append(f"A{radius:.4g} {radius:.4g} 0 {int(abs(bulge) > 1)} {int(bulge < 0)} {xb:g} {y1 - yb:g}")
+            else:
+                bits.append(f"L{xb:g} {y1 - yb:g}")
+        return "".join([*bits, "Z" if closed else ""])
+
+    parts = "".join(path(c["rows"], c["closed"]) for c in nest["contours"] if c["kind"] != "mark")
+    marks = "".join(path(c["rows"], c["closed"]) for c in nest["contours"] if c["kind"] == "mark")
+    cuts = data["sides"][0]["cuts"] if data["sides"] else []
+    numbers = "".join(
+        f'<text x="{cut["path"][0]:g}" y="{y1 - cut["path"][1]:g}">{k}</text>'
+        for k, cut in enumerate(cuts[:_NUMBERED], (data["sides"][0]["made"] if cuts else 0) + 1)
+    )
+    line = size / 800
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{x0 - 9 * line:g} {-9 * line:g} {x1 - x0 + 18 * line:g} '
+        f'{y1 - y0 + 18 * line:g}"><g fill="none" stroke="#343a40" stroke-width="{line:g}">'
+        f'<path fill="#e3e6e9" fill-rule="evenodd" d="{"".join(path(rows, True) for rows in nest["sheet"])}"/>'
+        f'<path fill="#c5d7e6" fill-rule="evenodd" d="{parts}"/><path stroke="#17609f" d="{marks}"/></g>'
+        f'<g font-family="sans-serif" font-size="{12 * line:g}" text-anchor="middle">{numbers}</g></svg>'
+    )
 
 
 def as_script_data(data: Mapping[str, Any]) -> str:
@@ -182,12 +244,19 @@ def nest_data(nest: Nest) -> Data:
                 "kind": contour.kind,
                 "rows": rows_of(contour.curve),
                 "closed": contour.curve.closed,
+                **_as_drawn_in_file(contour.source),
             }
             for contour in nest.contours
         ],
         "left_out": [rows_of(hole.curve) for hole in nest.not_cut],
         "notes": [note.text for note in nest.notes],
     }
+
+
+def _as_drawn_in_file(source: Source) -> Data:
+    """What the drawing says of a line, where it says anything worth it: in words, its colour, and its writing."""
+    told = {"drawn": source.told(), "colour": source.colour, "text": source.text}
+    return {key: escape_text(value) for key, value in told.items() if value}
 
 
 def rows_of(curve: Curve) -> list[float]:
@@ -249,7 +318,8 @@ def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
 
 def state_data(state: PlanState) -> Data:
     """Whether every hard rule holds: kept, kept but for some places, or broken; in short, and for an operator."""
-    return {"kind": state.kind, "short": state.short(), "told": state.words(), "for_operator": state.for_operator()}
+    words = {"short": state.short(), "told": state.words(), "for_operator": state.for_operator()}
+    return {"kind": state.kind, "count": state.count, **words}
 
 
 def cut_data(nest: Nest, planned: PlannedCut, path: Curve | None = None) -> Data:

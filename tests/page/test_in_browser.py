@@ -187,7 +187,7 @@ def test_it_plays_in_true_time_with_the_program(look: Open, wide: int) -> None:
     assert line in lines
     box = seen.page.locator("#ruler").bounding_box()
     assert box is not None
-    seen.page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + 20)
+    seen.page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + box["height"] - 8)
     assert seen.state("time_s") == pytest.approx(0.75 * seen.page.evaluate("window.kerfwise.end()"), rel=0.02)
 
 

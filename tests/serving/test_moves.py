@@ -102,6 +102,16 @@ def test_a_lock_that_the_move_takes_the_place_of_does_not_count() -> None:
     assert "locks" not in without
 
 
+def test_orders_leave_room_for_a_place_or_not() -> None:
+    """A hole comes before its part whatever the others do; where others only stand in the way, there is room."""
+    mover = Mover(explainer(ROW))
+    order = [contour.id for contour in ROW.contours]
+    room = {(name, place): mover.has_room([name], place) for name in order for place in range(1, len(order) + 1)}
+    assert not room["A.outer", 1]
+    assert not room["A.hole1", len(order)]
+    assert all(mover.has_room([name], place) for name, place in room if mover.move([name], place)[0].lawful)
+
+
 @pytest.mark.parametrize(("names", "place", "said"), [
     (["Q"], 1, "unknown contour 'Q'"), (["A.outer"], 0, "expected one from 1 to 5"), (["A.outer"], 6, "place 6"),
 ])  # fmt: skip

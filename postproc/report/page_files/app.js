@@ -4,6 +4,7 @@ import { byId } from "./elements.js";
 import { HeatFrames } from "./heat.js";
 import { Outlines } from "./outlines.js";
 import { doingText } from "./player.js";
+import { tr } from "./say.js";
 import { Stage } from "./stage.js";
 import { Store } from "./store.js";
 import { momentAt } from "./timeline.js";
@@ -32,7 +33,7 @@ export class App {
     this.gestures = [];
     /** @type {{name: string, fn: () => void, text: string}[]} */
     this.keys = [];
-    this.slots = { tools: byId("slot-tools"), why: byId("slot-why"), rules: byId("slot-rules"), side: byId("slot-side") };
+    this.slots = { tools: byId("slot-tools"), why: byId("slot-why"), rules: byId("slot-rules"), side: byId("slot-side"), sheet: byId("slot-sheet") };
     /** @type {Map<string, number>} */
     this.numbers = new Map();
     this.#stand();
@@ -112,7 +113,7 @@ export class App {
     if (!this.side) return;
     const again = !this.state.playing && this.state.time_s >= this.end();
     this.set({ playing: !this.state.playing, ...(again ? { time_s: 0 } : {}) });
-    this.tell(this.state.playing ? `playing, ${this.state.speed} times as fast as the machine` : `paused: ${this.doing()}`);
+    this.tell(this.state.playing ? tr("playing, {speed} times as fast as the machine", { speed: this.state.speed }) : tr("paused: {doing}", { doing: this.doing() }));
   }
 
   /** The end of the cut before, or of the next. */
@@ -137,7 +138,7 @@ export class App {
     this.set({ selected: contour });
     this.moved();
     const cut = this.cutOf(contour), { contours } = this.data.nest;
-    if (contour >= 0) this.tell(`${contours[contour].id}${cut === undefined ? "" : `, cut ${this.side.made + cut + 1}`}`);
+    if (contour >= 0) this.tell(`${contours[contour].id}${cut === undefined ? "" : `, ${tr("cut {number}", { number: this.side.made + cut + 1 })}`}`);
   }
 
   /** @param {string} id */
@@ -167,7 +168,7 @@ export class App {
     }
     if (stages !== this.stages) return; // another plan has come meanwhile, and its heat is asked for
     const known = stages.some(stage => stage.heat);
-    if (heat && !known) this.tell("the heat of this plan is not known, or takes long: kerfwise heat simulates it");
+    if (heat && !known) this.tell(tr("the heat of this plan is not known, or takes long: kerfwise heat simulates it"));
     this.set({ heat: heat && known });
     this.draw();
   }

@@ -1,5 +1,6 @@
 /** @import { App } from "./app.js" */
 import { byId, make } from "./elements.js";
+import { tr } from "./say.js";
 
 /**
  * What differs between two plans: figures, rules and cuts. A click on a cut chooses it in both.
@@ -18,13 +19,13 @@ export function comparedPanel(app) {
       grid(["", "A", "B", ""], figures.map(row => row.map(text => make("span", {}, text)))),
       ...proofs.map(text => make("p", { class: "hint" }, text)),
       make("h3", {}, summary),
-      changed.length ? grid(["contour", "A", "B", ""], changed.slice(0, 400).map(one => {
+      changed.length ? grid([tr("contour"), "A", "B", ""], changed.slice(0, 400).map(one => {
         const id = app.data.nest.contours[one.contour]?.id ?? "";
         return [make("button", { type: "button", class: "link", onclick: () => app.chooseId(id) }, id),
           make("span", {}, String(one.a ?? "–")), make("span", {}, String(one.b ?? "–")), make("span", {}, one.told)];
       })) : "",
-      changed.length > 400 ? make("p", { class: "hint" }, `and ${changed.length - 400} more`) : "",
-      make("h3", {}, "Rules"), grid(["rule", "A", "B", ""], rules.map(row => row.map(text => make("span", {}, text)))));
+      changed.length > 400 ? make("p", { class: "hint" }, tr("and {n} more", { n: changed.length - 400 })) : "",
+      make("h3", {}, tr("Rules")), grid([tr("rule"), "A", "B", ""], rules.map(row => row.map(text => make("span", {}, text)))));
   };
   show();
   app.renewed(show);

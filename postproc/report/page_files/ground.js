@@ -6,7 +6,7 @@ import { paintRemoved } from "./removed.js";
 const BUDGET_MS = 7, MARGIN = 0.15;
 
 /**
- * @typedef {{done: number, travel: boolean, numbers: boolean}} Look
+ * @typedef {{done: number, travel: boolean, numbers: boolean, drawn: boolean}} Look
  */
 
 /**
@@ -94,7 +94,7 @@ class Sheet {
     this.context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d", { alpha: false, willReadFrequently: true }));
     this.camera = new Camera();
     /** @type {Look} */
-    this.look = { done: 0, travel: false, numbers: false };
+    this.look = { done: 0, travel: false, numbers: false, drawn: false };
     this.wide = this.high = this.ratio = 0;
     this.inner = { wide: 0, high: 0 };
     this.valid = false;
@@ -125,7 +125,7 @@ class Sheet {
   shows(camera, look, size) {
     const mine = this.look, x = camera.x - this.camera.x, y = camera.y - this.camera.y;
     return this.valid && camera.scale === this.camera.scale && size.ratio === this.ratio
-      && mine.done === look.done && mine.travel === look.travel && mine.numbers === look.numbers
+      && mine.done === look.done && mine.travel === look.travel && mine.numbers === look.numbers && mine.drawn === look.drawn
       && x <= 0 && y <= 0 && x + this.wide >= size.wide && y + this.high >= size.high;
   }
 }

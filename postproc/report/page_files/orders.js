@@ -1,8 +1,9 @@
 /** @import { App } from "./app.js" */
 /** @import { CutData } from "./types.js" */
 import { byId, make } from "./elements.js";
+import { tr, trn } from "./say.js";
 import { VirtualList } from "./virtual.js";
-import { clock, millimetres } from "./words.js";
+import { clock, kindText, millimetres } from "./words.js";
 
 export const ROW_PX = 27;
 const SIGNS = { outer: "▢", hole: "◯", mark: "✎", slit: "╱", scrap: "✂" };
@@ -23,9 +24,9 @@ export function orderList(app) {
     const cut = cuts[k], contour = app.data.nest.contours[cut.contour], stage = app.stages[app.state.side];
     const done = stage.timeline.ends_s[k] <= app.state.time_s, now = k === current;
     const flags = [
-      cut.excused.length ? make("b", { class: "flag bad", title: `excused: ${cut.excused.join(", ")}` }, "!") : null,
-      cut.wait_s ? make("b", { class: "flag", title: `waits ${cut.wait_s} s` }, "⏱") : null,
-      cut.linked ? make("b", { class: "flag", title: "linked: the torch stays on" }, "∞") : null,
+      cut.excused.length ? make("b", { class: "flag unkept", title: tr("not kept here: {rules}", { rules: cut.excused.join(", ") }) }, "!") : null,
+      cut.wait_s ? make("b", { class: "flag", title: tr("waits {s} s", { s: cut.wait_s }) }, "⏱") : null,
+      cut.linked ? make("b", { class: "flag", title: tr("linked: the torch stays on") }, "∞") : null,
       differs.has(cut.contour) ? make("b", { class: "flag diff", title: differs.get(cut.contour) }, "≠") : null,
     ];
     row.className = `row${done ? " done" : ""}${now ? " now" : ""}${cut.contour === app.state.selected ? " chosen" : ""}`;
@@ -35,10 +36,10 @@ export function orderList(app) {
     row.setAttribute("aria-posinset", String(k + 1));
     row.setAttribute("aria-setsize", String(cuts.length));
     row.dataset.contour = contour.id;
-    const band = make("i", { class: "band", title: cut.zone ? `zone ${cut.zone}` : "no zone" });
+    const band = make("i", { class: "band", title: cut.zone ? tr("zone {zone}", { zone: cut.zone }) : tr("no zone") });
     band.style.background = cut.zone ? `var(--zone${(cut.zone - 1) % 8})` : "transparent";
     row.append(band, make("span", { class: "no" }, String(app.side.made + k + 1)),
-      make("span", { class: `kind ${contour.kind}`, title: contour.kind }, SIGNS[contour.kind]),
+      make("span", { class: `kind ${contour.kind}`, title: kindText(contour.kind) }, SIGNS[contour.kind]),
       make("span", { class: "id", title: contour.id }, contour.id), ...flags.filter(flag => flag !== null),
       make("span", { class: "length" }, millimetres(cut.length_mm)),
       make("span", { class: "at" }, clock(stage.timeline.begins_s[k])));
@@ -64,7 +65,7 @@ export function orderList(app) {
   const renew = () => {
     cuts = app.side ? app.side.cuts : [];
     differs = new Map((app.data.comparison?.changed ?? []).map(pair => [pair.contour, pair.told]));
-    head.textContent = cuts.length ? `${cuts.length} cuts${app.side.name ? ` of ${app.side.name}` : ""}` : "no plan";
+    head.textContent = cuts.length ? `${trn("{n} cut", "{n} cuts", cuts.length)}${app.side.name ? ` · ${app.side.name}` : ""}` : tr("no plan");
     list.reset(cuts.length);
   };
   renew();

@@ -105,6 +105,7 @@ function paintMarks(context, camera, palette, scenery, state) {
     pen(context, colour, width);
     context.stroke();
   };
+  scenery.unkept.forEach(contour => line(contour, ink.unkept, 2.6));
   state.marked.forEach(contour => line(contour, ink.alert, state.marked.length > MANY ? 1.8 : 3));
   line(state.hovered, ink.select, 1.5);
   line(state.selected, ink.halo, 5.5);

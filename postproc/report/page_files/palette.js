@@ -1,6 +1,6 @@
 /** The colours of the drawing, by the style sheet's variables: they follow the light and the dark look. */
 const NAMES = ["ground", "sheet", "edge", "part", "loose", "gap", "outer", "hole", "mark", "slit", "scrap", "pierce",
-  "travel", "torch", "select", "alert", "text", "halo", "tab", "done"];
+  "travel", "torch", "select", "alert", "text", "halo", "tab", "done", "unkept", "warn", "good", "bad", "strong"];
 
 /**
  * @typedef {object} Palette

@@ -2,8 +2,9 @@
 import { Camera } from "./camera.js";
 import { byId, make } from "./elements.js";
 import { palette } from "./palette.js";
-import { notHeld } from "./rules.js";
-import { clock, counted, metres, millimetres, placeText } from "./words.js";
+import { tr, trn } from "./say.js";
+import { notHeld } from "./unkept.js";
+import { clock, metres, millimetres, placeText } from "./words.js";
 
 const PAPER_PX = 2200, MOST_HIGH = 1700, PAPER_FONT_PX = 22;
 
@@ -16,12 +17,12 @@ export function workSheet(app) {
   const paper = byId("paper");
   const lay = () => {
     const { nest, title } = app.data, { side } = app, [x0, y0, x1, y1] = nest.bounds;
-    const figures = side ? `${side.profile} · ${clock(app.stages[app.state.side].timeline.end_s)} · cut ${metres(side.figures.cut_mm)} · idle `
-      + `${metres(side.figures.idle_mm)} · ${counted(side.figures.pierces, "pierce")}` : "no plan";
+    const figures = side ? [side.profile, clock(app.stages[app.state.side].timeline.end_s), tr("cut {cut}, idle {idle}", { cut: metres(side.figures.cut_mm),
+      idle: metres(side.figures.idle_mm) }), trn("{n} pierce", "{n} pierces", side.figures.pierces)].join(" · ") : tr("no plan");
     paper.replaceChildren(
       make("h1", {}, title, side?.name ? ` – ${side.name}` : ""),
-      make("p", {}, `${(x1 - x0).toFixed(0)} × ${(y1 - y0).toFixed(0)} mm · ${counted(nest.parts.length, "part")} · ${figures}`),
-      make("p", {}, `nest sha256 ${nest.sha256.slice(0, 16)} · ${side ? side.state.for_operator : ""}`),
+      make("p", {}, `${(x1 - x0).toFixed(0)} × ${(y1 - y0).toFixed(0)} mm · ${trn("{n} part", "{n} parts", nest.parts.length)} · ${figures}`),
+      make("p", {}, `${tr("nest")} sha256 ${nest.sha256.slice(0, 16)} · ${side ? side.state.for_operator : ""}`),
       drawing(app), ...(side ? [...notKept(app), table(app)] : []));
   };
   addEventListener("beforeprint", lay);
@@ -42,7 +43,7 @@ function drawing(app) {
   root.dataset.look = look;
   if (!look) delete root.dataset.look;
   const { scenery } = app.stages[app.state.side];
-  for (const _ of scenery.paint(context, camera, light, { done: 0, travel: true, numbers: true, wide: canvas.width, high: canvas.height, font: PAPER_FONT_PX }));
+  for (const _ of scenery.paint(context, camera, light, { done: 0, travel: true, numbers: true, drawn: false, wide: canvas.width, high: canvas.height, font: PAPER_FONT_PX }));
   return canvas;
 }
 
@@ -50,19 +51,19 @@ function drawing(app) {
 function notKept(app) {
   const lines = [
     ...notHeld(app.side).map(one => `${one.text} – ${one.why}`),
-    ...app.side.rules.filter(rule => rule.breaches.length).map(rule => `${rule.id} (${rule.strength}): ${counted(rule.breaches.length, "place")} where it does not hold`),
+    ...app.side.rules.filter(rule => rule.breaches.length).map(rule => `${rule.id} (${rule.strength}): ${trn("{n} place where it does not hold", "{n} places where it does not hold", rule.breaches.length)}`),
   ];
-  return lines.length ? [make("h2", {}, "Not kept"), make("ul", {}, ...lines.map(text => make("li", {}, text)))] : [];
+  return lines.length ? [make("h2", {}, tr("Not kept")), make("ul", {}, ...lines.map(text => make("li", {}, text)))] : [];
 }
 
 /** @type {(app: App) => HTMLElement} */
 function table(app) {
   const { side } = app, { timeline } = app.stages[app.state.side];
-  const head = ["", "no.", "contour", "zone", "pierce at, mm", "way", "length", "begins", ""];
+  const head = ["", tr("no."), tr("contour"), tr("zone"), tr("pierce at, mm"), tr("way"), tr("length"), tr("begins"), ""];
   return make("table", {}, make("thead", {}, make("tr", {}, ...head.map(text => make("th", {}, text)))),
     make("tbody", {}, ...side.cuts.map((cut, k) => make("tr", {}, make("td", {}, "☐"), make("td", {}, String(side.made + k + 1)),
       make("td", {}, app.data.nest.contours[cut.contour].id), make("td", {}, String(cut.zone || "")), make("td", {}, placeText(cut.path)),
       make("td", {}, cut.direction), make("td", {}, millimetres(cut.length_mm)), make("td", {}, clock(timeline.begins_s[k])),
-      make("td", {}, [cut.wait_s ? `wait ${cut.wait_s} s` : "", cut.linked ? "linked" : "", cut.excused.length ? "excused" : "",
-        cut.tabs.length ? counted(cut.tabs.length, "tab") : ""].filter(Boolean).join(", "))))));
+      make("td", {}, [cut.wait_s ? tr("wait {s} s", { s: cut.wait_s }) : "", cut.linked ? tr("linked") : "", cut.excused.length ? tr("not kept here") : "",
+        cut.tabs.length ? trn("{n} tab", "{n} tabs", cut.tabs.length) : ""].filter(Boolean).join(", "))))));
 }

@@ -1,8 +1,9 @@
 /** @import { App } from "./app.js" */
 import { byId } from "./elements.js";
+import { figure, tr } from "./say.js";
 import { clock, metres } from "./words.js";
 
-export const SPEEDS = [1, 2, 4, 8, 16, 32, 64];
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
 
 /**
  * Play, pause, one cut back and on, and the speed: so many times as fast as the machine.
@@ -11,6 +12,7 @@ export const SPEEDS = [1, 2, 4, 8, 16, 32, 64];
  */
 export function player(app) {
   const play = byId("play"), speed = /** @type {HTMLSelectElement} */ (byId("speed"));
+  speed.append(...SPEEDS.map(one => new Option(`${figure(one, one < 1 ? one === 0.25 ? 2 : 1 : 0)} ×`, String(one))));
   let before = 0;
   /** @param {number} now */
   const tick = now => {
@@ -35,7 +37,7 @@ export function player(app) {
   app.on((state, changes) => {
     if (changes.playing !== undefined) {
       play.textContent = state.playing ? "❚❚" : "▶";
-      play.setAttribute("aria-label", state.playing ? "pause" : "play");
+      play.setAttribute("aria-label", state.playing ? tr("pause") : tr("play"));
       if (state.playing) {
         before = performance.now();
         requestAnimationFrame(tick);
@@ -57,10 +59,11 @@ export function player(app) {
  * @returns {string}
  */
 export function doingText(app, moment, done) {
-  if (!app.side) return "no plan";
+  if (!app.side) return tr("no plan");
   const of = app.side.made + app.side.cuts.length;
-  if (!moment) return `done: ${of} cuts, ${metres(app.side.figures.cut_mm)} cut, ${metres(app.side.figures.idle_mm)} idle`;
+  if (!moment) return tr("done: {of} cuts, {cut} cut, {idle} idle", { of, cut: metres(app.side.figures.cut_mm), idle: metres(app.side.figures.idle_mm) });
   const number = app.side.made + moment.cut + 1, id = app.data.nest.contours[app.side.cuts[moment.cut].contour].id;
-  const does = { travel: "travels to", wait: "waits at", pierce: "pierces", cut: "cuts", home: "travels home from" }[moment.does];
-  return `${does} ${number} ${id} · ${app.side.made + done} of ${of} done`;
+  const does = { travel: tr("travels to {number} {id}", { number, id }), wait: tr("waits at {number} {id}", { number, id }),
+    pierce: tr("pierces {number} {id}", { number, id }), cut: tr("cuts {number} {id}", { number, id }), home: tr("travels home from {number} {id}", { number, id }) }[moment.does];
+  return `${does} · ${tr("{done} of {of} done", { done: app.side.made + done, of })}`;
 }

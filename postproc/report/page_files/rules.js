@@ -1,7 +1,9 @@
 /** @import { App } from "./app.js" */
-/** @import { Place, RuleData, SideData } from "./types.js" */
+/** @import { Place, RuleData } from "./types.js" */
 import { byId, make } from "./elements.js";
-import { metres, stateClass } from "./words.js";
+import { tr, trn } from "./say.js";
+import { notHeld } from "./unkept.js";
+import { metres, stateClass, strengthText } from "./words.js";
 
 /**
  * The rules: first what was excused and dropped, which is never hidden, then every rule with its verdict and price.
@@ -13,18 +15,18 @@ export function rulesPanel(app) {
   let open = "";
   const show = () => {
     if (!app.side) {
-      panel.replaceChildren(make("p", { class: "hint" }, "No plan, no verdict."));
+      panel.replaceChildren(make("p", { class: "hint" }, tr("No plan, no verdict.")));
       return;
     }
     const { rules, warnings } = app.side, unkept = notHeld(app.side);
     panel.replaceChildren(
       verdict(app),
       ...(warnings ?? []).map(text => make("p", { class: "warn" }, text)),
-      unkept.length ? make("section", { class: "kept-open" }, make("h3", {}, `Excused and dropped: ${unkept.length}`),
+      unkept.length ? make("section", { class: "kept-open" }, make("h3", {}, trn("Not kept: {n} place", "Not kept: {n} places", unkept.length)),
         ...unkept.map(place => spot(app, place, place.text, place.why)))
-        : make("p", { class: "hint" }, "Nothing was excused, and no statement was dropped."),
+        : make("p", { class: "hint" }, tr("Nothing was excused, and no statement was dropped.")),
       make("table", { class: "score" },
-        make("thead", {}, make("tr", {}, ...["rule", "strength", "breaches", "cost"].map(text => make("th", { scope: "col" }, text)))),
+        make("thead", {}, make("tr", {}, ...[tr("rule"), tr("strength"), tr("breaches"), tr("cost")].map(text => make("th", { scope: "col" }, text)))),
         make("tbody", {}, ...sorted(rules).flatMap(rule => lines(app, rule, open === rule.id, () => {
           open = open === rule.id ? "" : rule.id;
           app.mark(open ? [...rule.breaches, ...rule.excused].flatMap(place => place.contours) : []);
@@ -37,25 +39,12 @@ export function rulesPanel(app) {
   app.on((_, changes) => { if (changes.side !== undefined) { open = ""; show(); } });
 }
 
-/**
- * What was excused, and what was dropped; a statement that was dropped and broken then is told once, where it is broken.
- *
- * @param {SideData} side
- * @returns {Place[]}
- */
-export function notHeld(side) {
-  const excused = side.rules.flatMap(rule => rule.excused.map(({ contours, text, why }) => ({ rule: rule.id, contours, text: `${rule.id}: ${text || contours.join(", ")}`, why })));
-  const told = new Set(excused.map(one => JSON.stringify([one.rule, [...one.contours].sort()])));
-  const dropped = side.dropped.filter(one => !told.has(JSON.stringify([one.rule, [...one.contours].sort()])));
-  return [...excused, ...dropped.map(({ rule, contours, why }) => ({ contours, text: `${rule}: ${contours.join(" before ")}`, why }))];
-}
-
 /** @type {(app: App) => HTMLElement} */
 function verdict(app) {
   const { state, rules } = app.side;
   const broken = rules.filter(rule => rule.strength === "hard" && rule.verdict === "broken").map(rule => rule.id);
-  return make("p", { class: stateClass(state) }, state.kind === "kept" ? "Every hard rule holds."
-    : state.kind === "kept but for" ? `The hard rules are ${state.short}.` : `Broken: ${broken.join(", ") || "see below"}.`);
+  return make("p", { class: `said ${stateClass(state)}` }, state.kind === "kept" ? tr("Every hard rule holds.")
+    : state.kind === "kept but for" ? trn("It may be cut, but {n} place is not kept.", "It may be cut, but {n} places are not kept.", state.count) : tr("Broken, not to be cut: {rules}.", { rules: broken.join(", ") || tr("see below") }));
 }
 
 /** Broken ones first, then what costs, then the others. */
@@ -72,17 +61,17 @@ function lines(app, rule, open, toggle) {
   const bad = rule.breaches.length > 0, places = [...rule.breaches, ...rule.excused];
   const row = make("tr", { class: `${bad ? (rule.strength === "hard" ? "bad" : "soft") : ""}`, "data-rule": rule.id },
     make("td", {}, make("button", { class: "link", type: "button", "aria-expanded": String(open), title: rule.sentence, onclick: toggle }, rule.id),
-      rule.unjudged ? make("small", {}, " not judged") : null),
-    make("td", {}, rule.strength),
+      rule.unjudged ? make("small", {}, ` ${tr("not judged")}`) : null),
+    make("td", {}, strengthText(rule.strength)),
     make("td", { class: "figure" }, rule.breaches.length ? String(rule.breaches.length) : "–",
-      rule.excused.length ? make("small", {}, ` +${rule.excused.length} excused`) : null),
+      rule.excused.length ? make("small", {}, ` ${tr("+{n} excused", { n: rule.excused.length })}`) : null),
     make("td", { class: "figure" }, rule.cost_mm ? metres(rule.cost_mm) : "–"));
   if (!open) return [row];
   return [row, make("tr", { class: "places" }, make("td", { colspan: 4 },
     rule.sentence ? make("p", {}, rule.sentence) : null, rule.unjudged ? make("p", {}, rule.unjudged) : null,
     ...places.slice(0, 200).map(place => spot(app, place, place.text || place.contours.join(", "), place.why)),
-    places.length ? (places.length > 200 ? make("p", { class: "hint" }, `and ${places.length - 200} more`) : null)
-      : make("p", { class: "hint" }, "0 breaches: it holds everywhere")))];
+    places.length ? (places.length > 200 ? make("p", { class: "hint" }, tr("and {n} more", { n: places.length - 200 })) : null)
+      : make("p", { class: "hint" }, tr("0 breaches: it holds everywhere"))))];
 }
 
 /** @type {(app: App, place: Place, text: string, why?: string) => HTMLElement} */

@@ -1,13 +1,17 @@
 /** @import { Camera } from "./camera.js" */
 /** @import { PageData, SideData } from "./types.js" */
 /** @import { Palette } from "./palette.js" */
-import { pen, trace } from "./brush.js";
+import { pen, trace, write } from "./brush.js";
 import { Outlines } from "./outlines.js";
+import { notHeld } from "./unkept.js";
 import { paintRemoved } from "./removed.js";
-import { NUMBER_FONT_PX, paintNumbers, paintRoute } from "./route.js";
+import { NUMBER_FONT_PX, paintNumbers, paintRoute, paintStarts, paintZones } from "./route.js";
+import { zoneAreas } from "./zones.js";
 import { wayOf } from "./way.js";
 
-const AT_ONCE = 80;
+const AT_ONCE = 80, MANY_SEEN = 600, TINY_PX = 14;
+/** Drawn in the colour of paper or ink, whichever the look has. */
+const PAPER_COLOURS = new Set(["white", "black", "#ffffff", "#000000"]);
 
 /** What stands still: the sheet after so many cuts. It is painted in small steps: a large nest never holds the page up. */
 export class Scenery {
@@ -36,7 +40,25 @@ export class Scenery {
     });
     this.ways = /** @type {import("./way.js").Way[]} */ ([]);
     this.alert = new Set(data.alert);
+    const numbers = new Map(data.nest.contours.map((contour, k) => [contour.id, k]));
+    /** Contours where a hard rule is not kept. */
+    this.unkept = side ? [...new Set(notHeld(side).flatMap(place => place.contours))].map(id => numbers.get(id) ?? -1) : [];
+    /** @type {import("./zones.js").ZoneArea[] | null} */
+    this.areas = null;
     this.size = outlines.bounds.map(([x0, y0, x1, y1]) => (x1 - x0) * (y1 - y0));
+  }
+
+  /** The zones as areas of the sheet, in the order in which they are cut. */
+  get zones() {
+    return (this.areas ??= zoneAreas(this.cuts, this.outlines.bounds));
+  }
+
+  /** Whether what is seen is too much and too small to be told apart: then zones are drawn in place of contours. */
+  /** @type {(seen: number[], scale: number) => boolean} */
+  dense(seen, scale) {
+    if (seen.length < MANY_SEEN || this.zones.length < 2) return false;
+    const tiny = seen.filter(k => Math.sqrt(this.size[k]) * scale < TINY_PX).length;
+    return tiny > 0.5 * seen.length;
   }
 
   /** @type {(cut: number) => import("./way.js").Way} */
@@ -50,7 +72,7 @@ export class Scenery {
    * @param {CanvasRenderingContext2D} context
    * @param {Camera} camera
    * @param {Palette} palette
-   * @param {{done: number, travel: boolean, numbers: boolean, wide: number, high: number, font?: number}} look
+   * @param {{done: number, travel: boolean, numbers: boolean, drawn: boolean, wide: number, high: number, font?: number}} look
    * @returns {Generator<void, void, void>}
    */
   *paint(context, camera, palette, look) {
@@ -60,6 +82,12 @@ export class Scenery {
     this.#shapes(context, camera, this.outlines.sheet, ink.sheet, ink.edge);
     const [x0, y1] = camera.toSheet(0, 0), [x1, y0] = camera.toSheet(look.wide, look.high);
     const seen = this.outlines.grid.within(x0, y0, x1, y1), level = Outlines.level(camera.scale);
+    if (this.dense(seen, camera.scale)) {
+      this.#quickLines(context, camera, palette, seen, level, look.done);
+      yield;
+      paintZones(context, camera, palette, this, look.done);
+      return;
+    }
     const outers = seen.filter(k => nest.contours[k].kind === "outer").sort((a, b) => this.size[b] - this.size[a]);
     yield;
     for (let k = 0; k < outers.length; k += AT_ONCE) {
@@ -67,18 +95,55 @@ export class Scenery {
       yield;
     }
     for (let k = 0; k < seen.length; k += AT_ONCE) {
-      this.#lines(context, camera, palette, seen.slice(k, k + AT_ONCE), level, look.done);
+      this.#lines(context, camera, palette, seen.slice(k, k + AT_ONCE), level, look);
       yield;
     }
+    if (look.drawn) this.#texts(context, camera, palette, seen);
     this.#shapes(context, camera, this.outlines.leftOut, "", ink.edge);
     const cuts = this.#inOrder(seen, look.done);
     for (let k = 0; k < cuts.length; k += AT_ONCE) {
       paintRemoved(context, camera, palette, this, cuts.slice(k, k + AT_ONCE));
       yield;
     }
-    if (look.travel && this.side) yield* paintRoute(context, camera, palette, this.side, look.done);
+    if (look.travel && this.side) {
+      yield* paintRoute(context, camera, palette, this.side, look.done, look);
+      paintStarts(context, camera, palette, this, seen);
+    }
     yield;
     if (look.numbers) paintNumbers(context, camera, palette, this, seen, look.font ?? NUMBER_FONT_PX);
+  }
+
+  /** The writing that marks are strokes of, once each, below its strokes. */
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, seen: number[]) => void} */
+  #texts(context, camera, palette, seen) {
+    /** @type {Map<string, [number, number]>} */
+    const places = new Map();
+    for (const k of seen) {
+      const { text, part } = this.data.nest.contours[k], [x, y] = this.outlines.bounds[k], name = `${part} ${text}`;
+      const before = places.get(name) ?? [Infinity, Infinity];
+      if (text) places.set(name, [Math.min(before[0], x), Math.min(before[1], y)]);
+    }
+    context.font = "600 11px system-ui, 'DejaVu Sans', sans-serif";
+    context.textAlign = "left";
+    context.textBaseline = "top";
+    for (const [name, [x, y]] of places) {
+      const [px, py] = camera.toScreen(x, y);
+      write(context, name.slice(name.indexOf(" ") + 1), px, py + 2, palette.ink.text, palette.ink.halo);
+    }
+  }
+
+  /** Outlines alone, those that are cut in the colour of what is gone. */
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, seen: number[], level: number, done: number) => void} */
+  #quickLines(context, camera, palette, seen, level, done) {
+    for (const [cut, colour] of /** @type {[boolean, string][]} */ ([[false, palette.ink.edge], [true, palette.ink.loose]])) {
+      context.beginPath();
+      for (const k of seen) {
+        const { kind, closed } = this.data.nest.contours[k];
+        if (kind === "outer" && ((this.cutOf.get(k) ?? Infinity) < done) === cut) trace(context, camera, this.outlines.points(k, level), closed);
+      }
+      context.fillStyle = colour;
+      context.fill();
+    }
   }
 
   /** @type {(seen: number[], done: number) => number[]} */
@@ -126,18 +191,18 @@ export class Scenery {
     }
   }
 
-  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, seen: number[], level: number, done: number) => void} */
-  #lines(context, camera, palette, seen, level, done) {
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, seen: number[], level: number, look: {done: number, drawn: boolean}) => void} */
+  #lines(context, camera, palette, seen, level, { done, drawn }) {
     const { contours } = this.data.nest;
     for (const kind of ["outer", "hole", "slit", "scrap", "mark"]) {
-      context.beginPath();
-      for (const k of seen) {
-        const contour = contours[k];
-        if (contour.kind !== kind || (this.cutOf.get(k) ?? Infinity) < done || this.out.has(k)) continue;
-        trace(context, camera, this.outlines.points(k, level), contour.closed);
+      const left = seen.filter(k => contours[k].kind === kind && (this.cutOf.get(k) ?? Infinity) >= done && !this.out.has(k));
+      for (const colour of drawn ? new Set(left.map(k => contours[k].colour)) : [undefined]) {
+        context.beginPath();
+        for (const k of left) if (!drawn || contours[k].colour === colour) trace(context, camera, this.outlines.points(k, level), contours[k].closed);
+        pen(context, palette.ink[kind], kind === "mark" ? 1 : 1.2);
+        if (colour && !PAPER_COLOURS.has(colour)) context.strokeStyle = colour;
+        context.stroke();
       }
-      pen(context, palette.ink[kind], kind === "mark" ? 1 : 1.2);
-      context.stroke();
     }
     const loud = seen.filter(k => this.alert.has(k));
     if (!loud.length) return;

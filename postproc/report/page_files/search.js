@@ -1,5 +1,6 @@
 /** @import { App } from "./app.js" */
 import { byId, make } from "./elements.js";
+import { tr } from "./say.js";
 
 const MOST_FOUND = 12;
 
@@ -47,7 +48,7 @@ export function searchField(app) {
     menu.replaceChildren(...hits.slice(0, MOST_FOUND).map((k, place) => make("div", { id: `found-${place}`, role: "option",
       class: place === at ? "chosen" : "", "aria-selected": String(place === at), "data-contour": k },
     make("span", { class: "no" }, known[k].number ? String(known[k].number) : "–"), contours[k].id)),
-    make("p", { class: "hint" }, hits.length > MOST_FOUND ? `and ${hits.length - MOST_FOUND} more` : hits.length ? "" : "nothing found"));
+    make("p", { class: "hint" }, hits.length > MOST_FOUND ? tr("and {n} more", { n: hits.length - MOST_FOUND }) : hits.length ? "" : tr("nothing found")));
   };
   const hide = () => {
     menu.hidden = true;

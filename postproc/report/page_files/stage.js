@@ -11,6 +11,11 @@ import { momentAt, timelineOf } from "./timeline.js";
 
 const NEAR_PX = 7, LEAST_ZOOM = 0.4, LEAST_SEEN_PX = 12;
 
+/** @type {(values: number[]) => number} */
+const least = values => values.reduce((a, b) => Math.min(a, b));
+/** @type {(values: number[]) => number} */
+const most = values => values.reduce((a, b) => Math.max(a, b));
+
 /** One drawing of the nest on a canvas, with the plan of one side. */
 export class Stage {
   /**
@@ -62,6 +67,13 @@ export class Stage {
     return !this.camera.least || this.camera.same(this.whole);
   }
 
+  /** All parts in the window, whatever is free around them. */
+  fitParts() {
+    const boxes = this.scenery.outlines.bounds;
+    if (!boxes.length) return this.fit();
+    this.camera.fit([0, 1, 2, 3].map(k => (k < 2 ? least : most)(boxes.map(box => box[k]))), this.size.wide, this.size.high);
+  }
+
   /** The whole sheet in the window. */
   fit() {
     const [x0, y0, x1, y1] = this.data.nest.bounds, home = this.plan ? this.plan.home : [x0, y0];
@@ -110,7 +122,7 @@ export class Stage {
     const { context, camera, size } = this, { state } = this.store;
     context.setTransform(size.ratio, 0, 0, size.ratio, 0, 0);
     const { done } = momentAt(this.timeline, state.time_s);
-    const look = { done, travel: state.travel, numbers: state.numbers };
+    const look = { done, travel: state.travel, numbers: state.numbers, drawn: state.drawn };
     this.sharp = this.ground.draw(context, camera, this.palette, look, size);
     if (state.heat && this.heat) this.heat.paint(context, camera, state.time_s);
     paintOver(context, camera, this.palette, this.scenery, this.timeline, state);

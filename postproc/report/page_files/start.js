@@ -3,6 +3,7 @@ import { App } from "./app.js";
 import { comparedPanel } from "./compared.js";
 import { byId, make } from "./elements.js";
 import { factsPanel } from "./facts.js";
+import { wordsDialog } from "./glossary.js";
 import { listen } from "./gestures.js";
 import { keyboard } from "./keys.js";
 import { orderList } from "./orders.js";
@@ -11,6 +12,7 @@ import { player } from "./player.js";
 import { programPanel } from "./program.js";
 import { rulesPanel } from "./rules.js";
 import { timeRuler } from "./ruler.js";
+import { languageChoice, speak, tr } from "./say.js";
 import { searchField } from "./search.js";
 import { tabsOf } from "./tabs.js";
 import { toggles } from "./toggles.js";
@@ -27,7 +29,11 @@ const FLAT = 1.6;
  * @returns {Promise<App>}
  */
 export async function start(source, hands) {
-  const app = new App(source, await source.page());
+  const data = await source.page();
+  speak(catalogues(), data.language);
+  const app = new App(source, data);
+  languageChoice(/** @type {HTMLSelectElement} */ (byId("language")));
+  wordsDialog();
   document.body.classList.toggle("planless", !app.side);
   hang(app);
   app.renewed(() => hang(app));
@@ -53,17 +59,24 @@ export async function start(source, hands) {
   return app;
 }
 
+/** The message catalogues that stand in the page. */
+/** @returns {Record<string, Record<string, string | string[]>>} */
+function catalogues() {
+  return JSON.parse(document.getElementById("texts")?.textContent || "{}");
+}
+
 /** Hangs the drawings into the page. */
 /** @param {App} app */
 function hang(app) {
   const place = byId("stages");
   const [x0, y0, x1, y1] = app.data.nest.bounds;
   place.className = app.stages.length < 2 ? "" : x1 - x0 > FLAT * (y1 - y0) ? "two flat" : "two";
+  document.body.dataset.sides = String(app.stages.length);
   place.replaceChildren(...app.stages.map(stage => {
     const name = app.data.sides.length > 1 ? make("figcaption", {}, app.data.sides[stage.side].name) : null;
     stage.canvas.setAttribute("role", "img");
     stage.canvas.setAttribute("tabindex", "0");
-    stage.canvas.setAttribute("aria-label", `Drawing of ${app.data.title}. The order list names every cut; press ? for the keys.`);
+    stage.canvas.setAttribute("aria-label", tr("Drawing of {title}. The order list names every cut; press ? for the keys.", { title: app.data.title }));
     const figure = make("figure", { "data-side": stage.side }, stage.canvas, name);
     new ResizeObserver(() => {
       if (!stage.resize()) return;
@@ -88,7 +101,7 @@ function hover(app, contour, at) {
   app.set({ hovered: contour });
   const heat = app.state.heat && at ? app.stages[app.state.side].heat?.at(app.state.time_s, ...at) : null;
   const cut = contour >= 0 ? app.cutOf(contour) : undefined, id = app.data.nest.contours[contour]?.id ?? "";
-  byId("under").textContent = at ? [`x ${at[0].toFixed(1)}  y ${at[1].toFixed(1)} mm`, id, cut === undefined ? "" : `cut ${app.side.made + cut + 1}`,
+  byId("under").textContent = at ? [`x ${at[0].toFixed(1)}  y ${at[1].toFixed(1)} mm`, id, cut === undefined ? "" : tr("cut {number}", { number: app.side.made + cut + 1 }), app.data.nest.contours[contour]?.text ?? "",
     heat === null || heat === undefined ? "" : `${heat.toFixed(0)} °C`].filter(Boolean).join("  ·  ") : "";
   if (app.stages.length > 1) app.draw();
 }

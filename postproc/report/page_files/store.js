@@ -12,6 +12,8 @@
  * @property {boolean} heat
  * @property {boolean} travel
  * @property {boolean} numbers
+ * @property {boolean} drawn whether lines have the colours of the drawing
+ * @property {boolean} stale whether something else is wanted than the plan that is shown
  * @property {readonly number[]} marked contours of the places of a rule
  */
 
@@ -21,7 +23,7 @@ export class Store {
     /** @type {State} */
     this.state = {
       side: 0, time_s: 0, selected: -1, hovered: -1, playing: false, speed: 8, tab: "why",
-      heat: false, travel: true, numbers: true, marked: [],
+      heat: false, travel: true, numbers: true, drawn: false, stale: false, marked: [],
     };
     /** @type {((state: State, changes: Partial<State>) => void)[]} */
     this.listeners = [];

@@ -1,6 +1,7 @@
 /** @import { App } from "./app.js" */
 import { byId } from "./elements.js";
 import { warm } from "./heat.js";
+import { tr } from "./say.js";
 
 /**
  * The switches over the drawing: travel, numbers, heat, and the light or dark look.
@@ -22,6 +23,7 @@ export function toggles(app) {
   dark.addEventListener("change", recolour);
   byId("look").addEventListener("click", look);
   byId("travel").addEventListener("click", () => app.set({ travel: !app.state.travel }));
+  byId("drawn").addEventListener("click", () => app.set({ drawn: !app.state.drawn }));
   byId("numbers").addEventListener("click", () => app.set({ numbers: !app.state.numbers }));
   heat.addEventListener("click", () => void app.showHeat(!app.state.heat));
   const known = async () => {
@@ -39,17 +41,19 @@ export function toggles(app) {
   };
   const show = () => {
     byId("travel").setAttribute("aria-pressed", String(app.state.travel));
+    byId("drawn").hidden = !app.data.nest.contours.some(contour => contour.colour || contour.text);
+    byId("drawn").setAttribute("aria-pressed", String(app.state.drawn));
     byId("numbers").setAttribute("aria-pressed", String(app.state.numbers));
     heat.setAttribute("aria-pressed", String(app.state.heat));
     byId("heat-scale").hidden = !app.state.heat;
     const frames = app.stages[app.state.side].heat;
-    if (app.state.heat && frames) byId("heat-now").textContent = `hottest now ${frames.hottest(app.state.time_s).toFixed(0)} °C, limit ${frames.data.limit_c} °C`;
+    if (app.state.heat && frames) byId("heat-now").textContent = tr("hottest now {now} °C, limit {limit} °C", { now: frames.hottest(app.state.time_s).toFixed(0), limit: frames.data.limit_c });
   };
   app.on((_, changes) => {
     if (changes.side !== undefined || (changes.heat && app.source.heatIsMade)) void known();
     show();
   });
-  app.renewed(() => void known());
+  app.renewed(() => { show(); void known(); });
   void known();
   show();
   return { look };

@@ -10,6 +10,9 @@
  * @property {Kind} kind
  * @property {number[]} rows
  * @property {boolean} closed
+ * @property {string} [drawn] - what the drawing says of it: layer, colour, line type, block, text
+ * @property {string} [colour] - that it is drawn in
+ * @property {string} [text] - the writing that it is a stroke of
  *
  * @typedef {object} NestData
  * @property {string} file
@@ -91,7 +94,7 @@
  *
  * @typedef {{text: string, lines: number[][]}} NcData
  *
- * @typedef {{kind: "kept" | "kept but for" | "broken", short: string, told: string, for_operator: string}} StateData
+ * @typedef {{kind: "kept" | "kept but for" | "broken", count: number, short: string, told: string, for_operator: string}} StateData
  *
  * @typedef {object} SideData
  * @property {string} name
@@ -126,6 +129,7 @@
  *
  * @typedef {object} PageData
  * @property {string} format
+ * @property {string} [language] - that the page was made for; else the browser's
  * @property {string} title
  * @property {string} caption
  * @property {NestData} nest

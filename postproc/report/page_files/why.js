@@ -1,7 +1,8 @@
 /** @import { App } from "./app.js" */
 /** @import { EntryWay, Holds, Told, Why } from "./types.js" */
 import { byId, make } from "./elements.js";
-import { clock, counted, millimetres, placeText } from "./words.js";
+import { tr, trn } from "./say.js";
+import { clock, kindText, millimetres, placeText } from "./words.js";
 
 const FEW_WAYS = 4;
 
@@ -17,8 +18,8 @@ export function whyPanel(app) {
     const mine = ++asked, contour = app.data.nest.contours[app.state.selected];
     if (!contour) {
       panel.replaceChildren(make("p", { class: "hint" }, app.side
-        ? "Click a contour, or a row of the list: this panel then says why it is cut there and not earlier or later."
-        : "Click a contour to read its name. There is no plan to explain."));
+        ? tr("Click a contour, or a row of the list: this panel then says why it is cut there and not earlier or later.")
+        : tr("Click a contour to read its name. There is no plan to explain.")));
       return;
     }
     panel.replaceChildren(...said(app, app.state.selected, null)); // the reasons may take a while
@@ -37,20 +38,20 @@ export function whyPanel(app) {
  * @returns {(Node)[]}
  */
 function said(app, contour, why) {
-  const { id, kind, part } = app.data.nest.contours[contour], k = app.cutOf(contour);
+  const { id, kind, part, drawn } = app.data.nest.contours[contour], k = app.cutOf(contour);
   const head = [make("h2", {}, id),
-    make("p", { class: "sub" }, [kind, part >= 0 ? `part ${app.data.nest.parts[part]}` : ""].filter(Boolean).join(" · "))];
+    make("p", { class: "sub" }, [kindText(kind), part >= 0 ? tr("part {part}", { part: app.data.nest.parts[part] }) : "", drawn ?? ""].filter(Boolean).join(" · "))];
   const left = app.side?.left_out.find(one => one.contour === id);
-  if (left) return [...head, make("p", {}, `Not cut: ${left.why}`)];
+  if (left) return [...head, make("p", {}, tr("Not cut: {why}", { why: left.why }))];
   if (k === undefined) return head;
   const cut = app.side.cuts[k], { timeline } = app.stages[app.state.side];
   const facts = make("dl", {},
-    ...row("cut", `${app.side.made + k + 1} of ${app.side.made + app.side.cuts.length}${cut.zone ? `, zone ${cut.zone}` : ""}`),
-    ...row("time", `${clock(timeline.begins_s[k])} to ${clock(timeline.ends_s[k])}${timeline.timed ? "" : " (guessed)"}`),
-    ...row("way", `${cut.direction}, ${millimetres(cut.length_mm)}, from ${placeText(cut.path)}`),
-    ...(cut.wait_s ? row("waits", `${cut.wait_s} s, so that metal may cool`) : []),
-    ...(cut.excused.length ? row("excused", cut.excused.join(", ")) : []));
-  const sections = [...head, facts, part_("Why here", list(cut.because))];
+    ...row(tr("cut"), tr("{number} of {of}", { number: app.side.made + k + 1, of: app.side.made + app.side.cuts.length }) + (cut.zone ? `, ${tr("zone {zone}", { zone: cut.zone })}` : "")),
+    ...row(tr("time"), `${clock(timeline.begins_s[k])} – ${clock(timeline.ends_s[k])}${timeline.timed ? "" : ` ${tr("(guessed)")}`}`),
+    ...row(tr("way"), tr("{direction}, {length}, from {place}", { direction: cut.direction, length: millimetres(cut.length_mm), place: placeText(cut.path) })),
+    ...(cut.wait_s ? row(tr("waits"), tr("{s} s, so that metal may cool", { s: cut.wait_s })) : []),
+    ...(cut.excused.length ? row(tr("not kept here"), cut.excused.join(", ")) : []));
+  const sections = [...head, facts, part_(tr("Why here"), list(cut.because))];
   return [...sections, ...(why ? reasonsOf(app, why) : [])];
 }
 
@@ -64,20 +65,19 @@ function reasonsOf(app, why) {
   const free = !why.earlier.nearest.length && !why.later.nearest.length && !why.also.length && !why.heat.length;
   return [
     part_("", list(why.said)),
-    part_("Not earlier", holds(app, why.earlier)),
-    part_("Not later", holds(app, why.later)),
-    part_("Also asked", told(why.also)),
-    part_("Heat", list(why.heat.map(one => `${one.kept ? "kept" : `broken, costs ${one.price_mm} mm`}: ${one.text}`))),
-    free ? make("p", {}, "No order rule is about it: it is cut here for the shortest travel.") : null,
-    entry && part_("Entries weighed", ways(entry)),
-    why.moves.length ? part_("If it were moved", make("ul", {}, ...why.moves.map(move => make("li", {},
+    part_(tr("Not earlier"), holds(app, why.earlier)),
+    part_(tr("Not later"), holds(app, why.later)),
+    part_(tr("Also asked"), told(why.also)),
+    part_(tr("Heat"), list(why.heat.map(one => `${one.kept ? tr("kept") : tr("broken, costs {mm} mm", { mm: one.price_mm })}: ${one.text}`))),
+    free ? make("p", {}, tr("No order rule is about it: it is cut here for the shortest travel.")) : null,
+    entry && part_(tr("Entries weighed"), ways(entry)),
+    why.moves.length ? part_(tr("If it were moved"), make("ul", {}, ...why.moves.map(move => make("li", {},
       make("b", {}, `${move.label} (${move.place})`),
-      move.together.length ? ` with ${counted(move.together.length, "other")}` : "", ": ",
-      move.breaks.length ? make("span", { class: "no-way" }, `breaks ${move.breaks[0].rule}: ${move.breaks[0].text}`
-        + (move.breaks.length > 1 ? ` and ${move.breaks.length - 1} more` : "")) : make("span", { class: "cost" }, move.cost))))) : null,
-    part_("Note", list(why.notes)),
-    why.full ? null : make("p", { class: "hint" }, "Other entries and places were not tried out for this page: write it "
-      + "with --why, or ask ", make("code", {}, `kerfwise explain NEST PLAN.json '${app.data.nest.contours[app.state.selected].id}'`)),
+      move.together.length ? ` ${trn("with {n} other", "with {n} others", move.together.length)}` : "", ": ",
+      move.breaks.length ? make("span", { class: "no-way" }, `${tr("breaks {rule}: {text}", { rule: move.breaks[0].rule, text: move.breaks[0].text })}`
+        + (move.breaks.length > 1 ? ` ${tr("and {n} more", { n: move.breaks.length - 1 })}` : "")) : make("span", { class: "cost" }, move.cost))))) : null,
+    part_(tr("Note"), list(why.notes)),
+    why.full ? null : make("p", { class: "hint" }, tr("Other entries and places were not tried out for this page: write it with --why, or ask"), " ", make("code", {}, `kerfwise explain NEST PLAN.json '${app.data.nest.contours[app.state.selected].id}'`)),
   ].filter(node => node !== null);
 }
 
@@ -112,7 +112,7 @@ function holds(app, held) {
   return make("ul", {}, ...held.nearest.map(one => make("li", {},
     make("button", { class: "link", type: "button", onclick: () => app.chooseId(one.contour) }, `${one.place} ${one.contour}`),
     " ", make("b", {}, one.rule), `: ${one.text}`)),
-  held.more ? make("li", { class: "hint" }, `and ${held.more} more of these rules`) : null);
+  held.more ? make("li", { class: "hint" }, tr("and {n} more of these rules", { n: held.more })) : null);
 }
 
 /** @type {(entry: NonNullable<Why["entry"]>) => HTMLElement} */
@@ -120,11 +120,11 @@ function ways(entry) {
   /** @type {(way: EntryWay) => string} */
   const place = way => `${placeText(way.at)} ${way.direction}`;
   return make("ul", {},
-    make("li", {}, make("b", {}, `${place(entry.used)}`), `, ${entry.used.text}: taken`),
-    entry.one_way_by.length ? make("li", {}, `${entry.one_way_by.join(" and ")}: no other way round than ${entry.used.direction}`) : null,
+    make("li", {}, make("b", {}, `${place(entry.used)}`), `, ${entry.used.text}: ${tr("taken")}`),
+    entry.one_way_by.length ? make("li", {}, tr("{rules}: no other way round than {direction}", { rules: entry.one_way_by.join(", "), direction: entry.used.direction })) : null,
     ...entry.lawful.slice(0, FEW_WAYS).map(way => make("li", {}, `${place(way)}, ${way.text}: `, make("span", { class: "cost" }, way.cost ?? ""))),
-    entry.lawful.length > FEW_WAYS ? make("li", { class: "hint" }, `and ${entry.lawful.length - FEW_WAYS} more lawful ones`) : null,
-    entry.lawful.length ? null : make("li", {}, "no other entry is lawful in this order"),
+    entry.lawful.length > FEW_WAYS ? make("li", { class: "hint" }, tr("and {n} more lawful ones", { n: entry.lawful.length - FEW_WAYS })) : null,
+    entry.lawful.length ? null : make("li", {}, tr("no other entry is lawful in this order")),
     ...entry.unlawful.map(one => make("li", { class: "no-way" }, `${one.ways.map(place).join(", ")}`
-      + `${one.more ? ` and ${one.more} more` : ""}: `, make("b", {}, one.rule), `: ${one.text}`)));
+      + `${one.more ? ` ${tr("and {n} more", { n: one.more })}` : ""}: `, make("b", {}, one.rule), `: ${one.text}`)));
 }

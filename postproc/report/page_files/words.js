@@ -1,5 +1,6 @@
 /** @import { StateData } from "./types.js" */
 /** Numbers for people. */
+import { figure, language, tr, trn } from "./say.js";
 
 /** @type {(s: number) => string} */
 export function clock(s) {
@@ -10,34 +11,30 @@ export function clock(s) {
 
 /** @type {(mm: number) => string} */
 export function metres(mm) {
-  return `${(mm / 1000).toFixed(3)} m`;
+  return `${figure(mm / 1000, 3)} m`;
 }
 
 /** @type {(mm: number) => string} */
 export function millimetres(mm) {
-  return mm >= 1000 ? metres(mm) : `${mm.toFixed(mm < 100 ? 1 : 0)} mm`;
-}
-
-/** @type {(count: number, word: string) => string} */
-export function counted(count, word) {
-  return `${count} ${word}${count === 1 ? "" : "s"}`;
+  return mm >= 1000 ? metres(mm) : `${figure(mm, mm < 100 ? 1 : 0)} mm`;
 }
 
 /** @type {(share: number) => string} */
 export function percent(share) {
-  return `${(100 * share).toFixed(1)} %`;
+  return `${figure(100 * share, 1)} %`;
 }
 
 /**
- * The proof of a plan: its gap, with and without the weight of excuses.
+ * The proof of a plan, in the words of a planner; what excused places weigh is left out.
  *
  * @param {{status: string, gap: number | null, light_gap: number | null}} figures
  * @returns {string}
  */
 export function proven({ status, gap, light_gap }) {
-  if (status === "optimal") return "proven best";
-  if (gap === null) return "no bound";
-  return `gap ${percent(gap)}${light_gap === null ? "" : `, ${percent(light_gap)} without the weight of excuses`}`;
+  if (status === "optimal") return tr("proven best");
+  if (gap === null) return tr("nothing proven");
+  const most = tr("at most {share} from the best", { share: percent(light_gap ?? gap) });
+  return light_gap === null ? most : tr("{most} (places that are not kept aside)", { most });
 }
 
 /**
@@ -47,18 +44,31 @@ export function proven({ status, gap, light_gap }) {
  * @returns {string}
  */
 export function provenShort({ status, gap, light_gap }) {
-  return status === "optimal" ? "proven" : gap === null ? "no bound" : `gap ${percent(light_gap ?? gap)}`;
+  return status === "optimal" ? tr("proven") : gap === null ? tr("nothing proven") : tr("gap {share}", { share: percent(light_gap ?? gap) });
 }
 
 /** @type {(place: readonly number[]) => string} */
 export function placeText(place) {
-  return `(${place[0].toFixed(1)}, ${place[1].toFixed(1)})`;
+  return `(${figure(place[0], 1)}; ${figure(place[1], 1)})`.replace("; ", language() === "en" ? ", " : "; ");
 }
 
 /** What the chip says of a plan's hard rules. */
 /** @type {(state: StateData) => string} */
 export function stateText(state) {
-  return { kept: "every hard rule holds", "kept but for": state.short, broken: "a hard rule is broken" }[state.kind];
+  if (state.kind === "kept but for") return trn("{n} place not kept", "{n} places not kept", state.count ?? 0);
+  return state.kind === "kept" ? tr("every hard rule holds") : tr("a hard rule is broken");
+}
+
+/** What a contour is. */
+/** @type {(kind: import("./types.js").Kind) => string} */
+export function kindText(kind) {
+  return { outer: tr("outer contour"), hole: tr("hole"), mark: tr("mark"), slit: tr("slit"), scrap: tr("scrap line") }[kind];
+}
+
+/** How strong a rule is. */
+/** @type {(strength: string) => string} */
+export function strengthText(strength) {
+  return { hard: tr("hard"), soft: tr("soft"), off: tr("off") }[strength] ?? strength;
 }
 
 /** Green over a plan that keeps them all, amber where some places are not kept, red where it is broken. */

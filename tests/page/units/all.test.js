@@ -9,12 +9,15 @@ import { listenToNews } from "../page_files/news.js";
 import { Outlines } from "../page_files/outlines.js";
 import { placeOf, scrolledBy } from "../page_files/places.js";
 import { paintNumbers } from "../page_files/route.js";
-import { notHeld } from "../page_files/rules.js";
+import { noticeNear, noticesOf } from "../page_files/notices.js";
+import { notHeld } from "../page_files/unkept.js";
+import { setLanguage, tr, trn } from "../page_files/say.js";
 import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
 import { clock, millimetres, proven, provenShort, stateClass, stateText } from "../page_files/words.js";
 import { placeOn, wayOf } from "../page_files/way.js";
 import { Work } from "../page_files/work.js";
+import { zoneAreas } from "../page_files/zones.js";
 
 const near = (a, b, within = 1e-9) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
 
@@ -171,9 +174,9 @@ test("times and lengths for people", () => {
 });
 
 test("green stands only over a plan that keeps every hard rule", () => {
-  const said = ["kept", "kept but for", "broken"].map(kind => ({ kind, short: "kept but for 3 places", told: "", for_operator: "" }));
+  const said = ["kept", "kept but for", "broken"].map(kind => ({ kind, count: 3, short: "", told: "", for_operator: "" }));
   assert.deepEqual(said.map(stateClass), ["good", "warn", "bad"]);
-  assert.deepEqual(said.map(stateText), ["every hard rule holds", "kept but for 3 places", "a hard rule is broken"]);
+  assert.deepEqual(said.map(stateText), ["every hard rule holds", "3 places not kept", "a hard rule is broken"]);
 });
 
 test("what was dropped and is broken therefore is told once", () => {
@@ -293,11 +296,43 @@ test("of one server a later state counts, of another server any", () => {
   assert.deepEqual(at(), ["b", 2]);
 });
 
-test("a gap is said with and without the weight of excuses", () => {
+test("a gap is said as how far the best may be, places that are not kept aside", () => {
   const figures = { status: "feasible", gap: 0.0004, light_gap: 0.0108 };
-  assert.equal(proven(figures), "gap 0.0 %, 1.1 % without the weight of excuses");
+  assert.equal(proven(figures), "at most 1.1 % from the best (places that are not kept aside)");
   assert.equal(provenShort(figures), "gap 1.1 %");
-  assert.equal(proven({ ...figures, light_gap: null }), "gap 0.0 %");
-  assert.deepEqual(["optimal", "feasible"].map(status => proven({ status, gap: null, light_gap: null })), ["proven best", "no bound"]);
-  assert.deepEqual(["optimal", "feasible"].map(status => provenShort({ status, gap: null, light_gap: null })), ["proven", "no bound"]);
+  assert.equal(proven({ ...figures, light_gap: null }), "at most 0.0 % from the best");
+  assert.deepEqual(["optimal", "feasible"].map(status => proven({ status, gap: null, light_gap: null })), ["proven best", "nothing proven"]);
+  assert.deepEqual(["optimal", "feasible"].map(status => provenShort({ status, gap: null, light_gap: null })), ["proven", "nothing proven"]);
+});
+
+test("texts are said in the language that is spoken, numbers of things by its rules", () => {
+  const texts = { "{n} of {all}": "{n} из {all}", "{n} cut": ["{n} рез", "{n} реза", "{n} резов"] };
+  setLanguage("ru", { ru: texts });
+  assert.equal(tr("{n} of {all}", { n: 2, all: 3 }), "2 из 3");
+  assert.deepEqual([1, 3, 5, 11, 21, 22].map(n => trn("{n} cut", "{n} cuts", n)), ["1 рез", "3 реза", "5 резов", "11 резов", "21 рез", "22 реза"]);
+  assert.equal(tr("no such text"), "no such text");
+  assert.equal(millimetres(12.5), "12,5 mm");
+  setLanguage("en", {});
+  assert.deepEqual([1, 2].map(n => trn("{n} cut", "{n} cuts", n)), ["1 cut", "2 cuts"]);
+});
+
+test("notices stand where they happen, and of more in one place the weightiest is told", () => {
+  const nest = { contours: [{ id: "A", kind: "outer" }, { id: "B", kind: "mark" }] };
+  const side = { ...SIDE, cuts: [{ ...SIDE.cuts[0], excused: ["pierce"] }, SIDE.cuts[1]] };
+  const notices = noticesOf(nest, side, timelineOf(side));
+  assert.deepEqual(notices.map(one => [one.kind, one.cut]), [["stop", 0], ["unkept", 0], ["loose", 0], ["mark", 1]]);
+  assert.equal(noticeNear(notices, 2.9, 2).kind, "unkept");
+  assert.equal(noticeNear(notices, 50, 1), null);
+  const held = { ...side, cuts: side.cuts.map(cut => ({ ...cut, tabs: [[0, 0, 1]] })) };
+  assert.ok(!noticesOf(nest, held, timelineOf(held)).some(one => one.kind === "loose"), "what tabs hold does not come loose");
+});
+
+test("a zone is the convex ring around its contours", () => {
+  const bounds = [[0, 0, 10, 10], [20, 5, 30, 25], [100, 0, 110, 10]];
+  const cuts = [{ contour: 0, zone: 1 }, { contour: 1, zone: 1 }, { contour: 2, zone: 2 }];
+  const [one, two] = zoneAreas(cuts, bounds);
+  assert.deepEqual([one.zone, one.cuts, one.last, two.zone, two.cuts, two.last], [1, 2, 1, 2, 1, 2]);
+  assert.deepEqual(two.middle, [105, 5]);
+  for (const [x0, y0, x1, y1] of bounds.slice(0, 2)) assert.ok(inside(one.hull, (x0 + x1) / 2, (y0 + y1) / 2));
+  assert.equal(inside(one.hull, 60, 5), false);
 });
