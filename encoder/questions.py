@@ -25,6 +25,8 @@ NARROW, SMALL_HOLES = "narrow", "small-holes"
 """The ids of the questions that arise when a nest is to be cut: slots narrower than the kerf, and small holes."""
 
 OF_CUTTING = (NARROW, SMALL_HOLES)
+OF_DRAWING = ("units", "clip", "mask", "fill")
+"""Those that arise as the lines of a file are read, before any of them is taken for something."""
 
 LAYER = "layer:"
 """How the id of a question about a layer begins; the layer's name follows."""

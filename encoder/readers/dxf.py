@@ -24,6 +24,7 @@ from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking
 
+from .clipping import Clips, seen_through, texts_seen
 from .drawing import (
     FAREST_MM,
     Drawing,
@@ -47,7 +48,6 @@ from .dxf_entities import (
 )
 from .dxf_text import DXF_ERRORS, cross, is_written, middle_of_point, name_of, written
 from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
-from .svg_visible import Clips, seen_through, texts_seen
 
 # its remarks on handles and such are nothing that a planner can act on; without a handler they go to the terminal
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())

@@ -35,11 +35,11 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 
+from .clipping import Clips
 from .drawing import FAREST_MM, WRONG_UNITS, checked_curve
 from .dxf_text import is_written, name_of, plain_text
 from .fit_arcs import FLATTEN_MM, fit_curve
 from .layers import Layers, counted
-from .svg_visible import Clips
 
 # Only what can be cut is read. Whatever else is drawn is counted, so that its absence can be said aloud.
 

@@ -51,6 +51,35 @@ def filled_outlines(curves: Sequence[Curve], even_odd: bool) -> list[Curve] | No
     return [_as_drawn(ring, closed, rings) for ring in outlines if ring.length > SNAP_MM]
 
 
+def unseen_rings(curves: Sequence[Curve]) -> list[int]:
+    """Which closed subpaths of a shape that is filled by the rule nonzero are no edges of it, though none cross.
+
+    The same is filled on either side of a ring in a ring that turns the same way.
+
+    Examples
+    --------
+    >>> rings = [Curve.of([(0, 0), (9, 0), (9, 9), (0, 9)]), Curve.of([(4, 4), (6, 4), (6, 6), (4, 6)])]
+    >>> unseen_rings(rings), unseen_rings([rings[0], rings[1].reversed()])
+    ([1], [])
+    """
+    closed = [k for k, curve in enumerate(curves) if curve.closed and len(curve.vertices) > 1]
+    if len(closed) < 2:
+        return []
+    areas = [curves[k].polygon(FLATTEN_MM) for k in closed]
+    order = sorted(range(len(closed)), key=lambda k: -areas[k].area)
+    unseen = []
+    for n, k in enumerate(order):
+        point = shapely.Point(curves[closed[k]].vertices[0, :2])
+        around = sum(_way(curves[closed[o]]) for o in order[:n] if areas[o].contains(point))
+        if around and around + _way(curves[closed[k]]):
+            unseen.append(closed[k])
+    return sorted(unseen)
+
+
+def _way(curve: Curve) -> int:
+    return 1 if curve.is_ccw else -1
+
+
 def _cross(curves: Sequence[Curve], rings: Floats) -> bool:
     """Whether a ring crosses itself or another one, or two run on each other; rings may touch at points."""
     if not shapely.is_simple(rings).all():

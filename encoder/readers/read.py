@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
+import io
 import os
 import re
 import unicodedata
+import zlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,11 +20,11 @@ import shapely
 
 from kerfwise.encoder.bridges import with_bridges
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.files import MOST_BYTES, read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import notice_if_long
-from kerfwise.encoder.questions import LAYER, Asking, Question, Questions, first_choices, with_gives
+from kerfwise.encoder.questions import LAYER, OF_DRAWING, Asking, Question, Questions, first_choices, with_gives
 from kerfwise.encoder.text import escape_text
 from kerfwise.encoder.validate import validated
 
@@ -37,7 +40,7 @@ if TYPE_CHECKING:
 MOST_PIECES = 60_000
 """Lines of a drawing times choices of its questions up to which it is said what each choice would give."""
 
-SUFFIXES = (".dxf", ".json", ".svg")
+SUFFIXES = (".dxf", ".json", ".svg", ".svgz")
 
 
 class BrokenNest(InputError):
@@ -61,7 +64,7 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
     Parameters
     ----------
     path
-        A `.json` (kerfwise-nest/1), `.dxf` or `.svg` file; the suffix decides.
+        A `.json` (kerfwise-nest/1), `.dxf`, `.svg` or `.svgz` file; the suffix decides.
     options
         Units, layers, tolerances, and whether to repair.
 
@@ -214,7 +217,7 @@ class _Door:
     """One file, read as often as there are answers to try; a drawing is taken apart once for each unit."""
 
     def __init__(self, file: Path, suffix: str, data: bytes) -> None:
-        self.file, self.suffix, self.data = file, suffix, data
+        self.file, self.suffix, self.data = file, suffix, unpacked(data, file)
         self.pieces = 0
         self._drawings: dict[tuple[object, ...], Drawing] = {}
 
@@ -255,7 +258,7 @@ class _Door:
     def drawing(self, options: ReadOptions, asking: Asking) -> Drawing:
         """The drawing, not yet taken for anything."""
         own = Asking(asking.given)
-        key = (options.units, asking.given.get("units"), asking.given.get("clip"), asking.given.get("mask"))
+        key = (options.units, *(asking.given.get(question) for question in OF_DRAWING))
         if key not in self._drawings or not options.answers:
             self._drawings[key] = self._drawing(options, own)
             self.pieces = len(self._drawings[key].pieces)
@@ -338,3 +341,26 @@ def file_bytes(file: Path) -> bytes:
     if not data.strip():
         raise InputError("the file is empty", file=file)
     return data
+
+
+_GZIP = b"\x1f\x8b"
+
+
+def unpacked(data: bytes, file: Path) -> bytes:
+    """What a file holds; one that was packed by gzip, as .svgz is, is unpacked.
+
+    Raises
+    ------
+    InputError
+        If what is packed is damaged, or too large.
+    """
+    if not data.startswith(_GZIP):
+        return data
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as packed:
+            plain = packed.read(MOST_BYTES + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(f"the file is packed, and damaged: {error}", file=file) from None
+    if len(plain) > MOST_BYTES:
+        raise InputError(f"holds over {MOST_BYTES // 1_000_000} MB once it is unpacked: too large", file=file)
+    return plain

@@ -18,10 +18,11 @@ from kerfwise.encoder.contour_checks import enclosed
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
 
+from .clipping import Clips, seen_through, texts_seen
 from .drawing import (
     FAREST_MM,
     FOREIGN_ERRORS,
@@ -32,13 +33,14 @@ from .drawing import (
     brought_near,
     checked_curve,
 )
-from .fill_rule import filled_outlines
+from .fill_rule import filled_outlines, unseen_rings
 from .fit_arcs import FLATTEN_MM, fit_arcs
 from .layers import counted
-from .options import ReadOptions, mm_of, units_question
+from .options import ReadOptions
+from .svg_page import page_of
 from .svg_text import TEXT, TROUBLE
 from .svg_validate import validate_svg
-from .svg_visible import CLIP, MASK, SHAPE, Clips, Seen, hidden_told, seen_through, texts_seen
+from .svg_visible import CLIP, MASK, SHAPE, Seen, hidden_told
 
 NUMBERED = re.compile(
     "(path|rect|circle|ellipse|line|polyline|polygon|g|group|use|text|tspan|image|layer|svg)[-_]?[0-9][-_0-9]*"
@@ -74,7 +76,7 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
         shapes = [s for s in shown if isinstance(s.element, svgelements.Shape)]
         texts = [_text(s, order, page.to_mm) for order, s in enumerate(shapes) if TEXT in s.element.values]
         paths = [(s, curves(s.element, page.to_mm)) for s in shapes if TEXT not in s.element.values]
-        outlines, fill_notes = _as_filled(paths)
+        outlines, fill_notes = _as_filled(paths, asking)
         drawn = [(c, s) for s, of in outlines for c in of]
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
@@ -122,20 +124,49 @@ def _look(element: Any) -> tuple[str, str, bool]:
     return stroke or fill, "dashed" if dashed else "", not stroke and bool(fill)
 
 
-def _as_filled(shapes: list[tuple[Shown, list[Curve]]]) -> tuple[list[tuple[Shown, list[Curve]]], list[Note]]:
-    """The shapes with the outlines of what they fill, where they have no line and their subpaths cross."""
+def _as_filled(
+    shapes: list[tuple[Shown, list[Curve]]], asking: Asking
+) -> tuple[list[tuple[Shown, list[Curve]]], list[Note]]:
+    """The shapes with the outlines of what they fill, where they have no line and their subpaths cross.
+
+    Rings that do not cross, and of which their fill shows nothing, raise the question `fill`.
+    """
     made: list[tuple[Shown, list[Curve]]] = []
     notes = []
+    unseen: list[tuple[list[Curve], list[int], str]] = []
     for shape, own in shapes:
+        is_filled = _look(shape.element)[2]
         even_odd = str(shape.element.values.get("fill-rule") or "").strip() == "evenodd"
-        filled = filled_outlines(own, even_odd) if _look(shape.element)[2] else None
+        filled = filled_outlines(own, even_odd) if is_filled else None
+        if filled is None and is_filled:  # a filling closes what it fills
+            own = [Curve(c.vertices, True) if len(c.vertices) > 2 and not c.closed else c for c in own]
+            if not even_odd and (rings := unseen_rings(own)):
+                unseen.append((own, rings, shape.layer))
         made.append((shape, own if filled is None else filled))
         if filled is not None:
             rule = "evenodd" if even_odd else "nonzero"
             which = f"a filled shape on layer '{shape.layer}' crosses itself"
             became = f"its {len(own)} lines became {len(filled)} round what its fill rule, {rule}, fills"
             notes.append(Note("repaired", f"{which}: {became}"))
+    if unseen and asking.ask(_fill_question(unseen)) == "ignore":
+        gone = counted(layer for _, rings, layer in unseen for _ in rings)
+        notes.append(Note("warning", f"left out, as their fill shows nothing of them: {gone}"))
+        for own, rings, _ in unseen:
+            own[:] = [curve for k, curve in enumerate(own) if k not in rings]
     return made, notes
+
+
+def _fill_question(unseen: Sequence[tuple[list[Curve], list[int], str]]) -> Question:
+    own, [k, *_], layer = unseen[0]
+    count = sum(len(rings) for _, rings, _ in unseen)
+    x, y = own[k].vertices[0, :2].tolist()
+    which = "a ring lies" if count == 1 else f"{count} rings lie"
+    return Question(
+        "fill",
+        f"{which} in a filled shape that its fill rule, nonzero, fills on both sides of the ring, so that it is not "
+        f"seen, the first at ({x:.3f}, {y:.3f}) on layer '{layer}': is it cut?",
+        (Choice("cut", "cut, as lines are"), Choice("ignore", "left out, as it is not seen")),
+    )
 
 
 _NAMES = {
@@ -268,104 +299,6 @@ def _unread(shown: Sequence[Shown]) -> list[Note]:
         return []
     count = "1 image is" if images == 1 else f"{images} images are"
     return [Note("warning", f"{count} left out: trace to paths what is to be cut")]
-
-
-# The page of an SVG file: what a user unit is in mm, and where the sheet's lower left corner would be.
-
-MM_PER_LENGTH = {"mm": 1.0, "cm": 10.0, "q": 0.25, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96}
-
-
-SVG_UNITS = ("px", "mm", "pt", "in")
-"""What a file without units may be in, the likeliest first."""
-
-HEAD_BYTES = 4000
-
-
-@dataclass(frozen=True, slots=True)
-class Page:
-    """How to get from svgelements' pixels (y down) to mm (y up); `sheet` is None where the file gives no size.
-
-    `units` names what the drawing was taken to be in, `because` why.
-    """
-
-    to_mm: Any
-    units: str
-    sheet: Sheet | None
-    because: str = ""
-
-
-def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | None = None) -> Page:
-    """The page of a parsed file.
-
-    A user unit is what `options.units` says; else the page's width and height over those of its viewBox; else what the
-    program that wrote the file counts in, by its own words in `data`; else that is asked about. svgelements' own
-    conversion is undone first: it rounds the inch and guesses a missing side.
-
-    Raises
-    ------
-    InputError
-        When the page has no size, or stretches the drawing in one direction.
-    """
-    sides = [_length(svg.values.get(name)) for name in ("width", "height")]
-    box = svg.viewbox
-    x0, y0, width, height = (box.x, box.y, box.width, box.height) if box else (0.0, 0.0, 0.0, 0.0)
-    if box and not (width > 0 and height > 0):
-        raise InputError(f"the viewBox is {width} × {height}: expected a width and a height over 0")
-    scales = [mm / user for (mm, _), user in zip(sides, (width, height), strict=True) if mm and user]
-    stretched = len(scales) == 2 and abs(scales[0] - scales[1]) > 1e-6 * scales[0]
-    if stretched and "none" in str(svg.values.get("preserveAspectRatio")):
-        raise InputError("the page stretches the drawing in one direction; give it a viewBox of its own shape")
-    measured = any(unit.lower() not in ("", "px") for _, unit in sides)
-    if options.units is not None:
-        scale, units, because = (
-            mm_of(options.units) or 1.0,
-            options.units,
-            "as given (--units, in Python units=, or drawing.units)",
-        )
-    elif measured and scales:
-        scale, units, because = min(scales), "mm", "the page's width and height say so"
-    else:
-        extent = max(width, height) or max((mm or 0.0) * 96 / 25.4 for mm, _ in sides)
-        units, because = _pixels(data, extent, None if measured else asking)
-        scale = min(scales, default=25.4 / 96) * (mm_of(units) or 1.0) * 96 / 25.4
-    if not box:
-        pixel = scale * 96 / 25.4
-        sides = [(mm if mm is None or unit.lower() not in ("", "px") else mm * pixel, unit) for mm, unit in sides]
-    size = (width * scale, height * scale) if box else tuple(mm or 0.0 for mm, _ in sides)
-    sheet = Sheet.rectangle(*size) if min(size) > 0 else None
-    to_user = ~svgelements.Matrix(svg.viewbox_transform or "")
-    upright = svgelements.Matrix(scale, 0, 0, -scale, -x0 * scale, y0 * scale + (size[1] if sheet else 0.0))
-    return Page(to_user * upright, units, sheet, because)
-
-
-def _pixels(data: bytes, extent: float, asking: Asking | None) -> tuple[str, str]:
-    """What the units of a file without any are, and why: by the words of the program that wrote it, or answered."""
-    head = data[:HEAD_BYTES].decode("utf-8", "replace")
-    if "Adobe Illustrator" in head:
-        return "pt", "Illustrator counts 72 an inch"
-    if found := re.search(r'inkscape:version="(\d+)\.(\d+)', data.decode("utf-8", "replace")):
-        old = (int(found[1]), int(found[2])) < (0, 92)
-        return (
-            ("90dpi", f"Inkscape {found[1]}.{found[2]} counts 90 an inch")
-            if old
-            else ("px", "Inkscape counts 96 an inch")
-        )
-    question = units_question(
-        f"the file names no unit{f', its page is {extent:g} units long' if extent else ''}: what is it in?",
-        SVG_UNITS,
-        extent,
-    )
-    if asking is None:
-        return "px", "pixels of a page that has a size are 96 an inch"
-    return asking.ask(question), "asked: the file names no unit"
-
-
-def _length(given: object) -> tuple[float | None, str]:
-    """A side of the page in mm and its unit; None where it is not given, or only as a share of the window."""
-    found = re.fullmatch(r"\s*\+?([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*", str(given))
-    if not found or (found[2] and found[2].lower() not in MM_PER_LENGTH):
-        return None, ""
-    return float(found[1]) * MM_PER_LENGTH[found[2].lower() or "px"], found[2]
 
 
 # SVG shapes as curves: circular arcs stay arcs, everything bent otherwise becomes arcs again.

@@ -74,6 +74,12 @@ def declarations(text: str) -> dict[str, tuple[str, bool]]:
     return found
 
 
+def properties(element: Element) -> dict[str, str]:
+    """What an element says of itself: its attributes, and its style, which goes before them."""
+    own = {name: value for name, value in element.items() if "}" not in name}
+    return own | {name: value for name, (value, _) in declarations(element.get("style", "")).items()}
+
+
 def _tag(element: Element) -> str:
     return str(element.tag).rpartition("}")[2]
 

@@ -11,17 +11,22 @@ from xml.parsers import expat
 from kerfwise.encoder.errors import InputError
 
 from .drawing import check_copies
-from .svg_css import styled, too_long
+from .svg_css import declarations, styled, too_long
 from .svg_visible import Seen, laid_out
 
-UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter", "symbol", "style"})
-"""Elements whose shapes are tools of drawing, and no lines to cut; they are drawn where something uses them."""
+UNDRAWN = frozenset(
+    ("clipPath", "mask", "marker", "pattern", "filter", "symbol", "style", "metadata", "title", "desc", "script")
+)
+"""Elements whose shapes are tools of drawing, or say something of it; some are drawn where they are used."""
 XLINK = "{http://www.w3.org/1999/xlink}href"
 
 _NUMBER = r"(?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _LENGTH = re.compile(rf"\s*(?:{_NUMBER}\s*(?:mm|cm|in|pt|pc|px|q|em|ex|rem|vw|vh|%)?|auto)\s*", re.IGNORECASE)
 _COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])([^MmZzLlHhVvCcSsQqTtAa]*)")
 _ARC = re.compile(r"[\s,]*".join(["", *(f"({_NUMBER})",) * 3, "[01]", "[01]", *(f"({_NUMBER})",) * 2]))
+_TRANSFORMS = re.compile(
+    rf"\s*(?:none|(?:(?:matrix|translate|scale|rotate|skewX|skewY)\s*\(\s*(?:{_NUMBER}(?:\s*,\s*|\s*))+\)\s*,?\s*)*)"
+)
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
 _SIZES = {
     "rect": ("x", "y", "width", "height", "rx", "ry"),
@@ -45,21 +50,48 @@ def validate_svg(data: bytes) -> tuple[bytes, Seen]:
         For what is no XML.
     """
     root = ElementTree.fromstring(data)
-    for number, element in enumerate(root.iter()):
-        for wrong in _wrong(element):
-            name = f" '{element.get('id')}'" if element.get("id") else ""
-            raise InputError(
-                f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG",
-                line=_line_of(data, number),
-            )
+    _check(root, data)
     _check_clones(root)
+    imported = _IMPORT.findall(" ".join("".join(e.itertext()) for e in root.iter() if _tag(e) == "style"))
+    linked = re.findall(rb"<\?xml-stylesheet[^>]*?\bhref=[\"']([^\"']*)", data[:_HEAD_BYTES])
     styled(root)
+    for element in root.iter():
+        _path_of_style(element)
+    _check(root)
     seen = laid_out(root)
+    seen.missing += [
+        f"the style sheet '{name}' is in another file, and not read: look whether it hides anything"
+        for name in (*imported, *(link.decode("utf-8", "replace") for link in linked))
+    ]
     for element in list(root.iter()):
         for child in list(element):
             if _tag(child) in UNDRAWN:
                 element.remove(child)
     return ElementTree.tostring(root), seen
+
+
+_IMPORT = re.compile(r"@import\s+(?:url\(\s*)?[\"']?([^\"');]+)")
+_HEAD_BYTES = 4000
+
+
+def _path_of_style(element: ElementTree.Element) -> None:
+    """The path that a style gives in place of the attribute."""
+    said = declarations(element.get("style", "")).get("d", ("", False))[0] if _tag(element) == "path" else ""
+    if found := re.fullmatch(r"path\(\s*[\"'](.*)[\"']\s*\)|none", said):
+        kept = declarations(element.get("style", "")).items()
+        element.set("style", ";".join(f"{name}:{text}" for name, (text, _) in kept if name != "d"))
+        element.set("d", found[1] or "")
+
+
+def _check(root: ElementTree.Element, data: bytes = b"") -> None:
+    """Refuse the first shape that cannot be read, with its line in the file's bytes."""
+    for number, element in enumerate(root.iter()):
+        for wrong in _wrong(element):
+            name = f" '{element.get('id')}'" if element.get("id") else ""
+            raise InputError(
+                f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG",
+                line=_line_of(data, number) if data else None,
+            )
 
 
 def _line_of(data: bytes, number: int) -> int | None:
@@ -103,6 +135,9 @@ def _wrong(element: Any) -> Iterator[str]:
     points = element.get("points", "") if tag in ("polygon", "polyline") else ""
     if not _only_numbers(points):
         yield f"its points {_short(points)!r} are no list of numbers"
+    transform = element.get("transform", "")
+    if not _TRANSFORMS.fullmatch(transform):
+        yield f"its transform is {_short(transform)!r}, expected functions of plain numbers such as rotate(45)"
     if tag == "path":
         yield from path_data_problem(element.get("d", ""))
 

@@ -14,6 +14,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
+from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.nest_job.job import Day
 from kerfwise.nesting.demand import GRAINS, QUARTERS, Grain
@@ -226,7 +227,7 @@ def _sheet_of(said: Mapping[str, Any], place: Place) -> list[SheetRow]:
     """The sheet of a row of stock; none where none is left."""
     file = str(said.get("part", ""))
     size = said.get("size") or ("{width:g}x{length:g}".format(**said) if {"width", "length"} <= said.keys() else "")
-    if not size and not file.lower().endswith((".json", ".dxf", ".svg")):
+    if not size and not file.lower().endswith(SUFFIXES):
         raise WrongCell("expected a size such as 3000x1500, width and length, or a file of a sheet")
     count = said.get("stock", said.get("quantity", 0))
     if count is None:

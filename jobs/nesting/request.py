@@ -20,7 +20,7 @@ from kerfwise.encoder.readers.json_nest import sheet_in_json
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, read_nest
+from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, read_nest, unpacked
 from kerfwise.encoder.readers.sheet import NO_SHEET, drawn_sheet
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Tell, silent
@@ -233,7 +233,7 @@ def _counted(text: str, what: str) -> tuple[str, int | None]:
 
 def _sheet_row(text: str, remnant: bool) -> SheetRow:
     name, stock = _counted(text, "number of sheets")
-    if Path(name).suffix.lower() in (".json", ".dxf", ".svg"):
+    if Path(name).suffix.lower() in SUFFIXES:
         return SheetRow(file=name, stock=stock, remnant=remnant)
     return SheetRow(size=name, stock=stock, remnant=remnant)
 
@@ -378,7 +378,7 @@ def read_sheet(path: str | Path, options: ReadOptions = ReadOptions()) -> Sheet:
         else:
             from kerfwise.encoder.readers.svg import read_svg
 
-            sheet = _drawn(read_svg(data, options), options)
+            sheet = _drawn(read_svg(unpacked(data, file), options), options)
         if problems := sheet_ring_problems(sheet):
             raise InputError("the sheet cannot be used", details=tuple(problems))
     except InputError as error:

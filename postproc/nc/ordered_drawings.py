@@ -299,9 +299,11 @@ def reordered_svg(plan: Plan, nest: Nest, file: str | Path, options: ReadOptions
 def _from_drawing(plan: Plan, nest: Nest, file: Path, options: ReadOptions) -> Reordered:
     import svgelements
 
-    from kerfwise.encoder.readers.svg import curves, page_of, parsed_svg, shown_elements
+    from kerfwise.encoder.readers.read import unpacked
+    from kerfwise.encoder.readers.svg import curves, parsed_svg, shown_elements
+    from kerfwise.encoder.readers.svg_page import page_of
 
-    svg = parsed_svg(read_limited(file))
+    svg = parsed_svg(unpacked(read_limited(file), file))
     page, order = page_of(svg, options), DrawnOrder(plan, nest, options)
     x0, y0, x1, y1 = page.sheet.bounds if page.sheet is not None else nest.sheet.bounds
     lost: set[str] = set()

@@ -349,7 +349,8 @@ def _with_box(text: str, found: Seen, known: Sequence[Curve]) -> str:
 
 def _page(file: Path, found: Seen, known: Sequence[Curve]) -> tuple[float, float, float]:
     """Left edge and top of the page in mm, and its width."""
-    from kerfwise.encoder.readers.svg import page_of, parsed_svg
+    from kerfwise.encoder.readers.svg import parsed_svg
+    from kerfwise.encoder.readers.svg_page import page_of
 
     units = None if found.reading is None or found.reading.units == "mm" else found.reading.units
     svg = parsed_svg(file.read_bytes())

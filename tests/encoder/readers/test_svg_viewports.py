@@ -1,0 +1,139 @@
+"""Shares, fonts' sizes, nested viewports, paints and clones of SVG: what a viewer shows is what is cut."""
+
+from __future__ import annotations
+
+import gzip
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import Questions
+from kerfwise.encoder.readers import ReadOptions, read_nest
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" width="300mm" height="100mm" viewBox="0 0 300 100">'
+PART = '<rect x="10" y="10" width="40" height="20"/>'
+
+
+def read(folder: Path, body: str, **options: Any) -> Nest:
+    path = folder / "drawing.svg"
+    path.write_text(f'{HEAD}<g fill="none" stroke="black">{body}</g></svg>', encoding="utf-8")
+    return read_nest(path, ReadOptions(**options))
+
+
+def metal(nest: Nest) -> float:
+    return sum(part.polygon.area for part in nest.parts)
+
+
+SYMBOL = '<symbol id="s" viewBox="0 0 10 10" {}><rect x="1" y="6" width="8" height="3"/></symbol>'
+
+
+@pytest.mark.parametrize(
+    ("body", "area"),
+    [
+        ('<circle cx="50%" cy="50%" r="10%"/>', math.pi * (0.1 * math.sqrt((300**2 + 100**2) / 2)) ** 2),
+        ('<rect x="10%" y="10%" width="50%" height="50%" rx="2%"/>', 150 * 50 - (4 - math.pi) * 36),
+        ('<rect x="20" y="20" width="5em" height="2em" font-size="10"/>', 1000),
+        ('<ellipse cx="80" cy="50" rx="30"/>', math.pi * 900),
+        (
+            '<svg x="50" width="100" height="60" viewBox="0 0 50 50"><rect x="10%" width="60%" height="20"/></svg>',
+            36 * 24,
+        ),
+        (
+            '<svg width="100" height="60" viewBox="0 0 50 50" preserveAspectRatio="xMinYMin slice">'
+            '<rect x="5" y="2" width="30" height="20"/></svg>',
+            2400,
+        ),
+        (SYMBOL.replace("{}", "") + '<use href="#s" x="9" width="60" height="60"/>', 48 * 18),
+        (SYMBOL.replace("{}", "") + '<use href="#s" transform="scale(.5)"/>', 40 * 15),
+        (SYMBOL.replace("{}", 'preserveAspectRatio="none"') + '<use href="#s" width="60" height="30"/>', 48 * 9),
+        (
+            SYMBOL.replace("{}", 'preserveAspectRatio="xMaxYMax slice"') + '<use href="#s" width="120" height="60"/>',
+            96 * 36,
+        ),
+        (
+            SYMBOL.replace("{}", "") + '<use href="#s" style="transform:rotate(9deg)" x="90" width="60" height="60"/>',
+            864,
+        ),
+        ("""<path style="d:path('M20 20h50v40h-50z')"/>""", 2000),
+        ('<path d="M20 20h50v40h-50" fill="black" stroke="none"/>', 2000),
+        ('<svg width="0" height="10" viewBox="0 0 9 9"><rect width="9" height="9"/></svg>' + PART, 800),
+    ],
+)
+def test_what_a_viewer_shows_is_read(tmp_path: Path, body: str, area: float) -> None:
+    assert metal(read(tmp_path, body)) == pytest.approx(area, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "hole",
+    [
+        '<rect x="20" y="15" width="5" height="5" stroke="#0000"/>',
+        '<rect x="20" y="15" width="5" height="5" stroke="#ff000000"/>',
+        '<rect x="20" y="15" width="5" height="5" stroke="rgb(0 0 0 / 0%)"/>',
+        '<rect x="20" y="15" width="5" height="5" stroke="hsla(0, 0%, 0%, 0)"/>',
+        '<g color="transparent"><rect x="20" y="15" width="5" height="5" stroke="currentColor"/></g>',
+        '<rect x="20" y="15" width="5" height="5" stroke="url(#gone)"/>',
+        '<rect x="25" y="20" width="-5" height="-5"/>',
+        '<metadata><rect x="20" y="15" width="5" height="5"/></metadata>',
+        '<desc><rect x="20" y="15" width="5" height="5"/></desc>',
+        '<switch><g/><rect x="20" y="15" width="5" height="5"/></switch>',
+        '<switch><rect systemLanguage="tlh" x="20" y="15" width="5" height="5"/><g/></switch>',
+        '<svg x="60" y="10" width="5" height="5"><rect x="-40" y="5" width="5" height="5"/></svg>',
+    ],
+)
+def test_what_no_viewer_shows_is_not_cut(tmp_path: Path, hole: str) -> None:
+    nest = read(tmp_path, PART + hole)
+    assert [contour.id for contour in nest.contours] == ["P1.outer"]
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ('<rect style="clip-path: inset(0 50% 0 0)" width="50" height="40"/>', r"clipped by inset\(0 50% 0 0\)"),
+        ('<clipPath id="k"><text>A</text></clipPath><rect clip-path="url(#k)" width="9"/>', "of letters"),
+        ('<style>rect{display:var(--shown)}</style><rect width="50" height="40"/>', "a variable"),
+        ('<rect width="50" height="40" transform="rotate(45deg)"/>', r"its transform is 'rotate\(45deg\)'"),
+        ("""<path style="d:path('M 0 0 h')"/>""", "h is followed by ''"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_told_is_refused(tmp_path: Path, body: str, told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        read(tmp_path, body)
+
+
+def test_what_a_nested_page_cuts_off_is_asked_about(tmp_path: Path) -> None:
+    body = '<svg x="60" y="10" width="30" height="30"><rect x="10" y="10" width="40" height="10"/></svg>'
+    with pytest.raises(Questions, match=r"clip: the line at .* is seen only in part"):
+        read(tmp_path, body)
+    assert metal(read(tmp_path, body, answers=(("clip", "clipped"),))) == pytest.approx(200)
+    assert metal(read(tmp_path, body.replace("<svg", '<svg overflow="visible"'))) == pytest.approx(400)
+
+
+def test_what_lies_in_other_files_is_said(tmp_path: Path) -> None:
+    body = f'<style>@import url("plant.css");</style>{PART}<use href="other.svg#a"/><use href="#gone"/>'
+    told = "\n".join(note.text for note in read(tmp_path, body).notes)
+    assert "a clone of 'other.svg#a' is left out: it is in another file" in told
+    assert "a clone of '#gone' is left out: the file holds no such thing" in told
+    assert "the style sheet 'plant.css' is in another file" in told
+
+
+def test_a_ring_that_its_filling_hides_is_asked_about(tmp_path: Path) -> None:
+    body = '<path fill="black" stroke="none" d="M20 20h50v40h-50z m5 5 v9h9v-9z m0 20 h9 v9 h-9z"/>'
+    with pytest.raises(Questions, match="fill: a ring lies in a filled shape"):
+        read(tmp_path, body)
+    for answer, area in (("cut", 2000 - 162), ("ignore", 2000 - 81)):
+        assert metal(read(tmp_path, body, answers=(("fill", answer),), frame="part")) == pytest.approx(area)
+    assert metal(read(tmp_path, body.replace("<path", '<path fill-rule="evenodd"'), frame="part")) == 2000 - 162
+
+
+@pytest.mark.parametrize("name", ["drawing.svgz", "packed.svg"])
+def test_packed_files(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(gzip.compress(f"{HEAD}{PART}</svg>".encode()))
+    assert metal(read_nest(path, ReadOptions())) == 800
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.raises(InputError, match="the file is packed, and damaged"):
+        read_nest(path, ReadOptions())
