@@ -18,7 +18,7 @@ from kerfwise.encoder.text import join_names
 
 from .drawing import DrawnCurve
 from .join import join
-from .layers import DEFAULT, Purpose, counted, setting, surely_cut, surely_sheet
+from .layers import DEFAULT, Purpose, counted, doubtful, setting, surely_cut, surely_sheet
 from .options import MM_PER, ReadOptions
 from .reading import Taken
 
@@ -126,6 +126,7 @@ def by_layer(pieces: Sequence[DrawnCurve], options: ReadOptions, asking: Asking)
         raise InputError("nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline")
     first = {look_of(p): p for p in reversed(pieces)}
     uses = {look: use_of(look, piece, options, asking) for look, piece in first.items()}
+    uses |= _by_doubtful_names(pieces, uses, asking)
     uses |= _by_colour(pieces, uses, options.join_tolerance_mm, asking)
     uses |= _by_linetype(pieces, uses, asking)
     of: dict[Purpose | None, list[DrawnCurve]] = defaultdict(list)
@@ -164,6 +165,29 @@ def use_of(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) 
         return Use(purpose, "by the profile (drawing.layers.cut)", True)
     by_default = purpose == "cut" and not any(surely_cut(name) for name in look.names[-1:])
     return Use(purpose, "by default" if by_default else "by its name", False)
+
+
+def _by_doubtful_names(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking: Asking) -> dict[Look, Use]:
+    """What layers are for whose names may mean lines that are not cut, beside others that are cut."""
+    cut = [p for p in pieces if uses[look_of(p)].purpose == "cut"]
+    loose = [p for p in cut if not uses[look_of(p)].stated]
+    orders = {p.layer: doubtful(p.names) for p in loose}
+    layers = dict.fromkeys(layer for layer, order in orders.items() if order)
+    if all(p.layer in layers for p in cut):
+        return {}
+    found: dict[Look, Use] = {}
+    for layer in layers:
+        own = [p for p in loose if p.layer == layer]
+        said = asking.ask(
+            Question(
+                f"{LAYER}{layer}",
+                f"layer '{layer}' ({_lines(len(own))}) may not be meant to be cut, by its name: what is it?",
+                tuple(Choice(purpose, WORDS[purpose]) for purpose in orders[layer]),
+            )
+        )
+        because = asking.because(f"{LAYER}{layer}")
+        found |= {look_of(p): Use(cast(Purpose, said), because, said == "cut") for p in own}
+    return found
 
 
 def _by_colour(

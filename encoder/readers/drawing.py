@@ -25,7 +25,8 @@ class DrawnCurve:
 
     `within` are the names it can be known by, outermost first, where those are more than its layer's: groups of groups.
     `colour` and `linetype` are how it is drawn, "" where the file does not say; `filled` that it is an area without a
-    line round it. `blocks` are the names of those that it lies in, outermost first, and `attributes` what these say.
+    line round it, `width_mm` how wide that line is. `blocks` are the names of those that it lies in, outermost first,
+    and `attributes` what these say.
     """
 
     curve: Curve
@@ -37,6 +38,7 @@ class DrawnCurve:
     filled: bool = False
     blocks: tuple[str, ...] = ()
     attributes: tuple[tuple[str, str], ...] = ()
+    width_mm: float = 0.0
 
     @property
     def source(self) -> Source:

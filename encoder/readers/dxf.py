@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking
+from kerfwise.encoder.text import join_names
 
 from .clipping import Clips, seen_through, texts_seen
 from .drawing import (
@@ -45,6 +46,7 @@ from .dxf_entities import (
     curve,
     entities,
     layer_of,
+    width_of,
 )
 from .dxf_text import DXF_ERRORS, cross, is_written, middle_of_point, name_of, written
 from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
@@ -93,6 +95,8 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     texts, hidden_notes = texts_seen(read.texts)
     near, texts, far_notes = brought_near(pieces, texts)
     notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes, *_paper(document))
+    if not near:
+        notes = (*notes, *_never_inserted(document))
     return Drawing(near, units, notes, None, because, texts)
 
 
@@ -117,13 +121,12 @@ def _pieces(shown: Sequence[Placed], scale: float, looks: Looks, spot_mm: float)
         elif (drawn := _curve(entity, layer, scale)) is None:
             read.unknown.append((entity.dxftype(), layer))
         else:
-            read.pieces.append((look(drawn), areas))
+            read.pieces.append((replace(look(drawn), width_mm=scale * width_of(entity)), areas))
     return read
 
 
 def _looking(curve: Curve, placed: Placed, order: int, looks: Looks) -> DrawnCurve:
-    entity = placed.entity
-    colour, linetype = looks.colour(entity), looks.linetype(entity)
+    colour, linetype = looks.colour(placed), looks.linetype(placed)
     return DrawnCurve(
         curve, placed.layer, order, None, colour, linetype, blocks=placed.blocks, attributes=placed.attributes
     )
@@ -157,6 +160,14 @@ def _paper(document: Document) -> tuple[Note, ...]:
     )
     which = "1 entity is" if count == 1 else f"{count} entities are"
     return (Note("warning", f"left out: {which} in paper space, where a drawing is printed from"),) if count else ()
+
+
+def _never_inserted(document: Document) -> tuple[Note, ...]:
+    """Blocks that hold something and stand nowhere."""
+    stand = {str(e.dxf.name).lower() for block in document.blocks for e in block if isinstance(e, Insert)}
+    idle = [b.name for b in document.blocks if len(b) and b.name[:1] not in ("*", "_") and b.name.lower() not in stand]
+    named = join_names([f"'{name_of(name)}'" for name in sorted(idle)], 6)
+    return (Note("warning", f"the file holds blocks that it inserts nowhere: {named}"),) if idle else ()
 
 
 def _curve(entity: DXFGraphic, layer: str, scale: float) -> Curve | None:

@@ -62,13 +62,15 @@ class Hidden:
 @dataclass(frozen=True, slots=True)
 class Placed:
     """An entity to read, its layer, the areas that it is seen through in units of the drawing, where blocks are
-    clipped, the names of the blocks that it lies in, outermost first, and what their attributes say."""
+    clipped, the names of the blocks that it lies in, outermost first, and what their attributes say. `inside` is the
+    insertion of the block that it lies in."""
 
     entity: DXFGraphic
     layer: str
     clips: Clips = ()
     blocks: tuple[str, ...] = ()
     attributes: tuple[tuple[str, str], ...] = ()
+    inside: Placed | None = None
 
 
 def entities(
@@ -109,7 +111,7 @@ def entities(
 
 
 def _placed(entity: DXFGraphic, layer: str, within: Placed | None) -> Placed:
-    return Placed(entity, layer) if within is None else replace(within, entity=entity, layer=layer)
+    return Placed(entity, layer) if within is None else replace(within, entity=entity, layer=layer, inside=within)
 
 
 def _attributes(insert: Insert, first: Insert, hidden: Hidden, placed: Placed) -> Iterator[Placed]:
@@ -119,7 +121,7 @@ def _attributes(insert: Insert, first: Insert, hidden: Hidden, placed: Placed) -
             layer = layer_of(definition)
             shown = definition.copy()
             shown.transform(insert.matrix44())
-            yield replace(placed, entity=shown, layer=placed.layer if layer == "0" else layer)
+            yield _placed(shown, placed.layer if layer == "0" else layer, placed)
     for attribute in insert.attribs:
         layer = layer_of(attribute)
         layer = placed.layer if layer == "0" else layer
@@ -127,7 +129,7 @@ def _attributes(insert: Insert, first: Insert, hidden: Hidden, placed: Placed) -
             continue
         if insert is not first and attribute.dxf.hasattr("align_point"):  # the library moves the other point only
             attribute.dxf.align_point += insert.dxf.insert - first.dxf.insert
-        yield replace(placed, entity=attribute, layer=layer)
+        yield _placed(attribute, layer, placed)
 
 
 def _clip(insert: Insert) -> Clips:
@@ -435,24 +437,38 @@ class Looks:
         self._colours = {name: _named(abs(int(x.dxf.get("color", 7)))) for name, x in rows}
         self._linetypes = {name: str(x.dxf.get("linetype", "Continuous")) for name, x in rows}
 
-    def colour(self, entity: DXFGraphic) -> str:
-        """The name of a colour, #rrggbb where it has none; "" where its block says it."""
+    def colour(self, placed: Placed) -> str:
+        """The name of a colour, #rrggbb where it has none: an entity's own, its layer's, or that of its block."""
+        entity = placed.entity
         if entity.dxf.hasattr("true_color"):
             return f"#{int(entity.dxf.true_color) & 0xFFFFFF:06x}"
         number = int(entity.dxf.get("color", BY_LAYER)) if entity.dxf.is_supported("color") else BY_LAYER
         if number == BY_LAYER:
-            return self._colours.get(_layer(entity), "white")
-        return "" if number == BY_BLOCK else _named(abs(number))
+            return self._colours.get(placed.layer.lower(), "white")
+        if number == BY_BLOCK:
+            return "white" if placed.inside is None else self.colour(placed.inside)
+        return _named(abs(number))
 
-    def linetype(self, entity: DXFGraphic) -> str:
+    def linetype(self, placed: Placed) -> str:
         """The name of a line type, "" where lines are drawn through."""
+        entity = placed.entity
         own = str(entity.dxf.get("linetype", "BYLAYER")) if entity.dxf.is_supported("linetype") else "BYLAYER"
-        kind = self._linetypes.get(_layer(entity), "") if own.lower() == "bylayer" else own
+        if own.lower() == "byblock":
+            return "" if placed.inside is None else self.linetype(placed.inside)
+        kind = self._linetypes.get(placed.layer.lower(), "") if own.lower() == "bylayer" else own
         return "" if kind.lower() in CONTINUOUS else kind
 
 
-def _layer(entity: DXFGraphic) -> str:
-    return name_of(str(entity.dxf.get("layer", "0"))).lower()
+def width_of(entity: DXFGraphic) -> float:
+    """How wide a polyline is drawn where it is widest, in units of the drawing; 0 for a line of no width."""
+    if isinstance(entity, LWPolyline):
+        widths = [w for pair in entity.get_points("se") for w in pair]
+        return float(max([entity.dxf.get("const_width", 0.0), *widths]))
+    if isinstance(entity, Polyline) and entity.is_2d_polyline:
+        names = ("start_width", "end_width")
+        default = max(entity.dxf.get(f"default_{name}", 0.0) for name in names)
+        return float(max([v.dxf.get(name, default) for v in entity.vertices for name in names], default=default))
+    return 0.0
 
 
 def _named(number: int) -> str:

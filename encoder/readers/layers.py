@@ -39,9 +39,13 @@ IGNORE_WORDS = _words(
     # axes and bends
     " cent(er|re)_?.?(line|mark) mittellinie tengely 中心线 tool.?cent arc.?cent"
     " bend_?.?(line|up|down|extent) abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít"
-    " tangent осев 折弯",
+    " kantlijn vouwlijn bockningslinj taivutus bükme ohyb d[oó]bra(s|do)? tangent осев 折弯 折り 曲げ"
+    # what is not to be cut, in so many words
+    " (?<![^\\W\\d_])(do.?not|don.?t|not?|never|non|nicht|kein|ne.?pas|nie|nem|niet|ikke|inte|не).?"
+    "(to.?be.?)?(cut|schneid|schnitt|tagli|coup|découp|cort|ciąć|cięcie|vág|snij|skär|skjær|рез) uncut",
     "annot adnotac comment hidden",
-    "hatch(es|ing)? dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei]"
+    "mått mitat kót[ya] maten ölçü"
+    " hatch(es|ing)? dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei]"
     " osi[ea]? oś ось оси bends? plis? pieg[ah]e? гиб",
 )
 SCRAP_WORDS = _words(
@@ -60,12 +64,35 @@ TAB_WORDS = (
 MARK_WORDS = _words(
     "engrav gravur grav[ií]r gravure laser.?(etch|mark|text|scrib) v.?score cent(er|re).?punch"
     " beschrift signier anr(ei|i)(ß|ss) k(ö|oe)rn(er|ung|punkt) ritzen ritzlinie pointage grabado grabar rotul"
-    " incisione incidere graw(er|ir) trasow znakow маркир разметк гравир надпис felirat pontoz 刻 打标 标记 文字",
+    " incisione incidere graw(er|ir) trasow znakow маркир разметк гравир надпис felirat pontoz kazıma oyma bohrmark"
+    " 刻 打标 标记 文字",
     "grav(?!el|it) bulin napis znaczen znač popis керн грав",
     "mark(s|ing|ings|ed|er|ierung|ierungen|ieren)? marc(a|as|ado|ados|aje|ar|atura|ature)? marqu(e|es|age|er|é)"
     " etch(ed|es|ing|ings)? scrib(e|es|ed|ing) texts? texte texto testo teksty? текст(ы|а)? label(s|led|ling)?"
     " lettering pricks? jel jelöl[a-zé]*",
 )
+DOUBTFUL: tuple[tuple[tuple[Purpose, ...], str], ...] = (
+    (
+        ("ignore", "mark", "cut"),
+        _words(
+            "f[üu]hrungslinie hulplijn hintergrund passermark registration feature.?profile gewinde senkung"
+            " countersink counter.?bore konstruk[ct] koordinat nullpunkt 背景 ねじ",
+            "hilfs background reference thread tapp silhouett",
+            "folds? folding folded falt(en|ung|linien?)? biegung creas(e|es|ed|ing) guides? gu[ií]as? guida"
+            " ref csk fond sfondo tło фон print(s|ed|ing)? druck bleed artboard unused old backup trash temp origin"
+            " coordinates? revision резьба gwint filet(age|ti)",
+        ),
+    ),
+    (
+        ("mark", "cut", "ignore"),
+        _words(
+            "perforation rycin kiss.?cut half.?cut halb.?schnitt half.?tone",
+            "",
+            "scor(e|es|ed|ing) raster logos? stamp(s|ed|ing)? punch(es|ed|ing)? drill(s|ed|ing)?(.?cent(er|re)s?)?",
+        ),
+    ),
+)
+"""What names of layers may be for, the likeliest first, that may as well be those of parts or of holes."""
 SHEET_WORDS = _words(
     # a Grundplatte, a base plate in one word, is a part
     "remnant blech tafel rohteil rohmaterial лист t[ôö]le chapa plancha"
@@ -103,6 +130,23 @@ def surely_sheet(name: str) -> bool:
     """
     words = set(re.findall(r"[^\W\d_]+", _in_words(name).lower()))
     return bool(words & _SHEET) and words <= _SHEET | _OF_A_SHEET
+
+
+def doubtful(names: Sequence[str]) -> tuple[Purpose, ...]:
+    """What a layer is for, the likeliest first, where its names do not tell whether it is cut; () where they do.
+
+    Of the names, outermost first, the innermost decides that says anything.
+
+    Examples
+    --------
+    >>> doubtful(["Score lines"]), doubtful(["THREADS", "cut"]), doubtful(["Scoreboard"])
+    (('mark', 'cut', 'ignore'), (), ())
+    """
+    for name in reversed(names):
+        order = next((order for order, pattern in DOUBTFUL if _found(pattern, _in_words(name))), ())
+        if order or surely_cut(name):
+            return order
+    return ()
 
 
 def surely_cut(name: str) -> bool:

@@ -45,6 +45,11 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
         When nothing in it can be cut, when several sheets are drawn, or when outlines do not close.
     """
     asking = Asking(dict(options.answers)) if asking is None else asking
+    if not drawing.pieces:
+        raise InputError(
+            "nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline",
+            details=tuple(note.text for note in drawing.notes),
+        )
     told_apart = sheet_by_name(by_layer(drawing.pieces, options, asking), options, asking)
     if not told_apart.cut:
         raise InputError(nothing_to_cut(drawing.pieces, told_apart.uses))
@@ -66,7 +71,16 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
     parts = with_tabs(parts, told_apart.tab, options, layers)
     bridges = bridges_of_drawing(told_apart.bridge, parts, options, layers)
     sheet, sheet_because, choice_notes = choose_sheet(made.outline, made.rings, drawing.page, options, made.why_sheet)
-    notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *made.notes, *texts.notes, *mark_notes]
+    notes = [
+        *drawing.notes,
+        *told_apart.notes,
+        *_wide(told_apart.cut),
+        *joined_notes,
+        *sheet_notes,
+        *made.notes,
+        *texts.notes,
+        *mark_notes,
+    ]
     notes += [*scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
     taken = (*told_apart.taken(), *texts.taken)
     because = (drawing.units, drawing.because)
@@ -115,6 +129,20 @@ def _assembled(
             left = (*(c for c in cut.chains if c not in way.chains), *way.left)
             kept = [r for r in cut.rings if r not in way.replaced]
             cut = replace(cut, rings=tuple(sorted((*kept, *way.rings), key=lambda r: r.order)), chains=left)
+
+
+WIDE_MM = 1.0
+"""A line that is drawn wider is a band, most likely: a groove, a strip, a ring."""
+
+
+def _wide(cut: Sequence[DrawnCurve]) -> list[Note]:
+    """That the middle of a wide line is cut, and neither of its edges."""
+    wide = [piece for piece in cut if piece.width_mm > WIDE_MM]
+    if not wide:
+        return []
+    widest = max(piece.width_mm for piece in wide)
+    lines = f"drawn up to {widest:.4g} mm wide, and cut along the middle: {counted(piece.layer for piece in wide)}"
+    return [Note("warning", lines)]
 
 
 def taken_apart(drawing: Drawing, options: ReadOptions, asking: Asking) -> tuple[tuple[str, DrawnCurve], ...]:

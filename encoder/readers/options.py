@@ -139,13 +139,18 @@ def _require(holds: bool, message: str) -> None:
 
 MM_PER = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 
+RARE_MM_PER = {"dm": 100.0, "yd": 914.4, "mil": 0.0254, "um": 1e-3, "us-ft": 1200 / 3937 * 1e3}
+"""Units that only the header of a DXF file names."""
+
 PER_INCH = {"pt": 72.0, "px": 96.0, "72dpi": 72.0, "90dpi": 90.0, "96dpi": 96.0}
 """Units of drawing programs and printers, by how many of them make an inch."""
 
 UNITS = (*MM_PER, *PER_INCH)
 """Every word for a unit that a profile takes; the command line takes any number of dots an inch, such as 300dpi."""
 
-DXF_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
+DXF_UNITS = {
+    1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 9: "mil", 10: "yd", 13: "um", 14: "dm", 21: "us-ft",
+}  # fmt: skip
 """The values of the DXF header's $INSUNITS that a nest can be drawn in."""
 
 SMALLEST_SHEET_MM, LARGEST_SHEET_MM = 20.0, 50_000.0
@@ -178,11 +183,11 @@ def mm_of(units: str) -> float | None:
 
     Examples
     --------
-    >>> mm_of("cm"), mm_of("pt") == mm_of("72 dpi") == 25.4 / 72, mm_of("yd")
+    >>> mm_of("cm"), mm_of("pt") == mm_of("72 dpi") == 25.4 / 72, mm_of("rod")
     (10.0, True, None)
     """
-    if units in MM_PER:
-        return MM_PER[units]
+    if units in MM_PER or units in RARE_MM_PER:
+        return MM_PER.get(units) or RARE_MM_PER[units]
     if units in PER_INCH:
         return 25.4 / PER_INCH[units]
     dots = re.fullmatch(r"(\d{1,5}(?:\.\d+)?) ?dpi", units)
@@ -237,14 +242,19 @@ def dxf_units(
             against = f"$INSUNITS {insunits} ({unit}) and $LUNITS {lunits} (feet and inches) contradict each other"
             text = f"{against}, {long}: what is it in?"
             return asking.ask(units_question(text, (unit, "in"), longest)), "asked: the header contradicts itself"
-        if longest > 0 and not SMALLEST_PART_MM <= longest * MM_PER[unit] <= LARGEST_SHEET_MM:
+        per_unit = mm_of(unit) or 1.0
+        if longest > 0 and not SMALLEST_PART_MM <= longest * per_unit <= LARGEST_SHEET_MM:
             fits = [u for u in ("mm", "in", "cm", "m") if SMALLEST_SHEET_MM <= longest * MM_PER[u] <= LARGEST_SHEET_MM]
             if fits and unit not in fits:
-                size = f"{longest * MM_PER[unit]:.6g} mm"
+                size = f"{longest * per_unit:.6g} mm"
                 text = f"$INSUNITS {insunits} says {unit}, in which the drawing is {size} long: what is it in?"
                 return asking.ask(units_question(text, (*fits, unit), longest)), "asked: the size is none of a sheet"
         return unit, f"$INSUNITS {insunits}"
     nothing = "the file names no unit" if insunits in (None, 0) else f"$INSUNITS {insunits} is no unit of a nest"
+    if insunits not in (None, 0):
+        return asking.ask(units_question(f"{nothing}, {long}: what is it in?", ("mm", "in"), longest)), (
+            "asked: the header names no unit of a nest"
+        )
     if longest > LONGEST_IN_INCHES:
         return "mm", f"{nothing}, and it is too large to be in inches"
     if measurement == 1:

@@ -81,7 +81,10 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
     pieces = [
-        (DrawnCurve(c, s.layer, order, s.names, *_look(s.element)), tuple(areas[clip] for clip in s.clips))
+        (
+            DrawnCurve(c, s.layer, order, s.names, *_look(s.element), width_mm=_width_mm(s.element, page.to_mm)),
+            tuple(areas[clip] for clip in s.clips),
+        )
         for order, (c, s) in enumerate(drawn)
     ]
     masked = {order for order, (_, s) in enumerate(drawn) if s.masked}
@@ -122,6 +125,14 @@ def _look(element: Any) -> tuple[str, str, bool]:
     dashes = str(element.values.get("stroke-dasharray") or "none").strip()
     dashed = stroke and dashes not in ("none", "0") and any(sign in "123456789" for sign in dashes)
     return stroke or fill, "dashed" if dashed else "", not stroke and bool(fill)
+
+
+def _width_mm(element: Any, to_mm: Any) -> float:
+    """How wide the line of a shape is drawn."""
+    if not _colour(element.stroke):
+        return 0.0
+    width = 1.0 if element.stroke_width is None else float(element.stroke_width)
+    return width * math.sqrt(abs(to_mm.a * to_mm.d - to_mm.b * to_mm.c))
 
 
 def _as_filled(

@@ -86,8 +86,8 @@ def _called(element: Element) -> str:
 def _only_what_applies(root: Element) -> None:
     """Of every <switch> the first child that any viewer shows, or one in English."""
     for switch in [element for element in root.iter() if _tag(element) == "switch"]:
-        fitting = [child for child in switch if isinstance(child.tag, str) and _applies(child)]
-        for child in [child for child in switch if child is not (fitting or [None])[0]]:
+        shown = next((child for child in switch if isinstance(child.tag, str) and _applies(child)), None)
+        for child in [child for child in switch if child is not shown]:
             switch.remove(child)
 
 

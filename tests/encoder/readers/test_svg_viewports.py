@@ -25,7 +25,7 @@ def read(folder: Path, body: str, **options: Any) -> Nest:
 
 
 def metal(nest: Nest) -> float:
-    return sum(part.polygon.area for part in nest.parts)
+    return float(sum(part.polygon.area for part in nest.parts))
 
 
 SYMBOL = '<symbol id="s" viewBox="0 0 10 10" {}><rect x="1" y="6" width="8" height="3"/></symbol>'
