@@ -14,7 +14,7 @@ from kerfwise.encoder.text import unknown
 from kerfwise.rules.case import Case
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.minizinc.installation import driver
-from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.outside import rules_in_file
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
@@ -143,14 +143,32 @@ class Bench:
         if self._not_compared():
             return tuple(lines), ""
         for option in options_of(self.rule.Options):
-            for value in list(drawn_values(self.rule, option, self.profile))[1:2]:
-                under = with_option(self.rule, self.profile, option, value)
-                some = [trial for trial in self.few(under)[:3] if trial.unjudged() is None]
-                where = f"with {option.key}: {option.kind.write(value)}, "
-                lines += [where + line for line in compare_with_violations(some)]
-                if text_of(self.rule) is not None:
-                    lines += [where + line for line in compare_with_text(some[:1])]
+            values = list(drawn_values(self.rule, option, self.profile))[1:]
+            for value in values[:1]:
+                some = [trial for trial in self._few_with(option, value)[:3] if trial.unjudged() is None]
+                lines += self._with(option, value, compare_with_violations(some))
+            if text_of(self.rule) is not None:
+                value, trial = self._telling(option, values)
+                lines += self._with(option, value, compare_with_text(trial))
         return _lines(iter(lines)), ""
+
+    def _few_with(self, option: Option, value: Any) -> list[Trial]:
+        return self.few(with_option(self.rule, self.profile, option, value))
+
+    def _telling(self, option: Option, values: Sequence[Any]) -> tuple[Any, list[Trial]]:
+        """A value of the option, and a trial whose lawful plans it changes: a text that does not read it differs there.
+
+        Where no value changes any, the first one and its first trial.
+        """
+        before = {trial.name: trial.admitted_by_statements() for trial in self._few_with(option, option.default)}
+        for value in values:
+            for trial in self._few_with(option, value):
+                if trial.admitted_by_statements() != before.get(trial.name):
+                    return value, [trial]
+        return (values[0], self._few_with(option, values[0])[:1]) if values else (option.default, [])
+
+    def _with(self, option: Option, value: Any, lines: Iterator[str]) -> list[str]:
+        return [f"with {option.key}: {option.kind.write(value)}, {line}" for line in lines]
 
     def _not_compared(self) -> str:
         """Why plans cannot be compared by what the rule states."""
