@@ -79,6 +79,7 @@ def plan_nest(
     whole: CommandLimit | None = None,
     planned_as: Callable[[Plan], None] | None = None,
     orders: OrdersOf | None = None,
+    found: Found | None = None,
 ) -> FinishedPlan:
     """Plan a nest, or what is left of it, write the program, and judge both.
 
@@ -104,6 +105,8 @@ def plan_nest(
         Told the plan before it is judged.
     orders
         What finds orders by another simulation than that of heat, where the profile has a price on what that shows.
+    found
+        Told each better plan as it is found, as `solve_and_verify` does.
 
     Raises
     ------
@@ -143,6 +146,7 @@ def plan_nest(
                 None if orders is None else orders(facts, profile, request.stated),
                 and_zones=True,
                 planned_as=planned_as,
+                found=found,
             )
     except RulesConflict as error:
         from kerfwise.models.engines.deadline import Deadline
@@ -165,6 +169,9 @@ def plan_nest(
 
 Write = Callable[[Plan, Nest, Profile], str]
 """Makes the program of a plan."""
+Found = Callable[[Request, Solution], None]
+"""Told of a better plan that is found while others are looked for: what it was asked, and its route. Nothing is proven
+of it, and no geometry has looked at its whole order: only a check says whether it is lawful."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -197,6 +204,7 @@ def solve_and_verify(
     write: Write | None = None,
     trusted: Trusted | None = None,
     planned_as: Callable[[Plan], None] | None = None,
+    found: Found | None = None,
 ) -> VerifiedPlan:
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
@@ -204,7 +212,8 @@ def solve_and_verify(
     simulated before of the same nest by the same rules. `and_zones` has zones move where that pays, and the
     plan say what they cost, which takes a share of a limit in seconds, or work beside that of the plan. `write` makes
     the program of the plan in another way; what of its words is `trusted` is not judged. `planned_as` is told the
-    plan before it is judged: nothing but its rules and its cost will change.
+    plan before it is judged: nothing but its rules and its cost will change. `found` is told each better plan of the
+    portfolio meanwhile, which changes nothing; no plan by other zones, and none that a simulation has asked for.
 
     Raises
     ------
@@ -227,7 +236,9 @@ def solve_and_verify(
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
         part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
-        return _solved(Request(facts, stated), further, profile, part, progress, engine, solver, strategy)
+        asked = Request(facts, stated)
+        hear = None if found is None else partial(found, asked)
+        return _solved(asked, further, profile, part, progress, engine, solver, strategy, hear)
 
     cool: Solution | None = None
     price_mm = profile.objective.heat if cooler is None else cooler.price_mm(profile)
@@ -239,16 +250,11 @@ def solve_and_verify(
 
     @cache  # looking for what an order leaves takes long
     def seen_in(route: tuple[int, ...]) -> tuple[Statement, ...]:
-        return lazy_statements(facts, profile)([facts.candidates[c].contour for c in route])
+        return seen_after(facts, profile, route)
 
     def planned(solution: Solution, *, reasons: bool = True) -> Plan:
-        stated = replace(request.stated, statements=(*request.stated.statements, *seen_in(solution.route)))
-        plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
-        if reasons:  # they take long
-            plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
-        plan = with_further_torches(plan, facts, stated, solution)
-        plan = with_pierces(plan, facts.whole_nest, profile, limits)
-        return with_times(plan, facts.whole_nest, profile)
+        seen = seen_in(solution.route)
+        return plan_of(Request(facts, request.stated), profile, solution, limits, seen, engine_named, reasons=reasons)
 
     plan: Plan | None = None
     if (limit := profile.temperature_limit()) is not None:
@@ -282,10 +288,48 @@ def solve_and_verify(
     plan = replace(plan or planned(solution), zones_cost=zones_cost)
     if planned_as is not None:
         planned_as(plan)
+    return verified(facts, profile, plan, solution, write or write_program, trusted)
+
+
+def seen_after(facts: Facts, profile: Profile, route: tuple[int, ...]) -> tuple[Statement, ...]:
+    """What geometry finds in the whole order of a route."""
+    return lazy_statements(facts, profile)([facts.candidates[c].contour for c in route])
+
+
+def plan_of(
+    request: Request,
+    profile: Profile,
+    solution: Solution,
+    limits: SolveOptions,
+    seen: tuple[Statement, ...],
+    engine: str = "portfolio",
+    *,
+    reasons: bool = True,
+) -> Plan:
+    """The plan of a solution, timed, with what was `seen` in its order; without `reasons` in a tenth of the time."""
+    facts = request.facts
+    stated = replace(request.stated, statements=(*request.stated.statements, *seen))
+    plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
+    if reasons:
+        plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
+    plan = with_further_torches(plan, facts, stated, solution)
+    plan = with_pierces(plan, facts.whole_nest, profile, limits)
+    return with_times(plan, facts.whole_nest, profile)
+
+
+def verified(
+    facts: Facts,
+    profile: Profile,
+    plan: Plan,
+    solution: Solution,
+    write: Write = write_program,
+    trusted: Trusted | None = None,
+) -> VerifiedPlan:
+    """A plan with its program, and the verdict on both in it."""
     began_s = running_s()
     planned_verdict = check_plan(facts.whole_nest, plan, profile)
     plan = replace(plan, state=planned_verdict.state)  # the program says it, too
-    program = (write or write_program)(plan, facts.whole_nest, profile)
+    program = write(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile, trusted, planned_verdict)
     if verdict.state.short() != planned_verdict.state.short():
         program = with_state(program, verdict.state)
@@ -306,6 +350,7 @@ def _solved(
     engine: Engine,
     solver: str,
     strategy: Strategy,
+    found: Callable[[Solution], None] | None = None,
 ) -> Solution:
     """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones."""
     facts, stated = request.facts, request.stated
@@ -325,7 +370,7 @@ def _solved(
         began_s = running_s()
         look_s = look_takes_s(facts, profile)
         limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
-    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s)
+    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, found=found)
 
 
 # The pierce pass: all holes of a zone, or of the sheet, in a way of their own, before the cuts that begin there.

@@ -201,9 +201,12 @@ def with_error_text(server: Server, answer: Answer) -> Answer:
 
     async def answered(request: Request) -> Response:
         try:
+            if request.path_params.get("id", "") not in ("", *server.sessions):
+                await server.reopen(request.path_params["id"])  # an earlier server had it open
             return await answer(request)
         except Stale:
-            return JSONResponse({"kind": "stale", **session_of(server, request).as_json()}, HTTPStatus.CONFLICT)
+            told = server.as_json(session_of(server, request))
+            return JSONResponse({"kind": "stale", **told}, HTTPStatus.CONFLICT)
         except NotOpen as error:
             told = {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
             return JSONResponse(told, HTTPStatus.NOT_FOUND)

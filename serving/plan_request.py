@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import shlex
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
@@ -154,28 +155,43 @@ def _sha256(data: bytes) -> str:
 
 Answers = Mapping[str, Callable[..., Any]]
 """Question → what answers it."""
+STOP, SUPERSEDE = "stop", "supersede"
+"""What is sent beside a question: to answer with what there is, or not at all."""
+
+
+class Superseded(Exception):
+    """Nobody wants the answer any more: something else is asked instead."""
 
 
 class Questions:
     """Whoever has asked: told what is reached, and asked whether the answer is still wanted."""
 
     def __init__(self, way: Connection, stop: Connection) -> None:
-        self._way, self._stop, self._stopped = way, stop, False
+        self._way, self._stop, self._stopped, self._superseded = way, stop, False, False
+        self._telling = threading.Lock()
 
     def tell(self, **told: Any) -> None:
-        """Tell something before the answer."""
-        self._way.send(("heard", told))
+        """Tell something before the answer; any thread may."""
+        with self._telling:
+            self._way.send(("heard", told))
 
     @property
     def stopped(self) -> bool:
-        """Whether the answer is to come to its end now."""
-        while not self._stopped and self._stop.poll():
-            self._stop.recv()
+        """Whether the answer is to come to its end now, with what there is."""
+        while self._stop.poll():
+            self._superseded |= self._stop.recv() == SUPERSEDE
             self._stopped = True
         return self._stopped
+
+    def go_on(self) -> bool:
+        """Whether there is time for a better answer; Superseded where nobody wants any."""
+        stopped = self.stopped
+        if self._superseded:
+            raise Superseded
+        return not stopped
 
     def begin(self) -> None:
         """Forget what was to be stopped before."""
         while self._stop.poll():
             self._stop.recv()
-        self._stopped = False
+        self._stopped = self._superseded = False

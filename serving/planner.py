@@ -3,32 +3,39 @@
 from __future__ import annotations
 
 import json
+import math
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.text import escape_lines, escape_text
 from kerfwise.jobs.display import summary_lines
+from kerfwise.jobs.first_plan import FEW, FirstPlans, verified_plan
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import Job
 from kerfwise.jobs.page import page_data
-from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
+from kerfwise.jobs.plan_nest import VerifiedPlan, plan_nest
 from kerfwise.jobs.programs import check_made
 from kerfwise.jobs.progress import Listener, OnProgress, Reached
-from kerfwise.jobs.request import WORK, NoPlan, options_for
-from kerfwise.models.engines.solution import MEMORY_GB
+from kerfwise.jobs.request import WORK, NoPlan, Request, options_for
+from kerfwise.jobs.resume import lock_broken_cut_first
+from kerfwise.models.engines.solution import MEMORY_GB, Solution, SolveOptions
+from kerfwise.models.jit import made_s
 from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.read_plan import plan_in
 from kerfwise.postproc.output_files import output_names, remnant_files
-from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.overrides import lines_of
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import About
+from kerfwise.rules.statements import EXEMPTION_MM, About
 
 from .job_edits import edited
-from .plan_request import Answers, PlanRequest, Questions, already_of, request_inputs
+from .plan_request import Answers, PlanRequest, Questions, Superseded, already_of, earlier_plan_name, request_inputs
 from .session import Packed
 
 TOLD_EACH_S = 0.1
@@ -55,21 +62,53 @@ class Planner:
         return True
 
     def solve(
-        self, wanted: PlanRequest, work: float = WORK, relax: bool = False, memory_gb: float = MEMORY_GB
+        self,
+        wanted: PlanRequest,
+        work: float = WORK,
+        relax: bool = False,
+        memory_gb: float = MEMORY_GB,
+        start: str | None = None,
     ) -> dict[str, Any]:
-        """The plan with its program, or the conflict; what the engines reach is told meanwhile.
+        """The plan with its program, or the conflict; better and better plans are told meanwhile, and the phase.
 
         Where less than the usual work finds neither a plan nor a contradiction, more is taken: `work` says how much.
+        `start` is the plan at hand, as JSON: the first plan keeps to it as far as what is wanted lets it.
         """
         self._asking.begin()
+        with told_while_compiling(self._asking):
+            try:
+                return self._solved(wanted, work, relax, memory_gb, start)
+            except Superseded:
+                return {"superseded": True}
+
+    def _solved(
+        self, wanted: PlanRequest, work: float, relax: bool, memory_gb: float, start: str | None
+    ) -> dict[str, Any]:
+        self._asking.tell(phase="reading")
         notes: list[str] = []
         given = request_inputs(wanted)
+        already = already_of(wanted, given)
         listener = Listener(self._reached())
+        limits = options_for(given.nest, given.profile, work=work, memory_gb=memory_gb)
+
+        def kept(made: VerifiedPlan) -> dict[str, Any]:
+            return self._planned(wanted, given, made, False) | {"notes": [], "work": work, "memory_gb": memory_gb}
+
+        shown = PlansShown(self._asking, given, already, limits, kept)
+        if not relax:
+            shown.first(start, wanted)
         while True:
             limits = options_for(given.nest, given.profile, work=work, memory_gb=memory_gb)
             try:
                 done = plan_nest(
-                    given, limits, already=already_of(wanted, given), relax=relax, listener=listener, tell=notes.append
+                    given,
+                    limits,
+                    already=already,
+                    relax=relax,
+                    listener=listener,
+                    tell=notes.append,
+                    planned_as=self._finishing,
+                    found=None if shown.judged_slowly else shown.found,
                 )
             except NoPlan as no_plan:
                 if no_plan.conflict is None and work < WORK and not listener.stopped:
@@ -79,7 +118,11 @@ class Planner:
             except RulesConflict as error:
                 return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
             said = {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
-            return self._planned(wanted, given, done, listener.stopped) | said
+            return self._planned(wanted, given, done.made, listener.stopped) | said
+
+    def _finishing(self, plan: Plan) -> None:
+        self._asking.go_on()
+        self._asking.tell(phase="finishing")
 
     def tried(
         self, wanted: PlanRequest, changes: list[dict[str, Any]], relax: bool = False, memory_gb: float = MEMORY_GB
@@ -112,14 +155,13 @@ class Planner:
         self._asking.begin()
         return self._effects.effect(wanted, values, memory_gb)
 
-    def _planned(self, wanted: PlanRequest, given: Inputs, done: FinishedPlan, stopped: bool) -> dict[str, Any]:
-        """All that is kept of a plan: its files, and what a list of plans says of it."""
-        made, plan = done.made, done.made.plan
-        program, plan_file, picture = output_names(Path(wanted.nest))
-        drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
+    def _planned(self, wanted: PlanRequest, given: Inputs, made: VerifiedPlan, stopped: bool) -> dict[str, Any]:
+        """All that is kept of a plan: its files but for the picture, and what a list of plans says of it."""
+        plan = made.plan
+        program, plan_file, _ = output_names(Path(wanted.nest))
         remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
         data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
-        files = {program: made.program, plan_file: plan.to_json(), picture: drawn.decode("utf-8"), **remnant}
+        files = {program: made.program, plan_file: plan.to_json(), **remnant}
         return {
             "sha256": given.nest.sha256,
             "files": {name: Packed.of(text) for name, text in files.items()},
@@ -135,18 +177,15 @@ class Planner:
 
     def _reached(self) -> Any:
         told_s = 0.0
-        last: tuple[float | None, float | None] | None = None
+        last: tuple[str, float | None] | None = None
 
         def heard(reached: Reached) -> bool:
             nonlocal told_s, last
-            now_s, new = time.monotonic(), (reached.objective_mm, reached.bound_mm)
+            now_s, new = time.monotonic(), (phase_of(reached.engine), gap_of(reached.objective_mm, reached.bound_mm))
             if new != last and now_s - told_s >= TOLD_EACH_S:
                 told_s, last = now_s, new
-                best, bound = (None if v is None else float(v) for v in new)
-                self._asking.tell(
-                    engine=reached.engine, objective_mm=best, bound_mm=bound, seconds=float(reached.seconds)
-                )
-            return not self._asking.stopped
+                self._asking.tell(phase=new[0], gap=new[1])
+            return self._asking.go_on()
 
         return heard
 
@@ -155,6 +194,119 @@ def planner(asking: Questions) -> Answers:
     """The questions that the planner answers."""
     made = Planner(asking)
     return {name: getattr(made, name) for name in ("ready", "solve", "tried", "effect")}
+
+
+# What is shown while a plan is made: plans that are better and better, and the phase in a planner's words.
+
+SHOWN_EACH_S, SHOWN_SHARE = 1.0, 4.0
+"""A better plan is shown no sooner after the one before, and after so many times as long as that took to be judged."""
+SHOWN_GAIN = 1e-3
+"""Share of its cost by which a plan is better at the least where it is shown before the end."""
+COMPILES_S, LOOKED_S = 1.0, 0.25
+"""Compiling that takes so long is told; how often that is looked at."""
+
+
+def phase_of(engine: str) -> str:
+    """What an engine does, as a planner would say it."""
+    return "improving" if engine in ("search", "zones", "") else "proving"
+
+
+def gap_of(objective_mm: float | None, bound_mm: float | None) -> float | None:
+    """The share by which a plan may be too dear; None where nothing is known, or excuses hide the travel."""
+    if objective_mm is None or bound_mm is None or not 0 < objective_mm < EXEMPTION_MM:
+        return None
+    return float(max(0.0, 1 - bound_mm / objective_mm))
+
+
+@contextmanager
+def told_while_compiling(asking: Questions) -> Iterator[None]:
+    """Tell that code is compiled, which is done once for each machine, while it is."""
+    ended = threading.Event()
+
+    def watch() -> None:
+        made, since_s = made_s(), time.monotonic()
+        while not ended.wait(LOOKED_S):
+            if made_s() == made:  # nothing is being compiled
+                since_s = time.monotonic()
+            elif time.monotonic() - since_s > COMPILES_S:
+                asking.tell(phase="getting ready")
+            made = made_s()
+
+    watching = threading.Thread(target=watch, daemon=True)
+    watching.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watching.join()
+
+
+class PlansShown:
+    """Shows the first lawful plan, and then those that are better, each with its program and the verdict on both.
+
+    Parameters
+    ----------
+    asking
+        Who is told.
+    given, already, limits
+        Nest and profile, what of it is cut already, and the limits of the whole planning.
+    kept
+        Makes of a plan what is told of it.
+    """
+
+    def __init__(
+        self,
+        asking: Questions,
+        given: Inputs,
+        already: AlreadyCut,
+        limits: SolveOptions,
+        kept: Callable[[VerifiedPlan], dict[str, Any]],
+    ) -> None:
+        self._asking, self._given, self._already, self._limits, self._kept = asking, given, already, limits, kept
+        self._profile = lock_broken_cut_first(given.profile, already)
+        self._best_mm, self._next_s = math.inf, time.monotonic() + SHOWN_EACH_S  # it may be proven by then
+
+    @property
+    def judged_slowly(self) -> bool:
+        """Whether a plan is lawful only by a simulation that takes as long as planning: none is shown meanwhile."""
+        profile = self._given.profile
+        priced = profile.objective.heat and profile.heat.absorbed_power_w
+        return bool(priced) or profile.temperature_limit() is not None or profile.machine.torches.several
+
+    def first(self, start: str | None, wanted: PlanRequest) -> None:
+        """A lawful plan at once, and what a short search makes of it; none where the best is found as soon."""
+        if self.judged_slowly or len(self._given.nest.contours) <= FEW:
+            return
+        self._asking.tell(phase="first plan")
+        old = None if start is None else plan_in(start, earlier_plan_name(wanted.nest))
+        try:
+            plans = FirstPlans(self._given, self._limits, self._already, lambda *_: self._asking.go_on())
+        except (InputError, RulesConflict):  # the planning itself says what is wrong
+            return
+        solution = plans.at_once(old)
+        if solution is None or not self._shows(plans.verified(solution), "first"):
+            return
+        better = plans.better(solution) if self._asking.go_on() else None
+        if better is not None:
+            self._shows(plans.verified(better), "better")
+
+    def found(self, request: Request, solution: Solution) -> None:
+        """Show a plan that the engines have found, where it is much better than the last, and that was not just now."""
+        if solution.objective >= self._best_mm * (1 - SHOWN_GAIN) or time.monotonic() < self._next_s:
+            return
+        if self._asking.go_on():
+            made = verified_plan(request, self._profile, solution, self._limits)
+            self._shows(made, "better" if self._best_mm < math.inf else "first")
+
+    def _shows(self, made: VerifiedPlan, stage: str) -> bool:
+        began_s, cost_mm = time.monotonic() - made.judging_s, float(made.plan.solve.objective)
+        if not made.verdict.ok or cost_mm >= self._best_mm:
+            return False
+        self._best_mm = cost_mm
+        self._asking.tell(plan=self._kept(made) | {"stage": stage}, phase="improving")
+        now_s = time.monotonic()
+        self._next_s = now_s + max(SHOWN_EACH_S, SHOWN_SHARE * (now_s - began_s))
+        return True
 
 
 # Why there is no plan, as the page shows it: each statement of a contradiction, and what may undo it.
@@ -222,6 +374,7 @@ def figures_of(plan: Plan) -> dict[str, Any]:
         "gap": None if solve.gap is None else float(solve.gap),
         "light_gap": None if plan.light_gap is None else float(plan.light_gap),
         "status": solve.status,
+        "state": plan.stated.kind,
         "idle_mm": float(plan.totals.idle_mm),
         "time_s": float(plan.totals.time_s),
         "cuts": len(plan.cuts),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import math
 import re
 from collections import OrderedDict, defaultdict
@@ -26,6 +27,7 @@ from kerfwise.jobs.page_reasons import heat_data, why_data
 from kerfwise.models.plan.explain import as_text
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
+from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.page import page_of
 from kerfwise.postproc.report.simple_pictures import reading_picture
 from kerfwise.rules.lock import Lock
@@ -37,6 +39,8 @@ from .profile_answers import profile_answers
 
 MOST_DRAWN = 3000
 """A picture of more lines than this is sent as dots: browsers draw that many lines slowly."""
+_SHAPE_DIGITS = 6
+"""Of mm, to which a part is the same as before."""
 BOLD = 3.0
 """How many times as thick as on paper a picture is drawn that stands beside a question."""
 
@@ -80,7 +84,13 @@ class Desk:
             "settings": dict(settings_of(text.job())),
             "rules": [_rule(read.given, name) for name in {**profile.rules, **profile.settings()}],
             "answers": {} if nest.reading is None else dict(nest.reading.answers),
+            "shapes": _shapes(nest),
         }
+
+    def picture(self, wanted: PlanRequest, plan: str) -> str:
+        """The picture of a plan that is saved beside it (SVG)."""
+        given = self._read(wanted).given
+        return draw(given.nest, plan_in(plan), ".svg", given.profile.home_on(given.nest)).decode("utf-8")
 
     def preview(self, wanted: PlanRequest) -> str:
         """How a drawing is understood with the answers of the wanted job file, as the address of a picture.
@@ -213,6 +223,17 @@ class Desk:
         return given, made_of
 
 
+def _shapes(nest: Nest) -> dict[str, str]:
+    """What tells the sheet ("") and each part, by its name, from what it was before."""
+    lines = {part.id: [contour.curve for contour in (part.outer, *part.holes, *part.marks)] for part in nest.parts}
+    return {
+        name: hashlib.sha256(b"".join(curve.vertices.round(_SHAPE_DIGITS).tobytes() for curve in curves)).hexdigest()[
+            :12
+        ]
+        for name, curves in {"": [nest.sheet.outline, *nest.sheet.holes], **lines}.items()
+    }
+
+
 def _contours_of(nest: Nest, names: Sequence[str]) -> list[str]:
     """The contours that ids and parts stand for; InputError if there are none."""
     parts = nest.part_of
@@ -247,8 +268,20 @@ def _rule(given: Inputs, name: str) -> dict[str, Any]:
 def desk(asking: Questions) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    names = ("ready", "prepared", "opened", "preview", "edited", "changed", "page", "compared", "heat", "why", "move")
-    return {**{name: getattr(made, name) for name in names}, **profile_answers()}
+    names = (
+        "ready",
+        "prepared",
+        "opened",
+        "preview",
+        "picture",
+        "edited",
+        "changed",
+        "page",
+        "compared",
+        "heat",
+        "why",
+    )
+    return {**{name: getattr(made, name) for name in (*names, "move")}, **profile_answers()}
 
 
 # The last few things that were worked out, for who asks again.

@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import json
-from collections.abc import AsyncIterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import AsyncIterator, Mapping
 from functools import cache, partial
 from http import HTTPStatus
 from importlib.resources import files
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 from typing import Any
 
+from anyio import to_thread
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
 from kerfwise.postproc import report
-from kerfwise.postproc.output_files import write_files
 from kerfwise.postproc.report.page import page_and_policy
 
 from .guard import Answer, changes_in, gone, said_in, session_of, whole
-from .job_edits import expect_keys
-from .server import Server, is_readable, save
-from .session import Item, Session, Turns, restore_plan
-from .worker import Died, Refused
+from .nest_folder import NestFile, is_readable
+from .profile_writing import profile_told, values_of, write_profile
+from .server import Server, key_of, save
+from .session import Item, Session, restore_plan
+
+LISTED_S, MOST_ROWS = 0.5, 500
+"""A list of nests waits no longer for the last of them, and tells no more at a time."""
 
 # The addresses that are asked with GET: pages, and what there is to know of a nest and its plans.
 
@@ -65,15 +66,42 @@ class Reading:
         return static_file(request.path_params["name"])
 
     async def nest(self, request: Request) -> Response:
-        """The page of a nest."""
-        return worked_page(self._session(request).name)
+        """The page of a nest; one that an earlier server had open is opened again."""
+        session = await self._server.reopen(request.path_params["id"])
+        return worked_page(session_of(self._server, request).name if session is None else session.name)
 
     async def nests(self, request: Request) -> Response:
-        """Names of the nests in the folder, and, as they can be shown, those under which none can be opened."""
-        names = [*self._server.folder.nests()]
-        readable = [name for name in names if is_readable(name)]
-        unreadable = [escape_text(name) for name in names if not is_readable(name)]
-        return JSONResponse({"nests": readable, "unreadable": unreadable, "first": self._first})
+        """`?find=plate&from=500`: nests of the folder whose names have that text, some hundred from a place on.
+
+        `found` says how many there are so far, `complete` whether these are all, `left` how many come after these rows.
+        `unreadable` are names, as they can be shown, under which no nest can be opened.
+        """
+        found, complete = await to_thread.run_sync(self._server.nests.known, LISTED_S)
+        said, first = (
+            request.query_params.get("find", "").casefold(),
+            max(0, whole(request.query_params.get("from", 0))),
+        )
+        wanted = [one for one in found if is_readable(one.name) and said in one.name.casefold()]
+        rows = [self._row(one) for one in wanted[first : first + MOST_ROWS]]
+        told = {
+            "nests": [row["name"] for row in rows],
+            "rows": rows,
+            "found": len(wanted),
+            "complete": complete,
+            "left": max(0, len(wanted) - first - len(rows)),
+            "unreadable": [escape_text(one.name) for one in found if not is_readable(one.name)][:MOST_ROWS],
+            "first": self._first,
+        }
+        return JSONResponse(told)
+
+    def _row(self, nest: NestFile) -> dict[str, Any]:
+        """A nest of the list, with its plans: how many there are, and the state of the one that is shown."""
+        key = key_of(nest.name)
+        session = self._server.sessions.get(key)
+        current = None if session is None else session.current
+        plans = self._server.kept.plans_kept(key) if session is None else len(session.alternatives)
+        state = self._server.kept.state_of(key) if session is None else "" if current is None else current.state
+        return {"name": nest.name, "size": nest.size, "changed": nest.changed, "plans": plans, "state": state}
 
     async def page(self, request: Request) -> Response:
         """What the page shows (`kerfwise-page/1`), of `?plan=2` or the shown plan; of two with `?plan=1&with=2`."""
@@ -92,7 +120,8 @@ class Reading:
 
     async def state(self, request: Request) -> Response:
         """The session, and the name of the nest that the planner works for."""
-        return JSONResponse({**self._session(request).as_json(), "planner": self._server.planning.turns.of})
+        told = self._server.as_json(self._session(request))
+        return JSONResponse({**told, "planner": self._server.planning.turns.of})
 
     async def why(self, request: Request) -> Response:
         """`?contour=P1.outer&plan=2`: as `kerfwise explain --json`, with `text`."""
@@ -121,11 +150,11 @@ class Reading:
 
     async def all_events(self, request: Request) -> Response:
         """Server-sent events of all nests that are open, one stream for all tabs of a browser."""
-        return Stream(self._server.sessions, self._server.planning.turns)
+        return Stream(self._server)
 
     async def events(self, request: Request) -> Response:
         """Server-sent events: `state` when anything has changed, `progress` while the engines run, `planner`."""
-        return Stream(self._server.sessions, self._server.planning.turns, self._session(request).id)
+        return Stream(self._server, self._session(request).id)
 
     async def profile(self, request: Request) -> Response:
         """The rules of the nest's profile with strengths and options, and whether its file may be written."""
@@ -170,6 +199,8 @@ class Writing:
             "/api/{id}/back": self.back,
             "/api/{id}/solve": self.solve,
             "/api/{id}/cancel": self.cancel,
+            "/api/{id}/keep": self.keep,
+            "/api/{id}/differences": self.differences,
             "/api/{id}/try": self.tried,
             "/api/{id}/save": self.save,
             "/api/{id}/effect": self.effect,
@@ -184,7 +215,7 @@ class Writing:
         said = await said_in(request, "nest", "repair", "answers")
         path = self._server.folder.nest(str(said.get("nest", "")))
         session = await self._server.open_nest(path, said.get("repair") is True, _answers_in(said.get("answers")))
-        return JSONResponse(session.as_json())
+        return JSONResponse(self._server.as_json(session))
 
     async def preview(self, request: Request) -> Response:
         """`{"nest": NAME, "repair": false, "answers": {…}}`: a picture of how it is understood so; nothing is kept."""
@@ -207,13 +238,18 @@ class Writing:
         if said.get("preview") == "1":
             return JSONResponse({"picture": await self._server.preview_of_drop(name, body, repair, answers)})
         session = await self._server.drop(name, body, repair, answers)
-        return JSONResponse(session.as_json(), HTTPStatus.CREATED)
+        return JSONResponse(self._server.as_json(session), HTTPStatus.CREATED)
 
     async def edit(self, request: Request) -> Response:
-        """`{"version": 3, "changes": [{"lock": "P2 first"}, …]}`; see `edits.py` for what can be changed."""
-        session, said = await self._writing(request, "changes")
+        """`{"version": 3, "changes": [{"lock": "P2 first"}, …]}`; see `job_edits.py` for what can be changed.
+
+        With `"plan": true`, here and where a plan is gone back to or cut in part, what is wanted then is planned at
+        once: a planning that runs gives way.
+        """
+        session, said = await self._writing(request, "changes", "plan")
         undone = await self._server.edit(session, changes_in(said.get("changes")))
-        return JSONResponse({**session.as_json(), "undone": undone})
+        self._plan(session, said)
+        return JSONResponse({**self._server.as_json(session), "undone": undone})
 
     async def change_nest(self, request: Request) -> Response:
         """`{"version": 3, "changes": ["drop P1", "move P2 10 0"], "as": "plate2.json"}`: the new nest is opened.
@@ -231,16 +267,18 @@ class Writing:
 
     async def cut(self, request: Request) -> Response:
         """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""
-        session, said = await self._writing(request, "upto")
+        session, said = await self._writing(request, "upto", "plan", shown=True)
         await self._server.cut_up_to(session, whole(said.get("upto")))
-        return JSONResponse(session.as_json())
+        self._plan(session, said)
+        return JSONResponse(self._server.as_json(session))
 
     async def back(self, request: Request) -> Response:
         """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again."""
-        session, said = await self._writing(request, "to")
+        session, said = await self._writing(request, "to", "plan")
         number = whole(said.get("to"))
-        await self._server.want(session, restore_plan(session, number), shown=number)
-        return JSONResponse(session.as_json())
+        await self._server.want(session, restore_plan(session, number), shown=number, following=0)
+        self._plan(session, said)
+        return JSONResponse(self._server.as_json(session))
 
     async def solve(self, request: Request) -> Response:
         """`{"version": 3, "work": 30, "relax": false}`: the planning begins; events tell how it goes."""
@@ -249,13 +287,28 @@ class Writing:
         if work is not None and not (isinstance(work, int | float) and 0 < work <= 10_000):
             raise InputError(f"work: expected a number over 0, got {work!r}")
         self._server.planning.solve(session, work, said.get("relax") is True)
-        return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
+        return JSONResponse(self._server.as_json(session), HTTPStatus.ACCEPTED)
 
     async def cancel(self, request: Request) -> Response:
         """`{"at_once": false}`: the best plan so far is kept, unless it is to end at once."""
         session, said = self._session(request), await said_in(request, "version", "at_once")
         self._server.planning.cancel(session, said.get("at_once") is True)
-        return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
+        return JSONResponse(self._server.as_json(session), HTTPStatus.ACCEPTED)
+
+    async def keep(self, request: Request) -> Response:
+        """`{"number": 3, "kept": true}`: that plan is never thrown away, however many come."""
+        session, said = self._session(request), await said_in(request, "version", "number", "kept")
+        session.keep(whole(said.get("number")), said.get("kept") is not False)
+        return JSONResponse(self._server.as_json(session))
+
+    async def differences(self, request: Request) -> Response:
+        """`{"version": 3, "job": "disk"}` or `"kept"`: that job file counts; with `{"nest": "seen"}` the drawing is."""
+        session, said = await self._writing(request, "job", "nest")
+        job = said.get("job")
+        if job not in (None, "disk", "kept") or (job is None) == (said.get("nest") != "seen"):
+            raise InputError('expected {"job": "disk"}, {"job": "kept"} or {"nest": "seen"}')
+        await self._server.settle(session, job)
+        return JSONResponse(self._server.as_json(session))
 
     async def tried(self, request: Request) -> Response:
         """`{"changes": […], "relax": false}`: what they would bring; nothing is changed. Who hangs up cancels it."""
@@ -273,18 +326,21 @@ class Writing:
 
     async def save(self, request: Request) -> Response:
         """`{"version": 3}`: the files of the shown plan and its job file, and the command line that makes the same."""
-        session, said = await self._writing(request)
-        shown = session.current
-        profile_sha256 = "" if shown is None else await self._server.asked("profile_sha256", wanted=shown.wanted)
-        session.expect(said.get("version"))  # the desk took its time, and another tab did not wait
-        told = save(session, self._server.folder, profile_sha256)
-        return JSONResponse({**session.as_json(), "saved": told})
+        session, said = await self._writing(request, shown=True)
+        plan = session.current
+        profile_sha256 = picture = ""
+        if plan is not None and plan.sha256 == session.opened["sha256"]:  # another one is refused anyway
+            profile_sha256 = await self._server.asked("profile_sha256", wanted=plan.wanted)
+            picture = await self._server.about(session, "picture")
+        session.expect(said.get("version"), shown=True)  # the desk took its time, and another tab did not wait
+        told = save(session, self._server.folder, profile_sha256, picture)
+        return JSONResponse({**self._server.as_json(session), "saved": told})
 
     async def write_profile(self, request: Request) -> Response:
         """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile."""
         session, said = await self._writing(request, "sha256", "changes", "as")
         told = await write_profile(self._server, session, said)
-        return JSONResponse({**session.as_json(), "written": told})
+        return JSONResponse({**self._server.as_json(session), "written": told})
 
     async def _planned(self, request: Request, session: Session, question: str, **given: Any) -> Response:
         hung_up = partial(gone, request)
@@ -294,10 +350,14 @@ class Writing:
     def _session(self, request: Request) -> Session:
         return session_of(self._server, request)
 
-    async def _writing(self, request: Request, *keys: str) -> tuple[Session, dict[str, Any]]:
+    async def _writing(self, request: Request, *keys: str, shown: bool = False) -> tuple[Session, dict[str, Any]]:
         session, said = self._session(request), await said_in(request, "version", *keys)
-        session.expect(said.get("version"))
+        session.expect(said.get("version"), shown)
         return session, said
+
+    def _plan(self, session: Session, said: Mapping[str, Any]) -> None:
+        if said.get("plan") is True:
+            self._server.planning.solve(session)
 
 
 def _answers_in(said: Any) -> dict[str, str]:
@@ -362,23 +422,21 @@ class Stream(StreamingResponse):
 
     Parameters
     ----------
-    sessions
-        All that are open, by id; those that are opened later are told too.
-    turns
-        Whose turn it is to be planned.
+    server
+        Whose news they are; nests that are opened later are told too.
     of
         The id of one nest, or "" for all.
     """
 
-    def __init__(self, sessions: Mapping[str, Session], turns: Turns, of: str = "") -> None:
-        self._sessions, self._turns, self._of = sessions, turns, of
+    def __init__(self, server: Server, of: str = "") -> None:
+        self._server, self._of = server, of
         super().__init__(self._news(), media_type="text/event-stream")
 
     async def _news(self) -> AsyncIterator[str]:
-        ear = self._turns.news.listen(self._of)
+        ear = self._server.news.listen(self._of)
         try:
             yield self._event(("planner", ""))
-            for key in [self._of] if self._of else [*self._sessions]:
+            for key in [self._of] if self._of else [*self._server.sessions]:
                 yield self._event(("state", key))
             while True:
                 try:
@@ -389,111 +447,16 @@ class Stream(StreamingResponse):
                 for item in heard:
                     yield self._event(item)
         finally:
-            self._turns.news.leave(ear)
+            self._server.news.leave(ear)
 
     def _event(self, item: Item) -> str:
         what, key = item
         told: dict[str, Any]
         if what == "planner":
-            told = {"nest": self._turns.of}
+            told = {"nest": self._server.planning.turns.of}
         elif what == "state":
-            told = self._sessions[key].as_json()
+            told = self._server.as_json(self._server.sessions[key])
         else:
-            session = self._sessions[key]
+            session = self._server.sessions[key]
             told = {"id": key, "version": session.version, "solving": session.solving}
         return f"event: {what}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n"
-
-
-# The profile editor's half of the server: which profile may be written, and that it is written whole or not at all.
-
-MOST_VALUES = 200
-Values = Sequence[tuple[str, str, str]]
-
-
-async def profile_told(server: Server, session: Session) -> dict[str, Any]:
-    """The session's profile with its rules, whether it may be written here, and if not, why not."""
-    told: dict[str, Any] = await server.asked("profile", wanted=session.wanted)
-    why_not = _why_not(server, told)
-    return {**told, "file": _shown(server, Path(told["path"])), "writable": not why_not, "why_not": why_not}
-
-
-async def write_profile(server: Server, session: Session, said: dict[str, Any]) -> dict[str, Any]:
-    """Write values into the profile, or into a new one that is based on it, and plan by that from now on.
-
-    Raises
-    ------
-    InputError, Refused
-        If the profile lies where nothing is written, was changed meanwhile, or cannot say this. Then it is as it was.
-    """
-    values, new, version = values_of(said.get("changes")), said.get("as"), session.version
-    if new is not None and not isinstance(new, str):
-        raise InputError("as: expected the name of a file")
-    before = await profile_told(server, session)
-    if new is None and not before["writable"]:
-        raise InputError(before["why_not"])
-    if new is None and said.get("sha256") != before["sha256"]:
-        raise InputError(f"{before['file']} has changed since it was shown: look at it again")
-    made = await server.asked("profile_text", wanted=session.wanted, values=values, new=new)
-    session.expect(version)
-    path = Path(made["path"])
-    if new is not None and not path.resolve().is_relative_to(server.folder.path):
-        raise InputError("a new profile is written in the folder that is served only")
-    _write(path, made["text"].encode("utf-8"), made["sha256"])
-    if new is None:
-        await _read_again(server, path)
-    else:
-        told = await server.asked("edited", wanted=session.wanted, changes=[{"profile": path.name}])
-        await server.want(session, replace(session.wanted, job_text=told["job_text"]))
-    return {"file": _shown(server, path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
-
-
-def values_of(said: Any) -> list[tuple[str, str, str]]:
-    """`[{"rule": "heat-lag", "key": "weight", "to": "80 mm"}]` as rules, keys and values."""
-    if not isinstance(said, list) or not 0 < len(said) <= MOST_VALUES:
-        raise InputError(f"changes: expected a list of 1 to {MOST_VALUES} changes")
-    found = []
-    for one in said:
-        given = [one.get(key) if isinstance(one, dict) else None for key in ("rule", "key", "to")]
-        texts = [text for text in given if isinstance(text, str) and text.strip()]
-        if len(texts) < len(given):
-            raise InputError(f'expected {{"rule": …, "key": …, "to": …}}, got {one!r}')
-        expect_keys("a change of a rule", one, ("rule", "key", "to"))
-        found.append((texts[0], texts[1], texts[2]))
-    return found
-
-
-def _why_not(server: Server, told: dict[str, Any]) -> str:
-    """Why a profile is not written here; "" where it is."""
-    path = Path(told["path"])
-    if told["shipped"]:
-        return f"{told['name']} comes with kerfwise and is not changed: save it as a profile of your own"
-    if path.is_relative_to(server.folder.path) or (server.profile and Path(server.profile).resolve() == path):
-        return ""
-    return (
-        f"{path} lies outside the folder that is served, and is not changed: save it as a profile of your own, or "
-        "start the server with -p"
-    )
-
-
-def _shown(server: Server, path: Path) -> str:
-    """A file as the page names it: from the served folder where it is in there."""
-    return path.relative_to(server.folder.path).as_posix() if path.is_relative_to(server.folder.path) else str(path)
-
-
-def _write(path: Path, data: bytes, sha256: str | None) -> None:
-    """Write a profile unless it has changed since it was read; None for one that was not there."""
-    now = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
-    if now != sha256:
-        raise InputError(f"{path.name} has changed on disk meanwhile: nothing is written")
-    write_files({path: data})
-
-
-async def _read_again(server: Server, path: Path) -> None:
-    """Every open nest whose profile is made of this file is to be planned again."""
-    stamp = hashlib.sha256(path.read_bytes()).hexdigest()
-    for session in list(server.sessions.values()):
-        try:
-            if str(path) in await server.asked("profile_files", wanted=session.wanted):
-                await server.want(session, replace(session.wanted, profile_now=stamp))
-        except (Refused, Died) as error:  # the profile is written; that this nest does not go with it is said there
-            session.changed(wanted=replace(session.wanted, profile_now=stamp), problem=str(error))

@@ -19,8 +19,9 @@ from kerfwise.jobs.request import WORK
 from kerfwise.models.engines.solution import MEMORY_GB
 
 from .guard import TOKEN, Guard, with_error_text
+from .nest_folder import Folder
 from .routes import Reading, Writing
-from .server import Folder, Server
+from .server import Server
 
 LOOPBACK = "127.0.0.1"
 ENDING_S = 2

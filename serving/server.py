@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from anyio import to_thread
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
-from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nest_job.job import beside_name
 from kerfwise.jobs.request import WORK
@@ -25,6 +23,8 @@ from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.postproc.output_files import expect_outputs, expect_own, output_names, write_files
 
 from .job_edits import JobText
+from .kept_sessions import KeptSession, KeptSessions, job_difference, nest_differences
+from .nest_folder import Folder, NestList
 from .plan_request import PlanRequest, earlier_plan_name, sha256_of
 from .planning import Planning
 from .session import Alternative, Background, News, Session, request_after_cuts
@@ -49,6 +49,8 @@ class Server:
         Whether Python rules of profiles are run.
     memory_gb
         What the process that plans may hold, but for CP-SAT and linear programs.
+    state
+        Below which folder sessions are kept; None for nowhere.
     """
 
     def __init__(
@@ -58,8 +60,10 @@ class Server:
         work: float = WORK,
         trust: bool = False,
         memory_gb: float = MEMORY_GB,
+        state: Path | None = None,
     ) -> None:
         self.folder, self.profile, self._trust = folder, profile, trust
+        self.kept, self.nests = KeptSessions(state, folder.path, trust), NestList(folder)
         self.sessions: dict[str, Session] = {}
         self.news, self._background, self.desk = News(), Background(), Worker("desk")
         self.planning = Planning(self.news, self._background, work, memory_gb, self._prepare)
@@ -80,22 +84,90 @@ class Server:
         Answers to its questions are written into its job file once it can be read with them.
         """
         name = path.relative_to(self.folder.path).as_posix()
-        key = hashlib.sha256(name.encode()).hexdigest()[:12]
+        key = key_of(name)
         disk = text_of(path.with_name(beside_name(path.name)))
         if answers:
             disk = await self._answered(path, disk, repair, answers)
-        read = (sha256_of(path), repair, disk)
         there = self.sessions.get(key)
-        if there is not None and there.read == read:
-            return there
-        wanted = PlanRequest(str(path), self._first_text(disk, path), repair, trust=self._trust)
+        if there is not None:
+            repair = repair or there.wanted.repair
+            if there.read == (sha256_of(path), repair, disk):
+                return there
+        before = there or self.kept.load(key, path)
+        if before is None:
+            return await self._opened_first(
+                key, name, PlanRequest(str(path), self._first_text(disk, path), repair), disk
+            )
+        return await self._opened_again(key, name, before, repair or before.wanted.repair, disk)
+
+    async def reopen(self, key: str) -> Session | None:
+        """The session of a nest that was open in an earlier server, or that may have changed on disk; None for none."""
+        there = self.sessions.get(key)
+        name = self.kept.nest_of(key) if there is None else there.name
+        try:
+            return there if name is None else await self.open_nest(self.folder.nest(name))
+        except (InputError, Refused):
+            if there is None:
+                raise
+            return there  # what is on disk now cannot be read: what was open stays
+
+    async def _opened_first(self, key: str, name: str, wanted: PlanRequest, disk: str | None) -> Session:
+        wanted = replace(wanted, trust=self._trust)
         opened = await self.asked("opened", wanted=wanted)
         there = self.sessions.get(key)  # the desk took its time, and another tab did not wait
         if there is None:
-            there = self.sessions[key] = Session(key, name, wanted, opened, self.news, on_disk=disk)
-        elif there.read != read:
-            there.opened_again(wanted, opened, disk)
+            there = self.sessions[key] = Session(key, name, wanted, opened, self.news, on_disk=disk, keeper=self.kept)
+            there.seen = _seen(opened)
+            self.kept.keep(there)
         return there
+
+    async def _opened_again(
+        self, key: str, name: str, before: Session | KeptSession, repair: bool, disk: str | None
+    ) -> Session:
+        """A nest that somebody has worked on: its plans and edits stay, and what was changed outside is told."""
+        wanted, path = replace(before.wanted, repair=repair, trust=self._trust), Path(before.wanted.nest)
+        mine, changed = wanted.job_text, before.changed_job
+        unsaved = mine != self._first_text(before.on_disk, path)
+        if disk not in (before.on_disk, mine):
+            now = self._first_text(disk, path)
+            changed = {"disk": now, "kept": mine, "using": "kept" if unsaved else "disk", "unsaved": unsaved, "why": ""}
+            wanted = wanted if unsaved else replace(wanted, job_text=now)
+        try:
+            opened = await self.asked("opened", wanted=wanted)
+        except Refused as error:
+            now = self._first_text(disk, path)
+            if (wanted.job_text, wanted.upto) == (now, 0):
+                raise
+            wanted = replace(wanted, job_text=now, old_plan=None, upto=0)
+            opened = await self.asked("opened", wanted=wanted)
+            why = str(error.told["message"])
+            changed = {"disk": now, "kept": mine, "using": "disk", "unsaved": unsaved, "why": why}
+        there = self.sessions.get(key)
+        if there is None:
+            there = self.sessions[key] = Session(key, name, wanted, opened, self.news, keeper=self.kept)
+            there.seen = _seen(opened)
+            if isinstance(before, KeptSession):
+                before.into(there)
+        shown = there.current
+        none: dict[str, Any] = {"conflict": None, "problem": "", "questions": []}
+        none["shown"] = there.shown if shown is not None and shown.sha256 == opened["sha256"] else 0
+        there.changed(wanted=wanted, opened=opened, on_disk=disk, changed_job=changed, **none)
+        return there
+
+    async def settle(self, session: Session, job: str | None) -> None:
+        """What was changed outside has been seen; of the two job files, the one on `disk` or the one `kept` counts."""
+        changed = session.changed_job
+        if job is None:
+            session.changed(seen=_seen(session.opened))
+        elif changed is None:
+            raise InputError("the job file was not changed outside")
+        else:
+            await self.want(session, replace(session.wanted, job_text=changed[job]), changed_job=None)
+
+    def as_json(self, session: Session) -> dict[str, Any]:
+        """The state of a session as a page shows it."""
+        found = (nest_differences(session.seen, session.opened), job_difference(session.changed_job))
+        return {**session.as_json(), "differences": [one for one in found if one], "keeping": self.kept.told()}
 
     async def drop(self, name: str, drawing: bytes, repair: bool = False, answers: Mapping[str, str] = NONE) -> Session:
         """The session of a drawing that was dropped on the page; it is written into the folder once it can be read."""
@@ -170,7 +242,7 @@ class Server:
         if not name.lower().endswith(".json"):
             raise InputError(f"{escape_text(name)!r}: an edited nest is JSON: give a name ending in .json")
         opened = await self.open_nest(self.folder.keep(name, text.encode(), Path(session.wanted.nest)))
-        return {**opened.as_json(), **told}
+        return {**self.as_json(opened), **told}
 
     async def want(self, session: Session, wanted: PlanRequest, **also: Any) -> None:
         """Want something else from now on."""
@@ -227,6 +299,15 @@ class Server:
                 return
 
 
+def key_of(nest: str) -> str:
+    """The id of a nest's session, by its name in the folder."""
+    return hashlib.sha256(nest.encode("utf-8", "surrogatepass")).hexdigest()[:12]
+
+
+def _seen(opened: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: opened[key] for key in ("sha256", "shapes")}
+
+
 def _json(data: Any) -> bytes:
     return json.dumps(data, ensure_ascii=False).encode("utf-8", "surrogatepass")
 
@@ -235,146 +316,13 @@ def _side(plan: Alternative) -> tuple[str, PlanRequest, str]:
     return f"plan {plan.number}", plan.wanted, plan.plan
 
 
-# The folder that the server was started in: nests are read and files written there, and nowhere else.
-
-MOST_NESTS = 2000
-_NAME = re.compile(r"[^\x00-\x1f/\\:*?\"<>|]{1,150}")
-_NOT_NESTS = (".plan.json", ".schema.json", ".settings.json")
-
-
-@dataclass(frozen=True, slots=True)
-class Folder:
-    """A folder, by its real path."""
-
-    path: Path
-
-    def nests(self) -> Iterator[str]:
-        """Names of the nests in it and in the folders below, `/` between; hidden ones are left out.
-
-        A name that is no UTF-8 holds halves of characters that stand alone: no nest is opened by it (`is_readable`).
-        """
-        found = 0
-        for path in sorted(self.path.rglob("*")):
-            name = path.relative_to(self.path)
-            if any(part.startswith(".") for part in name.parts) or not self._is_nest(path):
-                continue
-            found += 1
-            if found > MOST_NESTS:
-                return
-            yield name.as_posix()
-
-    def nest(self, name: str) -> Path:
-        """The path of a nest by its name in this folder.
-
-        Raises
-        ------
-        InputError
-            If there is none, or it is not in this folder: a link that leads out of it counts as not there.
-        """
-        wanted = PurePosixPath(name)
-        if wanted.is_absolute() or ".." in wanted.parts or "\\" in name or "\x00" in name or not wanted.parts:
-            raise InputError(f"no nest of this folder has the name {escape_text(name)!r}")
-        if not is_readable(name):
-            raise InputError(f"{escape_text(name)!r} is no name in UTF-8: give the file, or its folder, another name")
-        path = self.path.joinpath(*wanted.parts)
-        try:
-            inside = path.resolve().is_relative_to(self.path)
-        except (OSError, ValueError, RuntimeError):
-            inside = False
-        if not inside or path.suffix.lower() not in SUFFIXES or not path.is_file():
-            raise InputError(f"no nest of this folder has the name {escape_text(name)!r}")
-        return path
-
-    def keep(self, name: str, drawing: bytes, beside: Path | None = None) -> Path:
-        """Write a drawing that was dropped on the page, or a nest beside another, unless it is there already; its path.
-
-        Raises
-        ------
-        InputError
-            As `expect_free` does.
-        """
-        folder = self.path if beside is None else beside.parent
-        self.expect_free(name, drawing, folder)
-        self.expect_inside([folder])
-        path = folder / name
-        if not path.exists():
-            write_files({path: drawing})
-        return path
-
-    def expect_free(self, name: str, drawing: bytes, folder: Path | None = None) -> None:
-        """Make sure that a drawing can be written under a name, in this folder or one in it.
-
-        Raises
-        ------
-        InputError
-            If the name is no plain name of a nest, or another drawing has it.
-        """
-        if not _NAME.fullmatch(name) or name.startswith(".") or Path(name).suffix.lower() not in SUFFIXES:
-            raise InputError(f"{escape_text(name)!r}: expected the name of a drawing, ending in {', '.join(SUFFIXES)}")
-        if name.lower().endswith(_NOT_NESTS):
-            raise InputError(f"{escape_text(name)!r} is the name of a plan, or of settings, not of a drawing")
-        path = (folder or self.path) / name
-        if path.is_symlink() or path.exists():
-            if path.is_file() and not path.is_symlink() and path.read_bytes() == drawing:
-                return
-            raise InputError(
-                f"another file {escape_text(name)!r} is in the folder already: give the drawing another name"
-            )
-
-    def expect_inside(self, paths: Iterable[Path]) -> None:
-        """Make sure that files are written in this folder, wherever links lead to.
-
-        Raises
-        ------
-        InputError
-            Naming the file that would be written elsewhere.
-        """
-        for path in paths:
-            try:
-                inside = path.resolve().is_relative_to(self.path)
-            except (OSError, RuntimeError):
-                inside = False
-            if not inside:
-                raise InputError("is a link that leads out of the folder: nothing is written there", file=path.name)
-
-    def _is_nest(self, path: Path) -> bool:
-        try:
-            return (
-                path.suffix.lower() in SUFFIXES
-                and not path.name.lower().endswith(_NOT_NESTS)
-                and path.is_file()
-                and path.resolve().is_relative_to(self.path)
-                and (path.suffix.lower() == ".dxf" or _begins_as_nest(path))
-            )
-        except (OSError, RuntimeError):
-            return False
-
-
-def is_readable(name: str) -> bool:
-    """Whether a name is text; on Linux the name of a file may be any bytes.
-
-    Examples
-    --------
-    >>> is_readable("Träger.dxf"), is_readable(b"Tr\\xe4ger.dxf".decode("utf-8", "surrogateescape"))
-    (True, False)
-    """
-    return not any("\ud800" <= sign <= "\udfff" for sign in name)
-
-
-def _begins_as_nest(path: Path) -> bool:
-    """Whether an SVG or JSON file may be a nest: pictures that kerfwise drew are none, nor is any other JSON."""
-    with path.open("rb") as file:
-        head = file.read(4000)
-    return b"kerfwise-nest/" in head if path.suffix.lower() == ".json" else b'id="sheet"' not in head
-
-
 # Saves what a session shows: all files or none, and nothing over what somebody else has changed.
 
 
-def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any]:
+def save(session: Session, folder: Folder, profile_sha256: str, picture: str) -> dict[str, Any]:
     """Write the shown plan's files and its job file, all of them or none; what was written, and the command line.
 
-    `profile_sha256` is that of the profile as it is on disk now.
+    `profile_sha256` is that of the profile as it is on disk now, `picture` that of the plan.
 
     Raises
     ------
@@ -388,6 +336,8 @@ def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any
     if not current.ok:
         raise InputError(f"the check refuses this plan ({', '.join(current.broken)}): nothing is written")
     wanted, nest = current.wanted, Path(current.wanted.nest)
+    if session.changed_job is not None and session.changed_job["unsaved"]:
+        raise InputError("the job file was changed outside: say first which one counts, the one on disk or yours")
     if wanted.profile_now != session.wanted.profile_now:
         raise InputError("the profile has changed since this plan was made: plan again")
     job = nest.with_name(beside_name(nest.name))
@@ -400,11 +350,12 @@ def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any
     if json.loads(current.plan)["profile"].get("sha256") != profile_sha256:
         raise InputError("the profile has changed on disk since this plan was made: plan again")
     files: dict[Path, str | bytes] = {nest.with_name(name): kept.text() for name, kept in current.files.items()}
-    program, plan, picture = (nest.with_name(name) for name in output_names(nest))
-    expect_own(nest, program, plan, picture)
+    program, plan, drawn = (nest.with_name(name) for name in output_names(nest))
+    files[drawn] = picture
+    expect_own(nest, program, plan, drawn)
     if wanted.old_plan is not None:
         before = nest.with_name(earlier_plan_name(wanted.nest))
-        expect_own(nest, program, before, picture)
+        expect_own(nest, program, before, drawn)
         files[before] = wanted.old_plan
     expect_outputs(files, (nest, job))
     folder.expect_inside((*files, job))
@@ -415,7 +366,7 @@ def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any
         "number": current.number,
         "files": [path.name for path in files],
         "command": current.command,
-        "same_bytes": not current.stopped,
+        "same_bytes": current.stage == "final" and not current.stopped,
     }
     session.changed(saved=told, on_disk=wanted.job_text if wanted.job_text is not None else session.on_disk)
     return told

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import math
 import secrets
 import zlib
 from collections.abc import AsyncIterator, Coroutine, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job.job import beside_name
@@ -43,12 +45,24 @@ class Session:
         What the desk says of it: profile, rules, locks.
     alternatives, shown
         The plans that were made, and the number of the one that is looked at; 0 for none.
+    base
+        The version of the last change that somebody has made: plans that arrive since then are no such change.
+    runs, following
+        How often it was planned, and the planning whose plans are shown as they come; 0 once somebody has gone back.
     solving
-        What the engines have reached; None where nothing is being planned.
+        How far the planning is; None where nothing is being planned.
     conflict, problem
         Why the last planning made no plan: rules that contradict each other, or a sentence.
     questions
         What it could not decide, such as what becomes of narrow slots: each with its choices, as JSON.
+    on_disk
+        What the job file beside the nest says, as it was read last.
+    seen
+        The drawing that somebody has seen: `sha256` and `shapes`, as the desk tells them.
+    changed_job
+        The job file was changed outside: what it says on `disk`, what is `kept` here, and which of them is `using`.
+    keeper
+        Keeps on disk what is told; None where nothing is.
     """
 
     id: str
@@ -57,45 +71,43 @@ class Session:
     opened: dict[str, Any]
     news: News
     version: int = 1
+    base: int = 1
     alternatives: list[Alternative] = field(default_factory=list)
     shown: int = 0
     made: int = 0
+    runs: int = 0
+    following: int = 0
     solving: dict[str, Any] | None = None
     conflict: dict[str, Any] | None = None
     problem: str = ""
     questions: list[dict[str, Any]] = field(default_factory=list)
     saved: dict[str, Any] | None = None
     on_disk: str | None = None
+    seen: dict[str, Any] | None = None
+    changed_job: dict[str, Any] | None = None
+    keeper: Keeper | None = None
 
-    def expect(self, version: object) -> None:
-        """Make sure that whoever changes something has seen the last change; Stale otherwise."""
-        if version != self.version:
+    def expect(self, version: object, shown: bool = False) -> None:
+        """Make sure that whoever changes something has seen the last change; Stale otherwise.
+
+        Plans that have come meanwhile are such a change where it depends on which of them is `shown`.
+        """
+        if not isinstance(version, int) or not (self.version if shown else self.base) <= version <= self.version:
             raise Stale
 
-    def changed(self, **values: Any) -> None:
-        """Change something, and tell all who show it."""
+    def changed(self, *, by_hand: bool = True, **values: Any) -> None:
+        """Change something, keep it, and tell all who show it; `by_hand` unless it only has come from the planner."""
         for name, value in values.items():
             setattr(self, name, value)
         self.version += 1
+        self.base = self.version if by_hand else self.base
+        if self.keeper is not None:
+            self.keeper.keep(self)
         self.tell("state")
 
     def tell(self, what: str) -> None:
         """Tell all who show it that there is news."""
         self.news.tell(what, self.id)
-
-    def opened_again(self, wanted: PlanRequest, opened: dict[str, Any], on_disk: str | None) -> None:
-        """Begin anew, for the nest or its job file is another one on disk; tabs that show it are told.
-
-        Raises
-        ------
-        InputError
-            If it is being planned.
-        """
-        if self.solving is not None:
-            raise InputError("this nest has changed on disk while it is being planned: cancel that first, or wait")
-        nothing: dict[str, Any] = {"alternatives": [], "shown": 0, "conflict": None, "problem": "", "saved": None}
-        nothing["questions"] = []
-        self.changed(wanted=wanted, opened=opened, on_disk=on_disk, **nothing)
 
     @property
     def read(self) -> tuple[str, bool, str | None]:
@@ -118,21 +130,46 @@ class Session:
             raise InputError(f"there is no plan {number!r} in this session")
         return found
 
-    def add(self, told: dict[str, Any], wanted: PlanRequest, relax: bool) -> None:
-        """Keep a plan that was made, and show it."""
+    def add(self, told: dict[str, Any], wanted: PlanRequest, relax: bool, run: int) -> Alternative:
+        """Keep a plan that was made, and show it, unless somebody has gone back, or one of its planning costs less."""
         work = told["work"]
         options = f" --work {work:g}" if work != WORK else ""
         options += f" --memory {told['memory_gb']:g}" if told["memory_gb"] != MEMORY_GB else ""
         options += " --relax" if relax else ""
-        keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped")
+        keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped", "stage")
         parts = {key: told[key] for key in keys}
         broken, notes = tuple(told["broken"]), tuple(told["notes"])
-        made = Alternative(self.made + 1, wanted, **parts, broken=broken, options=options, notes=notes)
-        kept = [*self.alternatives, made]
+        before = [one for one in self.alternatives if one.run == run]
+        last = min(before, key=lambda one: one.figures["objective_mm"], default=None)
+        gained = None if last is None else last.gain_of(told["figures"])
+        parts |= {"broken": broken, "options": options, "notes": notes, "run": run, "gained_mm": gained}
+        made = Alternative(self.made + 1, wanted, **parts)
+        same = last is not None and not last.kept and last.same_order(made)
+        kept = [one for one in self.alternatives if not (same and one is last)] + [made]
+        best = last is None or same or made.figures["objective_mm"] <= last.figures["objective_mm"]
+        shows = self.following == run and made.sha256 == self.opened["sha256"] and best
+        shown = made.number if shows else self.shown
         if len(kept) > MOST_ALTERNATIVES:
-            kept.remove(next(one for one in kept if one.number != self.shown))
-        undone: dict[str, Any] = {"solving": None, "conflict": None, "problem": "", "questions": []}
-        self.changed(alternatives=kept, shown=made.number, made=made.number, **undone)
+            kept.remove(min((one for one in kept if one.number != shown), key=lambda one: (one.weight, one.number)))
+        if self.keeper is not None:
+            self.keeper.keep_plan(self, made)
+        gone = [one.number for one in self.alternatives if one not in kept]
+        undone: dict[str, Any] = {"conflict": None, "problem": "", "questions": []}
+        self.changed(by_hand=False, alternatives=kept, shown=shown, made=made.number, **undone)
+        for number in gone:
+            if self.keeper is not None:
+                self.keeper.forget_plan(self, number)
+        return made
+
+    def is_known(self, told: dict[str, Any], run: int) -> bool:
+        """Whether a planning has shown a cheaper plan than one that it ends with."""
+        before = [one.figures["objective_mm"] for one in self.alternatives if one.run == run]
+        return min(before, default=math.inf) < told["figures"]["objective_mm"]
+
+    def keep(self, number: int, kept: bool) -> None:
+        """Have a plan never thrown away, however many come; or no longer."""
+        plan = self.alternative(number)
+        self.changed(alternatives=[replace(one, kept=kept) if one is plan else one for one in self.alternatives])
 
     def as_json(self) -> dict[str, Any]:
         """The state as a page shows it."""
@@ -142,6 +179,7 @@ class Session:
             "nest": self.name,
             "server": self.news.server,
             "version": self.version,
+            "base": self.base,
             **{key: self.opened[key] for key in ("profile", "notes", "locked", "settings", "rules")},
             "job_file": beside_name(Path(self.wanted.nest).name),
             "job_text": self.wanted.job_text,
@@ -150,7 +188,7 @@ class Session:
             "shown": self.shown,
             "sha256": self.opened["sha256"],
             "fits": current is not None and (current.wanted, current.sha256) == (self.wanted, self.opened["sha256"]),
-            "alternatives": [one.as_json(_locks(one.wanted)) for one in self.alternatives],
+            "alternatives": [one.as_json(_locks(one.wanted), self.opened["sha256"]) for one in self.alternatives],
             "solving": self.solving,
             "conflict": self.conflict,
             "problem": self.problem,
@@ -180,6 +218,19 @@ def request_after_cuts(session: Session, upto: int) -> PlanRequest:
     return replace(session.wanted, old_plan=current.plan, upto=upto)
 
 
+class Keeper(Protocol):
+    """Keeps what a session holds."""
+
+    def keep(self, session: Session) -> None:
+        """Keep what is wanted and shown."""
+
+    def keep_plan(self, session: Session, plan: Alternative) -> None:
+        """Keep a plan."""
+
+    def forget_plan(self, session: Session, number: int) -> None:
+        """Keep a plan no longer."""
+
+
 # One plan of a session's history, with all that it was made of.
 
 
@@ -190,7 +241,10 @@ class Alternative:
     `sha256` is that of the nest's file. `files` are the plan's files by name, as `kerfwise solve` writes them; those
     of the plan and the program are called `plan_file` and `program_file`. `page` is what the page shows of it, as JSON;
     `figures` what a list of plans says of it. `stopped` says that the engines were asked to end: then the command line
-    may come further. `options` are those of the command line beside what is wanted.
+    may come further. `options` are those of the command line beside what is wanted. `run` is the planning that has made
+    it, `stage` whether it was its `first` plan, a `better` one or the `final` one, `gained_mm` how much travel it saves
+    against the best before; None where there is none, or the excuses are others. `kept` says that somebody wants it
+    kept, however many come.
     """
 
     number: int
@@ -207,6 +261,30 @@ class Alternative:
     stopped: bool = False
     options: str = ""
     notes: tuple[str, ...] = field(default=())
+    run: int = 0
+    stage: str = "final"
+    gained_mm: float | None = None
+    kept: bool = False
+
+    def gain_of(self, figures: Mapping[str, Any]) -> float | None:
+        """How much less idle travel and the like other figures have, mm; None where the excuses are others."""
+        same = figures["excuses"] == self.figures["excuses"]
+        return float(self.figures["light_mm"] - figures["light_mm"]) if same else None
+
+    def same_order(self, other: Alternative) -> bool:
+        """Whether another plan cuts the same in the same order, entry by entry."""
+        cost, other_cost = self.figures["objective_mm"], other.figures["objective_mm"]
+        return bool(abs(cost - other_cost) < 1e-6 and _cuts_of(self) == _cuts_of(other))
+
+    @property
+    def state(self) -> str:
+        """`kept`, `kept but for` or `broken`."""
+        return str(self.figures["state"])
+
+    @property
+    def weight(self) -> int:
+        """How much it would be missed: least what was shown on the way to a better one."""
+        return 2 if self.kept else int(self.stage == "final")
 
     @property
     def plan(self) -> str:
@@ -223,8 +301,8 @@ class Alternative:
         """The command line that makes the same files, once its job file is saved."""
         return self.wanted.command(self.options)
 
-    def as_json(self, locks: tuple[str, ...] = ()) -> dict[str, Any]:
-        """What a page shows of it in the list of plans."""
+    def as_json(self, locks: tuple[str, ...], sha256: str) -> dict[str, Any]:
+        """What a page shows of it in the list of plans; `sha256` is that of the drawing as it is now."""
         return {
             "number": self.number,
             "figures": dict(self.figures),
@@ -236,7 +314,17 @@ class Alternative:
             "notes": list(self.notes),
             "locked": list(locks),
             "upto": self.wanted.upto,
+            "run": self.run,
+            "stage": self.stage,
+            "proven": self.figures["status"] == "optimal",
+            "gained_mm": self.gained_mm,
+            "kept": self.kept,
+            "of_now": self.sha256 == sha256,
         }
+
+
+def _cuts_of(plan: Alternative) -> list[tuple[Any, ...]]:
+    return [(cut["contour"], cut["entry"], cut["direction"]) for cut in json.loads(plan.plan)["cuts"]]
 
 
 # Text that is kept by the dozen and looked at one by one: a plan's files, and what the page shows of it.

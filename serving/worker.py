@@ -17,7 +17,7 @@ from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.process_pool import end_with_parent, start_quietly
 
-from .plan_request import Questions
+from .plan_request import STOP, Questions
 
 # A process that answers questions for the server, one at a time. One that dies is started again, and nothing is lost:
 # all that counts is held by the server.
@@ -91,10 +91,10 @@ class Worker:
                 self._end()
                 raise Died(f"the process that worked on it died ({self._how()}); another is started") from None
 
-    def stop(self) -> None:
-        """Ask it to come to an end with the best that it has, soon."""
+    def stop(self, how: str = STOP) -> None:
+        """Ask it to come to an end soon, with the best that it has, or with nothing."""
         with contextlib.suppress(OSError, AttributeError):
-            self._stop.send(b"stop")  # type: ignore[union-attr]
+            self._stop.send(how)  # type: ignore[union-attr]
 
     def kill(self) -> None:
         """End the process; what it is doing is lost, and who waits for it is told `Died`."""

@@ -36,6 +36,8 @@ from .shared_state import SharedState
 if TYPE_CHECKING:
     from kerfwise.models.engines.search import Searcher
 
+Found = Callable[[Incumbent], None]
+"""Told of a plan that is better than those before it."""
 NOT_BEGUN = "{}: not begun, its tables alone take longer than what is left for it"
 
 
@@ -45,6 +47,7 @@ def run_portfolio(
     listener: Progress | None = None,
     start: tuple[int, ...] | None = None,
     earlier: SharedState | None = None,
+    found: Found | None = None,
 ) -> SharedState:
     """Everything that can be found out about a problem within the limits, by all members or by the one asked for.
 
@@ -56,10 +59,12 @@ def run_portfolio(
         A lawful route to go on from, where one is known.
     earlier
         What is known of the problem with fewer statements: its bound holds here, too.
+    found
+        Told each plan that is better than those before, as it is found; it changes nothing.
     """
-    run = Run(problem, options, listener)
+    run = Run(problem, options, listener, found)
     if start is not None:
-        run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
+        run.offer(Incumbent(start, route_cost(problem, start)), "search")
     if earlier is not None:
         run.known.priced = earlier.priced
         run.known.take_bound(earlier)
@@ -67,7 +72,7 @@ def run_portfolio(
     for step in STEPS:
         if step.suits(run):
             step.work(run, step.share(run))
-    run.known.offer(run.preview, "search")  # what was shown is not lost, where the work was ended early
+    run.offer(run.preview, "search")  # what was shown is not lost, where the work was ended early
     run.known.work = run.deadline.spent
     return run.known
 
@@ -80,8 +85,11 @@ class Run:
     on with.
     """
 
-    def __init__(self, problem: Problem, options: SolveOptions, listener: Progress | None = None) -> None:
-        self.problem, self.options = problem, options
+    def __init__(
+        self, problem: Problem, options: SolveOptions, listener: Progress | None = None, found: Found | None = None
+    ) -> None:
+        self.problem, self.options, self._found = problem, options, found
+        self._told_um: int | None = None
         most_bytes = table_bytes(options.memory_gb, solution.crossed_bytes(problem))
         self.deadline = Deadline.of(options, listener, most_bytes)
         self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
@@ -90,6 +98,20 @@ class Run:
         self.swept = self.shown = self.wishes_left_out = False
         self.preview: Incumbent | None = None
         self.searcher: Searcher | None = None
+
+    def offer(self, incumbent: Incumbent | None, engine: str) -> None:
+        """Take a plan if it is better than what is known, and tell of it."""
+        self.known.offer(incumbent, engine)
+        if incumbent is not None:
+            self.tell(incumbent.cost, lambda: incumbent)
+
+    def tell(self, cost_um: int | None, plan: Callable[[], Incumbent | None]) -> None:
+        """Tell of a plan of that cost if it is better than all that was told: a member need not have ended for it."""
+        if self._found is None or cost_um is None or (self._told_um is not None and cost_um >= self._told_um):
+            return
+        if (incumbent := plan()) is not None:
+            self._told_um = cost_um
+            self._found(incumbent)
 
     def left(self) -> float:
         """Seconds of work that are left, or by the clock where that is limited."""
@@ -267,7 +289,7 @@ def take_proof(run: Run, proof: ideals.Proof | None) -> None:
     known, problem = run.known, run.problem
     if proof is not None and proof.better is not None and not broken(problem, proof.better.route):
         route = proof.better.route
-        known.offer(Incumbent(route, route_cost(problem, route)), "ideals")
+        run.offer(Incumbent(route, route_cost(problem, route)), "ideals")
     if proof is None:
         known.notes.append("ideals: too many sets for the limit, nothing is proven")
     elif proof.least is not None:
@@ -280,7 +302,7 @@ def take_proof(run: Run, proof: ideals.Proof | None) -> None:
         known.infeasible = True
     else:  # the best route without what sets cannot tell: a bound, and the answer if it breaks nothing else
         if not broken(problem, best.route):
-            known.offer(Incumbent(best.route, route_cost(problem, best.route)), "ideals")
+            run.offer(Incumbent(best.route, route_cost(problem, best.route)), "ideals")
         else:
             known.notes.append("ideals: the best plan breaks what a set cannot tell, it is a bound only")
             if run.options.member is not None:
@@ -296,6 +318,7 @@ def show_preview(run: Run) -> None:
     work = shared_state.PREVIEW_WORK
     searcher.run(Deadline(work, run.options.time_s and work, run.deadline.preview))
     run.preview = searcher.best
+    run.tell(None if run.preview is None else run.preview.cost, lambda: run.preview)
 
 
 def search_suits(run: Run) -> bool:
@@ -339,8 +362,14 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
         run.searcher = Searcher(run.problem, run.options.seed if seed is None else seed)
     if known.incumbent is not None and (first or known.found_by != "search"):
         run.searcher.stand_on(known.incumbent.route)
-    run.searcher.run(run.deadline.within(share))
-    known.offer(run.searcher.best, "search")
+    searcher = run.searcher
+
+    def heard(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        run.tell(cost_um, lambda: searcher.best)
+        return run.deadline(engine, cost_um, bound_um)
+
+    searcher.run(run.deadline.within(share, listener=heard))
+    run.offer(searcher.best, "search")
     run.deadline.spend(share)
 
 
@@ -353,7 +382,7 @@ def plan_without_wishes(run: Run, share: float) -> None:
         run.known.take_bound(found)
         if found.incumbent is not None:
             route, run.wishes_left_out = found.incumbent.route, True
-            run.known.offer(Incumbent(route, route_cost(run.problem, route)), found.found_by)
+            run.offer(Incumbent(route, route_cost(run.problem, route)), found.found_by)
             run.known.notes.append("wishes: the best plan without them is where the search goes on from")
 
 
@@ -454,7 +483,7 @@ def solve_model(run: Run, share: float) -> None:
     outcome = cpsat.solve_cpsat(
         run.problem, run.deadline.within(share), known.incumbent, known.bound_um, run.options.seed
     )
-    known.offer(outcome.incumbent, "cp-sat")
+    run.offer(outcome.incumbent, "cp-sat")
     known.infeasible = outcome.infeasible
     if outcome.bound is not None:
         known.raise_bound(outcome.bound, "cp-sat")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,7 @@ def solve(
     refine: Refine | None = None,
     look_s: float = 0.0,
     start: Sequence[int] = (),
+    found: Callable[[Solution], None] | None = None,
 ) -> Solution:
     """The best route found within the limits, with what is proven of it.
 
@@ -55,7 +57,8 @@ def solve(
     bound all the same: the missing ones can only add to the cost. `look_s` is how long the first look will take, as
     far as anyone can tell: a limit in seconds keeps so much of itself for it. The last plan is looked at to the end,
     whatever the limit, since nothing else tells its cost; a note says so where that takes longer than the limit leaves.
-    `start` is a route to go on from, as a solution has it, if one is known.
+    `start` is a route to go on from, as a solution has it, if one is known. `found` is told each better plan as it is
+    found, with nothing proven of it and before geometry has looked at it; it changes nothing.
 
     Raises
     ------
@@ -80,7 +83,8 @@ def solve(
         share = max(share, LEAST * whole) if known is None else max(share, 0.0)
         deadline.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
-        known = run_portfolio(problem, limits, deadline, _still_lawful(problem, candidates, posed), known)
+        hear = None if found is None else partial(_tell_found, found, posed, problem, deadline)
+        known = run_portfolio(problem, limits, deadline, _still_lawful(problem, candidates, posed), known, hear)
         spent += known.work
         if known.incumbent is None:
             raise _unable(options.member, known.unable) if known.unable else _no_plan(known.infeasible)
@@ -101,6 +105,14 @@ def solve(
         posed = problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
     return replace(_solution(problem, known, spent), problem=posed)
+
+
+def _tell_found(
+    found: Callable[[Solution], None], posed: Problem, problem: Problem, deadline: Deadline, plan: Incumbent
+) -> None:
+    """Tell of a plan of the problem that was simplified, as of one of the problem as it was posed."""
+    known = SharedState(incumbent=plan, found_by="search")
+    found(replace(_solution(problem, known, deadline.seconds), problem=posed))
 
 
 def _always(share: float) -> bool:

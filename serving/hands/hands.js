@@ -1,5 +1,6 @@
 /** @import { Work } from "./work.js" */
 import { conflictPanel } from "./conflicts.js";
+import { notices } from "./differences.js";
 import { dragging } from "./dragging.js";
 import { lockPanel } from "./locking.js";
 import { planBar } from "./planning.js";
@@ -19,6 +20,7 @@ import { weightSliders } from "./weights.js";
 export function giveHands(app, work) {
   work.say = text => sayAloud(app, text);
   planBar(app, work);
+  notices(app, work);
   const drawTab = tabDrawing(app, work);
   lockPanel(app, work, drawTab);
   plansPanel(app, work);

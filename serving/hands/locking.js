@@ -64,8 +64,8 @@ export function quoted(id) {
   return `"${id.replaceAll('"', '""')}"`;
 }
 
+/** Changes the job file and plans at once, in one request: what is being planned gives way. */
 /** @type {(work: Work, changes: object[], plan?: number) => Promise<void>} */
 export async function lockAndPlan(work, changes, plan) {
-  const { cancels } = work;
-  if (await work.edit(changes, plan)) await work.solve({}, cancels);
+  await work.edit(changes, plan, true);
 }

@@ -1,7 +1,7 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
 
-const METRE_MM = 1000;
+const METRE_MM = 1000, CLOCK_MS = 1000;
 
 /**
  * In the bar on top: plan, cancel, undo and save, with what the engines have reached.
@@ -20,14 +20,15 @@ export function planBar(app, work) {
   app.key("Enter", () => work.solve(), "plan what is wanted");
   app.key("u", () => undoLast(work), "back to the plan before");
   let wasSolving = false;
+  setInterval(() => { if (work.state?.solving) work.hear("clock"); }, CLOCK_MS);
   work.on(() => {
-    const { solving, fits, problem, upto } = work.state;
+    const { solving, fits, problem, upto } = work.state, clock = solving ? clockOf(solving) : "";
     plan.hidden = Boolean(solving);
     plan.classList.toggle("wanted", !fits);
     cancel.hidden = !solving;
-    undo.toggleAttribute("disabled", !beforeShown(work) || Boolean(solving));
-    save.toggleAttribute("disabled", !work.plan?.ok || Boolean(solving));
-    reached.textContent = solving ? reachedText(solving, work.planner) : `${upto && !fits ? `cuts 1 to ${upto} are made; ` : ""}${stillText(work)}`;
+    undo.toggleAttribute("disabled", !beforeShown(work));
+    save.toggleAttribute("disabled", !work.plan?.ok || work.lost);
+    reached.textContent = solving ? `${reachedText(solving, work)} ${clock}` : `${upto && !fits ? `cuts 1 to ${upto} are made; ` : ""}${stillText(work)}`;
     if (wasSolving && !solving) work.say(problem || (work.state.conflict ? "the rules contradict each other" : plannedText(work)));
     wasSolving = Boolean(solving);
   });
@@ -70,12 +71,35 @@ async function saveAll(work) {
   work.say(`saved ${files.join(", ")}; ${same}`);
 }
 
-/** @type {(solving: any, planner: string) => string} */
-function reachedText({ waits, engine, objective_mm, bound_mm, seconds }, planner) {
+/** What is being done, as a planner says it, by what the server calls it. */
+/** @type {Record<string, string>} */
+const PHASES = {
+  waits: "waits for its turn",
+  "getting ready": "getting ready the first time (some 20 s)",
+  reading: "reading",
+  "first plan": "looking for a first plan",
+  improving: "looking for a better plan",
+  proving: "proving",
+  finishing: "checking the plan",
+};
+
+/** @type {(solving: any, work: Work) => string} */
+function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { planner, state }) {
   if (waits && planner) return `waits: ${planner} is being planned`;
-  if (objective_mm === null) return `planning … ${engine}`;
-  const gap = bound_mm === null ? "no bound yet" : `gap ${(100 * (1 - bound_mm / objective_mm)).toFixed(1)} %`;
-  return `${(objective_mm / METRE_MM).toFixed(3)} m, ${gap}, ${seconds.toFixed(0)} s (${engine})`;
+  const shown = state.alternatives.find((/** @type {any} */ one) => one.number === plan);
+  const told = [
+    shown && (shown.stage === "first" ? "first plan" : `better by ${(gained_mm / METRE_MM).toFixed(1)} m`),
+    ending ? "ending" : PHASES[phase] ?? phase,
+    gap !== null && `at most ${(100 * gap).toFixed(1)} % from the best`,
+  ];
+  return `${told.filter(Boolean).join("; ")} …`;
+}
+
+/** How long it has taken; the clock runs on between the news. */
+/** @type {(solving: any) => string} */
+function clockOf(solving) {
+  solving.told_ms ??= performance.now();
+  return `${Math.floor(solving.elapsed_s + (performance.now() - solving.told_ms) / 1000)} s`;
 }
 
 /** @type {(work: Work) => string} */

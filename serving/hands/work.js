@@ -25,14 +25,31 @@ export class Work {
     this.turn = Promise.resolve();
     /** how often somebody has cancelled here */
     this.cancels = 0;
+    /** whether the server does not answer */
+    this.lost = false;
   }
 
   /** The state of now, and then whatever changes. */
   async begin() {
     listenToNews((what, told) => this.news(what, told));
+    await this.catchUp();
+  }
+
+  /** Takes what is so now. */
+  async catchUp() {
     const state = await askServer(this.path("state"));
     this.planner = state.planner;
     this.take(state);
+  }
+
+  /** The server is there, or is not: it is asked what is so now once it is there again. */
+  /** @param {boolean} lost */
+  connected(lost) {
+    if (lost === this.lost) return;
+    this.lost = lost;
+    if (lost && this.state) this.state.solving = null; // whatever was planned, nobody knows how it goes
+    this.hear("connection");
+    if (!lost) this.catchUp().then(() => this.hear("state"), () => this.connected(true));
   }
 
   /** @param {string} what */
@@ -41,12 +58,14 @@ export class Work {
   /** @param {(work: Work, what: string) => void} fn called when anything has changed */
   on(fn) { this.hearers.push(fn); }
 
-  /** @param {string} what "state", "progress" or "planner" */
+  /** @param {string} what "state", "progress", "planner" or "connection" */
   hear(what) { for (const fn of this.hearers) fn(this, what); }
 
   /** @type {(what: string, told: any) => void} */
   news(what, told) {
-    if (what === "planner") {
+    if (what === "connection") {
+      this.connected(told.lost);
+    } else if (what === "planner") {
       this.planner = told.nest;
       this.hear("planner");
     } else if (told.id !== this.id) {
@@ -71,13 +90,13 @@ export class Work {
    * whose state it is.
    *
    * @param {string} what
-   * @param {object} said
+   * @param {object | (() => object)} said what is told to the server, asked for when it is sent
    * @param {number} [plan] the plan that it is about: nothing is changed where another one is shown by then
    * @returns {Promise<any>} what the server told; null where it refused
    */
   change(what, said, plan) {
     this.turn = this.turn.then(() => {
-      if (plan === undefined || plan === this.state.shown) return this.asked(what, said);
+      if (plan === undefined || plan === this.state.shown) return this.asked(what, typeof said === "function" ? said() : said);
       this.say("another plan is shown by now: look at it, and do it again");
       return null;
     });
@@ -128,8 +147,12 @@ export class Work {
   /**
    * @param {object[]} changes of the job file
    * @param {number} [plan] the plan that they are about
+   * @param {boolean} [planned] whether the nest is planned at once, unless somebody cancels before it is asked for
    */
-  edit(changes, plan) { return this.change("edit", { changes }, plan); }
+  edit(changes, plan, planned = false) {
+    const { cancels } = this;
+    return this.change("edit", () => ({ changes, plan: planned && cancels === this.cancels }), plan);
+  }
 
   /** The plan that is looked at. */
   get plan() { return this.state.alternatives.find((/** @type {any} */ one) => one.number === this.state.shown) ?? null; }

@@ -105,8 +105,8 @@ class AtPage:
         return self.page.locator("#hands-plans li").count()
 
     def planned(self, plans: int) -> None:
-        """Wait until there are so many plans, and the last one is drawn."""
-        self.page.wait_for_selector(f"#hands-plans li:nth-child({plans}).shown", state="attached")
+        """Wait until there are so many plans, or more where better ones came meanwhile, and the shown one is drawn."""
+        self.page.wait_for_selector(f"#hands-plans li:nth-child({plans})", state="attached")
         self.page.wait_for_selector("#hands-cancel", state="hidden")
         self.until(
             "Number(document.documentElement.dataset.plan) === document.querySelector('#hands-plans .shown').value"

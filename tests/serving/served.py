@@ -19,8 +19,9 @@ import uvicorn
 
 import kerfwise
 from kerfwise.cli import main
+from kerfwise.serving.nest_folder import Folder
 from kerfwise.serving.run_server import config_of, make_app
-from kerfwise.serving.server import Folder, Server
+from kerfwise.serving.server import Server
 
 TOKEN = "the-token-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"

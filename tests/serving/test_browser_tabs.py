@@ -51,7 +51,7 @@ def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served
 def test_a_killed_planner_is_said_and_the_next_plan_is_made(look: Look, plate: Tab, served: Served) -> None:
     at = look(plate)
     plate.post("solve", 202, work=200)
-    at.page.wait_for_selector("#hands-reached:has-text(' m, ')")
+    at.page.wait_for_selector("#hands-reached:has-text('; ')")
     os.kill(served.server.planning.helper.pid or 0, 9)
     at.page.wait_for_selector("#hands-said:has-text('died (signal 9)')")
     plate.state()

@@ -14,8 +14,9 @@ import httpx
 import pytest
 
 from kerfwise.serving.guard import MOST_BODY_BYTES
+from kerfwise.serving.nest_folder import Folder
 from kerfwise.serving.run_server import make_app
-from kerfwise.serving.server import Folder, Server, is_readable
+from kerfwise.serving.server import Server, is_readable
 from kerfwise.tests.serving.served import SMALL, TOKEN, Open, Served
 
 OWN = {"x-kerfwise-token": TOKEN}

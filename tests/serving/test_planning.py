@@ -37,27 +37,38 @@ def events(tab: Tab, until: Any, found: list[tuple[str, dict[str, Any]]]) -> Non
                     return
 
 
+def ended(found: list[tuple[str, dict[str, Any]]]) -> bool:
+    """Whether the last news is of plans that were made, and of none that is being made."""
+    what, told = found[-1]
+    return what == "state" and bool(told["alternatives"]) and told["solving"] is None
+
+
 def test_incumbents_stream_in_and_can_be_stopped(plate: Tab, served: Served) -> None:
     tab = plate
     found: list[tuple[str, dict[str, Any]]] = []
     before = served.server.news.listeners
-    done = threading.Thread(target=events, args=(tab, lambda found: bool(found[-1][1].get("alternatives")), found))
+    done = threading.Thread(target=events, args=(tab, ended, found))
     done.start()
     wait_for(lambda: found)
     tab.post("solve", 202, work=200)
-    assert "is being planned" in tab.post("solve", 422)["message"]
-    wait_for(lambda: any((told["solving"] or {}).get("objective_mm") for _, told in list(found)))
+    tab.post("solve", 202, work=200)  # the same is being planned: it goes on
+    wait_for(lambda: any(len(told.get("alternatives", ())) > 1 for _, told in list(found)))
     assert served.server.planning.helper.pid is not None
     tab.client.post(f"/api/{tab.id}/cancel", json={})
     state = tab.wait()
     done.join(30)
     assert not done.is_alive()
     wait_for(lambda: served.server.news.listeners == before)  # the tab is closed
-    plan = state["alternatives"][0]
-    assert plan["ok"]
-    reached = [told["solving"]["objective_mm"] for what, told in found if what == "progress" and told["solving"]]
-    assert sorted((mm for mm in reached if mm), reverse=True) == [mm for mm in reached if mm]
-    assert plan["stopped"]
+    plans = state["alternatives"]
+    assert [one["stage"] for one in plans][:2] == ["first", "better"]
+    assert state["shown"] == plans[-1]["number"]
+    costs = [one["figures"]["objective_mm"] for one in plans]
+    assert sorted(costs, reverse=True) == costs
+    assert all(one["ok"] and one["run"] == 1 for one in plans)
+    assert all(one["gained_mm"] > 0 for one in plans[1:] if one["stage"] == "better")
+    phases = {told["solving"]["phase"] for what, told in found if what == "progress" and told["solving"]}
+    assert phases <= {"waits", "getting ready", "reading", "first plan", "improving", "proving", "finishing"}
+    assert "first plan" in phases
     assert tab.post("save")["saved"]["same_bytes"] is False
 
 
@@ -164,7 +175,7 @@ def test_little_work_that_finds_no_plan_is_followed_by_more(tmp_path: Path, monk
         return main_job.plan_nest(given, limits, **rest)
 
     monkeypatch.setattr(planner, "plan_nest", plan_nest)
-    asking = SimpleNamespace(begin=lambda: None, tell=lambda **told: None, stopped=False)
+    asking = SimpleNamespace(begin=lambda: None, tell=lambda **told: None, stopped=False, go_on=lambda: True)
     told = planner.Planner(cast(Any, asking)).solve(PlanRequest(str(nest)), 0.25, memory_gb=1.5)
     assert tried == [(0.25, 1.5), (1.0, 1.5), (4.0, 1.5)]
     assert (told["work"], told["memory_gb"], told["ok"]) == (4.0, 1.5, True)

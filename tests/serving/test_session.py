@@ -103,15 +103,20 @@ def test_two_plans_are_put_side_by_side(opened: Open, client: httpx.Client) -> N
     assert told == [4, 1]
 
 
-def test_a_nest_that_changed_on_disk_is_shown_anew_in_every_tab(opened: Open, served: Served) -> None:
+def test_a_nest_that_changed_on_disk_is_shown_anew_in_every_tab_and_keeps_its_plans(opened: Open, served: Served) -> None:
     tab = opened()
     tab.solved()
     session, sha256 = served.server.sessions[tab.id], tab.state()["sha256"]
-    again = opened(SMALL + "\n")
+    again = opened(SMALL.replace("[240, 20], [320, 20]", "[240, 20], [325, 20]"))
     assert served.server.sessions[tab.id] is session
-    assert (again.version > tab.version, again.state()["alternatives"]) == (True, [])
-    assert again.state()["sha256"] != sha256
+    state = again.state()
+    assert (again.version > tab.version, state["shown"], state["fits"]) == (True, 0, False)
+    assert [(one["number"], one["of_now"]) for one in state["alternatives"]] == [(1, False)]
+    assert state["differences"][0]["parts"] == {"added": [], "removed": [], "changed": ["C"]}
+    assert again.get("page", plan=1)["sides"]  # it can still be looked at
+    assert state["sha256"] != sha256
     assert again.solved()["shown"] == 2  # a number is that of one plan only
+    assert again.post("differences", nest="seen")["differences"] == []
 
 
 def test_the_profile_that_the_server_was_given_goes_into_the_job_file(served: Served, opened: Open) -> None:

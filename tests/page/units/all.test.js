@@ -276,6 +276,7 @@ test("a tab whose stream is refused leaves the lock to the next one, and asks ag
   streams[0].dispatchEvent(new Event("error"));
   await some();
   assert.deepEqual([streams.length, held.length], [1, 0]);
+  assert.deepEqual(heard.splice(0), [["connection", { lost: true }], ["connection", { lost: true }]]); // and it is said
   context.mock.timers.tick(3000);
   await some();
   assert.deepEqual([streams.length, held.length], [2, 1]);

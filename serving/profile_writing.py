@@ -1,0 +1,109 @@
+"""The profile editor's half of the server: which profile may be written, and that it is written whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.output_files import write_files
+
+from .job_edits import expect_keys
+from .server import Server
+from .session import Session
+from .worker import Died, Refused
+
+MOST_VALUES = 200
+Values = Sequence[tuple[str, str, str]]
+
+
+async def profile_told(server: Server, session: Session) -> dict[str, Any]:
+    """The session's profile with its rules, whether it may be written here, and if not, why not."""
+    told: dict[str, Any] = await server.asked("profile", wanted=session.wanted)
+    why_not = _why_not(server, told)
+    return {**told, "file": _shown(server, Path(told["path"])), "writable": not why_not, "why_not": why_not}
+
+
+async def write_profile(server: Server, session: Session, said: dict[str, Any]) -> dict[str, Any]:
+    """Write values into the profile, or into a new one that is based on it, and plan by that from now on.
+
+    Raises
+    ------
+    InputError, Refused
+        If the profile lies where nothing is written, was changed meanwhile, or cannot say this. Then it is as it was.
+    """
+    values, new, version = values_of(said.get("changes")), said.get("as"), session.version
+    if new is not None and not isinstance(new, str):
+        raise InputError("as: expected the name of a file")
+    before = await profile_told(server, session)
+    if new is None and not before["writable"]:
+        raise InputError(before["why_not"])
+    if new is None and said.get("sha256") != before["sha256"]:
+        raise InputError(f"{before['file']} has changed since it was shown: look at it again")
+    made = await server.asked("profile_text", wanted=session.wanted, values=values, new=new)
+    session.expect(version)
+    path = Path(made["path"])
+    if new is not None and not path.resolve().is_relative_to(server.folder.path):
+        raise InputError("a new profile is written in the folder that is served only")
+    _write(path, made["text"].encode("utf-8"), made["sha256"])
+    if new is None:
+        await _read_again(server, path)
+    else:
+        told = await server.asked("edited", wanted=session.wanted, changes=[{"profile": path.name}])
+        await server.want(session, replace(session.wanted, job_text=told["job_text"]))
+    return {"file": _shown(server, path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+
+
+def values_of(said: Any) -> list[tuple[str, str, str]]:
+    """`[{"rule": "heat-lag", "key": "weight", "to": "80 mm"}]` as rules, keys and values."""
+    if not isinstance(said, list) or not 0 < len(said) <= MOST_VALUES:
+        raise InputError(f"changes: expected a list of 1 to {MOST_VALUES} changes")
+    found = []
+    for one in said:
+        given = [one.get(key) if isinstance(one, dict) else None for key in ("rule", "key", "to")]
+        texts = [text for text in given if isinstance(text, str) and text.strip()]
+        if len(texts) < len(given):
+            raise InputError(f'expected {{"rule": …, "key": …, "to": …}}, got {one!r}')
+        expect_keys("a change of a rule", one, ("rule", "key", "to"))
+        found.append((texts[0], texts[1], texts[2]))
+    return found
+
+
+def _why_not(server: Server, told: dict[str, Any]) -> str:
+    """Why a profile is not written here; "" where it is."""
+    path = Path(told["path"])
+    if told["shipped"]:
+        return f"{told['name']} comes with kerfwise and is not changed: save it as a profile of your own"
+    if path.is_relative_to(server.folder.path) or (server.profile and Path(server.profile).resolve() == path):
+        return ""
+    return (
+        f"{path} lies outside the folder that is served, and is not changed: save it as a profile of your own, or "
+        "start the server with -p"
+    )
+
+
+def _shown(server: Server, path: Path) -> str:
+    """A file as the page names it: from the served folder where it is in there."""
+    return path.relative_to(server.folder.path).as_posix() if path.is_relative_to(server.folder.path) else str(path)
+
+
+def _write(path: Path, data: bytes, sha256: str | None) -> None:
+    """Write a profile unless it has changed since it was read; None for one that was not there."""
+    now = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+    if now != sha256:
+        raise InputError(f"{path.name} has changed on disk meanwhile: nothing is written")
+    write_files({path: data})
+
+
+async def _read_again(server: Server, path: Path) -> None:
+    """Every open nest whose profile is made of this file is to be planned again."""
+    stamp = hashlib.sha256(path.read_bytes()).hexdigest()
+    for session in list(server.sessions.values()):
+        try:
+            if str(path) in await server.asked("profile_files", wanted=session.wanted):
+                await server.want(session, replace(session.wanted, profile_now=stamp))
+        except (Refused, Died) as error:  # the profile is written; that this nest does not go with it is said there
+            session.changed(wanted=replace(session.wanted, profile_now=stamp), problem=str(error))
