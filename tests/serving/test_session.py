@@ -103,7 +103,7 @@ def test_two_plans_are_put_side_by_side(opened: Open, client: httpx.Client) -> N
     assert told == [4, 1]
 
 
-def test_a_nest_that_changed_on_disk_is_shown_anew_in_every_tab_and_keeps_its_plans(opened: Open, served: Served) -> None:
+def test_a_nest_that_changed_on_disk_is_shown_anew_and_keeps_its_plans(opened: Open, served: Served) -> None:
     tab = opened()
     tab.solved()
     session, sha256 = served.server.sessions[tab.id], tab.state()["sha256"]
