@@ -164,7 +164,7 @@ class Session:
     def is_known(self, told: dict[str, Any], run: int) -> bool:
         """Whether a planning has shown a cheaper plan than one that it ends with."""
         before = [one.figures["objective_mm"] for one in self.alternatives if one.run == run]
-        return min(before, default=math.inf) < told["figures"]["objective_mm"]
+        return bool(min(before, default=math.inf) < told["figures"]["objective_mm"])
 
     def keep(self, number: int, kept: bool) -> None:
         """Have a plan never thrown away, however many come; or no longer."""
