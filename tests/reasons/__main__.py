@@ -13,15 +13,23 @@ import fnmatch
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
+from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs import plan_nest
+from kerfwise.jobs.request import facts_of
+from kerfwise.models.plan.explain.alternatives import PositionCosts, explain_entry
 from kerfwise.models.plan.explain.context import PlanContext
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.tests.golden.run import cases, run
+from kerfwise.tests.reasons.entries import entry_verdicts
 from kerfwise.tests.reasons.judge import Judge, Verdict, kind
+
+ENTRIES_OF = 8
+"""Of so many contours of a plan the other entries are judged."""
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -74,12 +82,12 @@ def judged(plan: Plan, setting: PlanContext) -> Iterator[Verdict]:
     facts = setting.facts
     home, order = setting.profile.home_on(facts.nest), setting.order
 
-    def later() -> set[str]:
-        look, found = lazy_statements(facts, setting.profile), set[str]()
+    def later() -> set[tuple[str, str]]:
+        look, found = lazy_statements(facts, setting.profile), set[tuple[str, str]]()
         for k, contour in enumerate(order):
             rest = [*order[:k], *order[k + 1 :]]
             for slot in range(len(order)):
-                found |= {s.about.sentence for s in look([*rest[:slot], contour, *rest[slot:]])}
+                found |= {(s.about.rule, s.about.sentence) for s in look([*rest[:slot], contour, *rest[slot:]])}
         return found
 
     judge = Judge(facts, setting.stated.statements, setting.candidates, home, later)
@@ -87,6 +95,24 @@ def judged(plan: Plan, setting: PlanContext) -> Iterator[Verdict]:
         return
     for cut in plan.cuts:
         yield from judge.verdicts(facts.nest.index[cut.cut.contour], cut.because)
+    if setting.profile.machine.torches.several or facts.already_cut:  # copies have entries in common; metal is cut
+        return
+    along, offered = PositionCosts(setting), dict[tuple[str, ...], Facts]()
+    for contour in setting.order[:: max(1, len(setting.order) // ENTRIES_OF)]:
+
+        def ways_round(rules: Collection[str], contour: int = contour) -> set[str]:
+            off = tuple(rules)
+            if off not in offered:
+                settings = {
+                    **setting.profile.rules,
+                    **{name: replace(setting.profile.rules[name], strength="off", weight=None) for name in off},
+                }
+                offered[off] = facts_of(facts.whole_nest, replace(setting.profile, rules=settings))
+            made = offered[off]
+            number = made.nest.index[facts.nest.contours[contour].id]
+            return {made.candidates[c].direction for c in made.candidates_of(number)}
+
+        yield from entry_verdicts(judge, contour, explain_entry(along, contour), ways_round)
 
 
 if __name__ == "__main__":

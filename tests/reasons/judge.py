@@ -41,7 +41,8 @@ NONE = re.compile(r"^no rule decides where ")
 BETTER = re.compile(r"^no rule keeps .* as number (\d+) the plan would cost ([\d.]+) mm less")
 TIPPED = "no idle travel leads over parts that are out"
 MORE = re.compile(r"^(.*), and (\d+) more of (\S+)$")
-OTHERS = re.compile(r"; and what (.*) says$")
+TOGETHER = re.compile(r"^(\d+) rules together: (.*)$")
+ENTERED = re.compile(r"^entered at \((-?[\d.]+), (-?[\d.]+)\): the shortest lawful way from (.+) to (.+)$")
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Costs:
 class Judge:
     """One plan: the candidates that it uses in cutting order, and what is stated of it.
 
-    `later` answers with the sentences of what only geometry finds in other orders, which the statements do not have.
+    `later` answers with what only geometry finds in other orders, which no statement says: rules and sentences.
     """
 
     def __init__(
@@ -77,7 +78,7 @@ class Judge:
         statements: Sequence[Statement],
         route: Sequence[int],
         home: tuple[float, float],
-        later: Callable[[], Collection[str]] = frozenset,
+        later: Callable[[], Collection[tuple[str, str]]] = frozenset,
     ) -> None:
         self.facts, self.statements, self.route, self.home = facts, tuple(statements), tuple(route), home
         self.links = [s for s in self.statements if isinstance(s, Link)]
@@ -89,7 +90,7 @@ class Judge:
         self.now = self.costs(self.route)
 
     @cached_property
-    def later(self) -> frozenset[str]:
+    def later(self) -> frozenset[tuple[str, str]]:
         """What only geometry finds in other orders."""
         return frozenset(self._later())
 
@@ -115,6 +116,11 @@ class Judge:
             return "" if len(self.route) == 1 else "there are others"
         if sentence.startswith("what decides where "):
             return ""
+        if found := TOGETHER.search(sentence):
+            named = [rule for rule in re.split(", | and ", found[2]) if not re.fullmatch(r"\d+ more", rule)]
+            return self._held_by_all(contour, frozenset(named), int(found[1]) - len(named))
+        if found := ENTERED.search(sentence):
+            return self._not_shortest(contour, (found[1], found[2]), (found[3], found[4]))
         named = self._named(sentence)
         if named is None:
             return "no statement says so" if sentence.startswith("together: ") else None
@@ -128,9 +134,6 @@ class Judge:
         rest, gone, rules = sentence, set[int](), set[str]()
         if rest.startswith("together: "):
             rest = rest.removeprefix("together: ")
-            if others := OTHERS.search(rest):
-                rules |= set(others[1].split(", "))
-                rest = rest[: others.start()]
         while rest:
             parts = rest.split("; ")
             for many in range(len(parts), 0, -1):
@@ -143,7 +146,7 @@ class Judge:
                 elif more and (found := self._said(more[1])):
                     gone |= found
                     rules.add(more[3])
-                elif head not in self.later and not (more and more[1] in self.later):
+                elif not {head, more[1] if more else head} & {said for _, said in self.later}:
                     continue
                 rest = "; ".join(parts[many:])
                 break
@@ -163,6 +166,43 @@ class Judge:
             if lawful and there.mm(without) < self.now.mm(without) - SOMETHING_MM:
                 return ""
         return "no other place costs less without it"
+
+    def _held_by_all(self, contour: int, named: frozenset[str], further: int) -> str:
+        """What is wrong with that the plan costs less without some rules and so many further ones."""
+        for route in self._elsewhere(contour):
+            there = self.costs(route)
+            newly = there.broken - self.now.broken
+            newly |= {k for k, mm in there.paid_mm.items() if mm > self.now.paid_mm.get(k, 0.0)}
+            rules = {self.statements[k].about.rule for k in newly}
+            free = named | (rules if len(rules - named) <= further else set())
+            without = {k for k in newly if self.statements[k].about.rule in free}
+            lawful = there.broken <= self.now.broken | without
+            if lawful and there.mm(without) < self.now.mm(without) - SOMETHING_MM:
+                return ""
+        return "in no other place the plan costs less without these rules"
+
+    def _not_shortest(self, contour: int, at: tuple[str, str], between: tuple[str, str]) -> str:
+        """What is wrong with that no lawful entry makes a shorter way between the cuts before and after."""
+        order = [self.facts.candidates[c].contour for c in self.route]
+        k = order.index(contour)
+        used, names = self.facts.candidates[self.route[k]], ["home", *(self.ids[c] for c in order), "home"]
+        if (names[k], names[k + 2]) != between:
+            return f"it is cut between {names[k]} and {names[k + 2]}"
+        if any(abs(float(said) - mm) > 0.051 for said, mm in zip(at, used.entry, strict=True)):
+            return f"it is entered at {used.entry}"
+        before = self.home if k == 0 else self.facts.candidates[self.route[k - 1]].end
+        after = self.home if k + 1 == len(order) else self.facts.candidates[self.route[k + 1]].pierce
+        forbidden = {s.candidate for s in self.statements if isinstance(s, Forbid) and s.weight is None}
+
+        def way_mm(c: int) -> float:
+            way = self.facts.candidates[c]
+            return math.dist(before, way.pierce) + math.dist(way.end, after)
+
+        rivals = [c for c in self.facts.candidates_of(contour) if c not in forbidden]
+        best = min(rivals, key=way_mm)
+        if way_mm(self.route[k]) > way_mm(best) + SOMETHING_MM:
+            return f"entered at {self.facts.candidates[best].entry} the way is shorter"
+        return "" if len(rivals) > 1 else "there is no other lawful entry"
 
     def _not_for_travel(self, contour: int) -> str:
         for route in self._elsewhere(contour, alone=True, entries=True):
@@ -247,7 +287,7 @@ class Judge:
         at = {self.facts.candidates[c].contour: k for k, c in enumerate(route)}
         used = set(route)
         legs = list(pairwise([None, *route, None]))
-        travel = sum(self._leg_mm(a, b) for a, b in legs)
+        travel = sum(self.leg_mm(a, b) for a, b in legs)
         broken, paid = set[int](), dict[int, float]()
         for k, s in enumerate(self.statements):
             missing = self._missing(s, k, at, used, legs)
@@ -262,7 +302,8 @@ class Judge:
         reach = self.home if b is None else self.facts.candidates[b].pierce
         return leave, reach
 
-    def _leg_mm(self, a: int | None, b: int | None) -> float:
+    def leg_mm(self, a: int | None, b: int | None) -> float:
+        """What a move from a candidate (None: home) to another costs."""
         idle = self.price * math.dist(*self._ends(a, b))
         offers = [s.weight for s in self.links if a in s.leave and b in s.reach]
         return min([idle, *offers]) if offers else idle
@@ -333,10 +374,16 @@ def kind(sentence: str) -> str:
         return "no rule decides"
     if BETTER.search(sentence):
         return "not found within the limit"
+    if ENTERED.search(sentence):
+        return "shortest entry"
+    if sentence.startswith("another entry"):
+        return "other entries"
+    if " leaves no other way round than " in sentence:
+        return "one way round"
     if sentence.startswith("kept: "):
         return "kept"
     if sentence.startswith("what decides where "):
         return "not worked out"
     if sentence.endswith(" is the only cut"):
         return "the only cut"
-    return "several statements" if sentence.startswith("together: ") or MORE.search(sentence) else "one statement"
+    return "several statements" if re.search(r"\btogether: ", sentence) or MORE.search(sentence) else "one statement"

@@ -26,7 +26,8 @@ LOOKS = 6000
 contours counts n."""
 TRIED = 3
 """Places that are looked at for one contour, at the most."""
-FEW_NAMED = 3
+FEW_TOLD, FEW_NAMED = 2, 3
+"""Statements of several rules that are told in full, and rules that are named, where there are more."""
 EXEMPTION_UM = round(EXEMPTION_MM * UM_PER_MM)
 BEST_ENTRIES = 150
 """Contours up to which all places are tried with the best entries along each order."""
@@ -48,14 +49,16 @@ class Reason:
         of_rule: dict[str, list[str]] = {}
         for about in self.abouts:
             of_rule.setdefault(about.rule, []).append(about.sentence)
-        told = [
-            sentences[0] + (f", and {len(sentences) - 1} more of {rule}" if len(sentences) > 1 else "")
-            for rule, sentences in of_rule.items()
-        ]
-        if len(told) == 1:
-            return told[0]
-        others = f"; and what {', '.join(list(of_rule)[FEW_NAMED:])} says" if len(told) > FEW_NAMED else ""
-        return f"together: {'; '.join(told[:FEW_NAMED])}{others}"
+        if len(of_rule) == 1 or len(self.abouts) <= FEW_TOLD:
+            told = [
+                sentences[0] + (f", and {len(sentences) - 1} more of {rule}" if len(sentences) > 1 else "")
+                for rule, sentences in of_rule.items()
+            ]
+            return told[0] if len(told) == 1 else f"together: {'; '.join(told)}"
+        most = sorted(of_rule, key=lambda rule: -len(of_rule[rule]))
+        named = most[:FEW_NAMED]
+        named += [f"{len(most) - FEW_NAMED} more"] if len(most) > FEW_NAMED else []
+        return f"{len(most)} rules together: {', '.join(named[:-1])} and {named[-1]}"
 
     def more(self) -> str:
         """What that would save, and where."""
@@ -95,8 +98,9 @@ class WhyHere:
         """The same for a page about this contour: each reason with its rule, and what it costs."""
         if not self.known or self.better is not None or not self.reasons:
             return self.sentences(name)
-        named = (", ".join(dict.fromkeys(about.rule for about in reason.abouts)) for reason in self.reasons)
-        return tuple(f"{rules}: {r.told()} ({r.more()})" for rules, r in zip(named, self.reasons, strict=True))
+        named = (list(dict.fromkeys(about.rule for about in reason.abouts)) for reason in self.reasons)
+        heads = (f"{', '.join(rules)}: " if len(rules) <= FEW_TOLD else "" for rules in named)
+        return tuple(f"{head}{r.told()} ({r.more()})" for head, r in zip(heads, self.reasons, strict=True))
 
     def sentences(self, name: str) -> tuple[str, ...]:
         """The same for a plan, of the contour of that name."""
