@@ -26,6 +26,8 @@ from numba.core import caching, serialize, types
 from kerfwise.encoder.errors import Advice
 from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
 
+from .kernel_parts import PartCompiler
+
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
 
@@ -44,7 +46,7 @@ def dispatcher_of(
     and `note_compiled` is called where something was compiled. Functions that it calls may be of the class `kernel`.
     """
     _take(kernel)
-    dispatcher: Any = numba.njit(**options)(function)
+    dispatcher: Any = numba.njit(pipeline_class=None if keep else PartCompiler, **options)(function)
     if keep:
         dispatcher._cache = _cache_of(function)
     make = dispatcher._compile_for_args

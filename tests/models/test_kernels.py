@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 import pytest
+from numba.core.codegen import JITCodeLibrary
 
 from kerfwise.encoder.errors import Advice
 from kerfwise.models import jit, numba_cache
@@ -346,3 +348,34 @@ def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(given: tuple[
         [sys.executable, "-c", script, *words], cwd=tmp_path, capture_output=True, encoding="utf-8", check=True
     )
     assert run.stdout.splitlines()[-1] == "[]"
+
+
+def test_what_only_kernels_call_has_machine_code_in_those_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba gives every function machine code, and optimises it again wherever it is called."""
+    emitted: list[str] = []
+    emit = JITCodeLibrary._finalize_final_module
+
+    def noted(self: Any) -> None:
+        emitted.append(self.name)
+        emit(self)
+
+    monkeypatch.setattr(JITCodeLibrary, "_finalize_final_module", noted)
+
+    @inner(nogil=True)
+    def part(x: int) -> int:
+        return x if x < 10 else part(x - 7) + 1
+
+    @inner(nogil=True)
+    def sums(values: Any) -> Any:
+        room = np.empty(len(values), np.int64)
+        for k in range(len(values)):
+            room[k] = part(values[k])
+        return room.sum()
+
+    @jit.jit(nogil=True)
+    def kernel(values: Any) -> Any:
+        return sums(values) + part(30)
+
+    assert kernel(np.array([5, 24, 40])) == 5 + 6 + 10 + 12 == kernel.plainly(np.array([5, 24, 40]))
+    own = [name.rpartition(".")[2] for name in emitted if "what_only_kernels" in name]
+    assert own == ["kernel"]

@@ -62,7 +62,7 @@ class AnnealingWalker(Walker):
     def start(self) -> None:
         number = self.arrays.number
         if number[LENGTH] == 0:
-            first_route(self._tables, self._state, True)
+            self._walk(FROM_NOTHING)
         number[PRICE] = 1 + 10 * int(number[COST]) // self._fields.legs.n
 
     def descend(self, chunk: int) -> None:
@@ -81,11 +81,15 @@ class AnnealingWalker(Walker):
         self.arrays.order[:] = self._fields.legs.contour[sites]
         self.arrays.position[self.arrays.order] = np.arange(len(sites))
         self.arrays.site[self.arrays.order] = sites
-        first_route(self._tables, self._state, False)
+        self._walk(FROM_TRIAL)
 
     def go(self, chunk: int, hot: float, cold: float) -> None:
+        self._walk(ON, self.work + chunk, hot, cold)
+
+    def _walk(self, begins: int, until: int = 0, hot: float = 1.0, cold: float = 1.0) -> None:
+        """See `walk`."""
         on = walk_plain if self._fields.arcs.plain else walk
-        on(self._tables, self._state, self.work + chunk, hot, cold)
+        on(self._tables, self._state, begins, until, hot, cold)
 
     def _lively(self, look: int) -> float:
         """The temperature at which `LIVELY` of the exchanges are taken and change the cost, by looks of that length."""
@@ -159,17 +163,25 @@ MUCH = 0.4  # chance of overlooking a place where a trial is to differ
 JUDGE = 128  # trials between two looks at how many of them were lawful
 
 
-@entry
-def first_route(tables: SearchTables, state: State, make: bool) -> None:
+ON, FROM_TRIAL, FROM_NOTHING = range(3)
+
+
+@compiled
+def _begin(tables: SearchTables, state: State, begins: int) -> None:
     """Make a first route to stand on, or stand on the route that is the trial."""
-    if make:
+    if begins == FROM_NOTHING:
         nearest_first(tables, state)
-    _stand(tables, state, make)
+    if begins != ON:
+        _stand(tables, state, begins == FROM_NOTHING)
 
 
 @entry
-def walk(tables: SearchTables, state: State, until: int, hot: float, cold: float) -> None:
-    """Search until `number[WORK]` reaches `until`; the temperature, µm, falls from `hot` to `cold` on the way."""
+def walk(tables: SearchTables, state: State, begins: int, until: int, hot: float, cold: float) -> None:
+    """Search until `number[WORK]` reaches `until`; the temperature, µm, falls from `hot` to `cold` on the way.
+
+    It goes `ON`, or begins from the trial or from nothing first: one kernel, as two would share most of their code.
+    """
+    _begin(tables, state, begins)
     swaps = 1.0 - max(FEW_RUINS, RUINS * min(1.0, LONG / tables.legs.n))
     start = state.number[WORK]
     while state.number[WORK] < until:
@@ -188,8 +200,9 @@ def walk(tables: SearchTables, state: State, until: int, hot: float, cold: float
 
 
 @entry
-def walk_plain(tables: SearchTables, state: State, until: int, hot: float, cold: float) -> None:
+def walk_plain(tables: SearchTables, state: State, begins: int, until: int, hot: float, cold: float) -> None:
     """The same for plain problems, with exchanges of arcs; a kernel apart, as either takes seconds to compile."""
+    _begin(tables, state, begins)
     start = state.number[WORK]
     while state.number[WORK] < until:
         temperature = _temperature(state, start, until, hot, cold)
