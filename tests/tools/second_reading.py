@@ -1,10 +1,11 @@
 """Drawings read by programs that share nothing with kerfwise, against what kerfwise takes them for.
 
-Usage: python -m kerfwise.tests.tools.second_reading FOLDER|FILE… [-p PROFILE] [--svg PROFILE] [--plan]
+Usage: python -m kerfwise.tests.tools.second_reading FOLDER|FILE… [-p PROFILE]… [--svg PROFILE] [--plan [--alone]]
 
 SVG is rendered by resvg, DXF is read by GDAL. Every line that they show has to be cut, marked or said (left out, the
 sheet, a question), and every line that is cut has to be shown. Questions are answered by their likeliest choices. With
-`--plan` each file is planned, too, as `kerfwise solve` does it, by a little work.
+`--plan` each file is planned, too, as `kerfwise solve` does it, by a little work: with the first profile of those given
+that a plan is found with. With `--alone` files are planned and not compared.
 """
 
 from __future__ import annotations
@@ -105,24 +106,50 @@ def judged(file: Path, options: ReadOptions) -> Judged:
 WORK = 0.05
 """The work of a plan: enough for the first good one."""
 MOST_CPU_S = 60
-"""A plan that takes more processor time than this is none."""
+"""A plan that takes more processor time than this is none, unless `--cpu` says another limit."""
 ASKS = 3
 ENDS = {0: "planned", 1: "no plan", 2: "refused", ASKS: "asked on and on"}
 MOST_ANSWERS = 20
 _FLAG = re.compile(r"^ +--answer (\S.*?)(?:   |$)")
 
 
-def planned(file: Path, profile: str) -> tuple[str, int, str]:
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """How `kerfwise solve` ended, with how many answers, what it said, under which profile, in how much CPU time."""
+
+    ended: str
+    answers: int
+    said: str
+    profile: str
+    cpu_s: float
+
+    def told(self) -> str:
+        """The end of a row."""
+        return f"{self.ended} ({self.answers} answered, {self.profile}, {self.cpu_s:.0f} s): {self.said}"
+
+
+def best_planned(file: Path, profiles: Sequence[str], most_cpu_s: int) -> Planned:
+    """The plan with the first profile that there is one with, else what the first profile led to."""
+    tries = []
+    for profile in profiles:
+        tries.append(planned(file, profile, most_cpu_s))
+        if tries[-1].ended == "planned":
+            return tries[-1]
+    return tries[0]
+
+
+def planned(file: Path, profile: str, most_cpu_s: int = MOST_CPU_S) -> Planned:
     """How `kerfwise solve` ends with the likeliest answer to each question, how many these are, and what it says.
 
     Each try runs in a copy of this process, which has loaded all that planning needs.
     """
     answers: list[str] = []
+    began = resource.getrusage(resource.RUSAGE_CHILDREN)
     with tempfile.TemporaryDirectory() as folder:
         while True:
             words = ["solve", str(file.resolve()), "-p", profile, "--no-job", "--work", str(WORK), "-o", "out.nc"]
             words += [word for answer in answers for word in ("--answer", answer)]
-            run = get_context("fork").Process(target=_solve, args=(words, Path(folder)))
+            run = get_context("fork").Process(target=_solve, args=(words, Path(folder), most_cpu_s))
             run.start()
             run.join()
             out, err = (Path(folder, name).read_text(encoding="utf-8") for name in ("out", "err"))
@@ -130,9 +157,13 @@ def planned(file: Path, profile: str) -> tuple[str, int, str]:
                 break
             answers += likeliest(err)
     ended = ENDS.get(run.exitcode or 0, f"ended by {run.exitcode}")
+    now = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = now.ru_utime + now.ru_stime - began.ru_utime - began.ru_stime
     if ended == "planned":
-        return ended, len(answers), next((line for line in reversed(out.splitlines()) if line[:2] == "ok"), "")
-    return ended, len(answers), " | ".join(line[-160:] for line in err.splitlines()[-3:])
+        said = next((line for line in reversed(out.splitlines()) if line[:2] == "ok"), "")
+    else:
+        said = " | ".join(line[-160:] for line in err.splitlines()[-3:])
+    return Planned(ended, len(answers), said, profile, cpu_s)
 
 
 def _load() -> None:
@@ -149,9 +180,9 @@ def _load() -> None:
             kerfwise(words)
 
 
-def _solve(words: list[str], folder: Path) -> None:
+def _solve(words: list[str], folder: Path, most_cpu_s: int) -> None:
     """Run the command in a folder, with what it prints in the files `out` and `err` there."""
-    resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S))
+    resource.setrlimit(resource.RLIMIT_CPU, (most_cpu_s, most_cpu_s))
     os.chdir(folder)
     with open("out", "w", encoding="utf-8") as sys.stdout, open("err", "w", encoding="utf-8") as sys.stderr:
         kerfwise(words)
@@ -382,7 +413,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Read all files twice, print a row for each that is refused or differs, and the sums."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FOLDER|FILE")
-    parser.add_argument("-p", "--profile", default="plasma-carbon-steel")
+    parser.add_argument("-p", "--profile", action="append", help="repeatable: the first that a plan is found with")
+    parser.add_argument("--cpu", type=int, default=MOST_CPU_S, metavar="S", help="processor time of a plan at most")
+    parser.add_argument("--alone", action="store_true", help="plan, and do not compare")
     parser.add_argument("--svg", metavar="PROFILE", help="the profile for SVG files")
     parser.add_argument("--plan", action="store_true", help="plan each file, too")
     parser.add_argument("-v", "--verbose", action="store_true", help="a row for each file")
@@ -391,17 +424,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         _load()
     rows, plans = [], Counter[str]()
     for file in files_in(asked.files):
-        profile = asked.svg if asked.svg and file.suffix.lower() == ".svg" else asked.profile
+        profiles = asked.profile or ["plasma-carbon-steel"]
+        profiles = [asked.svg] if asked.svg and file.suffix.lower() == ".svg" else profiles
         try:
-            row = judged(file, load_profile(profile).read_options())
+            options = load_profile(profiles[0]).read_options()
+            row = Judged(file, "-") if asked.alone else judged(file, options)
         except Exception as error:  # the other program's own trouble
             row = Judged(file, "not compared", why=f"{type(error).__name__}: {error}")
         rows.append(row)
         plan = ""
         if asked.plan:
-            ended, count, said = planned(file, profile)
-            plan = f"{ended} ({count} answered): {said}"
-            plans[f"{ended} after answers" if ended == "planned" and count else ended] += 1
+            made = best_planned(file, profiles, asked.cpu)
+            plan = made.told()
+            plans[f"{made.ended} after answers" if made.ended == "planned" and made.answers else made.ended] += 1
         if asked.verbose or row.differs or row.why:
             away = f"{row.unseen_mm:9.1f} {row.unshown_mm:9.1f}"
             print(f"{file.name[-50:]:50} {row.ended:12} {away} {row.why[:150]} {plan[:300]}", flush=True)
