@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,6 +16,7 @@ from kerfwise.encoder.questions import Asking, Choice, Question
 from .drawing import SNAP_MM, DrawnCurve
 from .layers import counted
 from .options import ReadOptions
+from .sheet import surrounding
 
 # Closed lines that are one line drawn twice, side by side: traced, outlined, copied; and metal too thin.
 
@@ -62,6 +64,79 @@ def drawn_once(
                 )
             )
     return tuple(ring for k, ring in enumerate(rings) if k not in gone), notes
+
+
+WIDEST_MM = 25.0
+"""The radius of the largest hole that is drawn with its thread or its countersink, most likely."""
+LEAST_SHARE = 0.4
+"""The radius of the inner circle of such a hole, at least, in shares of the outer one's."""
+ROUND_SHARE = 0.985
+"""Of the area of a circle of the same length: a polygon of 24 sides has more."""
+CENTRED_MM = 0.05
+
+
+def holes_drawn_once(
+    rings: Sequence[DrawnCurve], options: ReadOptions, asking: Asking
+) -> tuple[tuple[DrawnCurve, ...], list[Note]]:
+    """The rings without one of each two that may be one hole: drawn with its thread or its countersink, or traced.
+
+    Such a pair is a hole with a disc in it: two circles about one centre with nothing in the inner one, or two rings
+    with less room between than two kerfs. By the lines alone the disc would be a part.
+    """
+    if len(rings) < 3:
+        return tuple(rings), []
+    pairs = _holes_with_discs(rings, max(options.kerf_mm, LEAST_MM))
+    if not pairs:
+        return tuple(rings), []
+    said = asking.ask(_hole_question([(rings[hole], rings[disc]) for hole, disc in pairs], options))
+    if said == "both":
+        return tuple(rings), []
+    gone = {hole if said == "inner" else disc for hole, disc in pairs}
+    told = f"of {len(pairs)} holes drawn twice" if len(pairs) > 1 else "of a hole drawn twice"
+    note = Note("warning", f"{told} the {said} line is cut: {counted(rings[k].layer for k in sorted(gone))} left out")
+    return tuple(ring for k, ring in enumerate(rings) if k not in gone), [note]
+
+
+def _holes_with_discs(rings: Sequence[DrawnCurve], kerf_mm: float) -> list[tuple[int, int]]:
+    """Rings that are holes by how deep they lie, each with the one ring in it that may be the same hole."""
+    areas = [ring.area for ring in rings]
+    depth, parent = surrounding(areas)
+    inside = np.bincount(parent[parent >= 0], minlength=len(rings))
+    found = []
+    for disc in np.flatnonzero((depth > 0) & (depth % 2 == 0)).tolist():
+        hole = int(parent[disc])
+        if depth[hole] != depth[disc] - 1 or inside[hole] != 1:
+            continue
+        lines = rings[hole].curve.line(), rings[disc].curve.line()
+        near = float(shapely.distance(*lines)) <= 2 * kerf_mm
+        beside = near and float(shapely.hausdorff_distance(*lines, densify=0.25)) <= CORNER * 2 * kerf_mm
+        if beside or (inside[disc] == 0 and _alike_round(areas[hole], areas[disc])):
+            found.append((hole, disc))
+    return found
+
+
+def _alike_round(hole: shapely.Geometry, disc: shapely.Geometry) -> bool:
+    """Whether two areas are circles about one centre, as those of a thread or a countersink are."""
+    if not all(4 * math.pi * one.area > ROUND_SHARE * one.length**2 for one in (hole, disc)):
+        return False
+    outer, inner = (math.sqrt(one.area / math.pi) for one in (hole, disc))
+    centred = float(shapely.distance(hole.centroid, disc.centroid)) <= CENTRED_MM
+    return centred and outer <= WIDEST_MM and inner >= LEAST_SHARE * outer
+
+
+def _hole_question(pairs: Sequence[tuple[DrawnCurve, DrawnCurve]], options: ReadOptions) -> Question:
+    count = len(pairs)
+    which = "a hole holds a disc" if count == 1 else f"{count} holes hold a disc each"
+    return Question(
+        "doubled",
+        f"{which}, the first {pairs[0][1].place}, which may be the same hole drawn twice, as with a thread or a "
+        "countersink: which line is cut?",
+        (
+            Choice("inner", "the inner one: the core of a thread, the bore of a countersink"),
+            Choice("outer", "the outer one"),
+            Choice("both", "both: the disc is a part"),
+        ),
+    )
 
 
 def _times(count: int) -> str:

@@ -23,13 +23,14 @@ from kerfwise.encoder.validate import coincident
 from .by_layer import ByLayer, answered_as_cut, by_layer, nothing_to_cut, sheet_by_name
 from .closing import gap_notes, overrun_notes
 from .drawing import Drawing, DrawnCurve, OpenLines
-from .duplicate_lines import drawn_once, thin_parts, thin_question
+from .duplicate_lines import drawn_once, holes_drawn_once, thin_parts, thin_question
 from .engraving import engraved, with_marks
 from .join import Joined, join
 from .json_nest import PART_KEYS
 from .layers import counted, setting
 from .open_lines import OpenLineDecision, decide_open_lines, ends, open_end_problems
 from .options import REPAIR_FACTOR, ReadOptions, doubts
+from .overlapping import without_overlaps
 from .reading import reading_of
 from .sheet import choose_sheet, frame_note, frame_of_drawing, surrounding, use_of_frame
 
@@ -116,12 +117,15 @@ def _assembled(
     while True:
         single, doubled_notes = drawn_once(cut.rings, options, asking)
         rings, outline, why_sheet, frame_notes = _frame(single, stock.rings, drawing, told_apart, options, asking)
+        rings, overlap_notes = without_overlaps(rings, asking)
+        rings, hole_notes = holes_drawn_once(rings, options, asking)
+        ring_notes = [*doubled_notes, *frame_notes, *overlap_notes, *hole_notes]
         rings, parts, thin, part_notes = _without_thin(rings, options, asking)
         open_lines = decide_open_lines(
             cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking, closed_layers
         )
         if not open_lines.closing:
-            notes = [*doubled_notes, *frame_notes, *closed_notes, *open_lines.notes, *part_notes]
+            notes = [*ring_notes, *closed_notes, *open_lines.notes, *part_notes]
             return _Assembled(rings, parts, thin, outline, why_sheet, open_lines, notes)
         for way in open_lines.closing:
             closed_layers |= {chain.layer for chain in way.chains}

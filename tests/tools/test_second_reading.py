@@ -72,8 +72,8 @@ def test_a_file_is_planned_with_the_first_answer_to_each_question() -> None:
     told += ["  1. frame: what is it?", "      --answer frame=part    a part", "      --answer frame=sheet   the sheet"]
     told += ["  2. layer:a b: what are they for?", '      --answer "layer:a b=mark"   marked']
     assert likeliest("\n".join(told)) == ["frame=part", "layer:a b=mark"]
-    ended, answers, said = planned(CASES / "51-dxf-plate-and-holes-layers.dxf", "plasma-carbon-steel")
-    assert (ended, answers, said[:2]) == ("planned", 1, "ok")
+    made = planned(CASES / "51-dxf-plate-and-holes-layers.dxf", "plasma-carbon-steel")
+    assert (made.ended, made.answers, made.said[:2]) == ("planned", 1, "ok")
 
 
 @pytest.mark.parametrize("name", [CLOSED_BY_US, OVERRUN])

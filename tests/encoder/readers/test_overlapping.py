@@ -1,0 +1,82 @@
+"""Outlines of SVG that overlap, and holes that are drawn with their thread or countersink, are asked about."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Questions
+from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.tests.encoder.readers.drawings import areas, lines, save_dxf, square
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" width="300mm" height="100mm" viewBox="0 0 300 100">'
+PLATE = '<rect x="10" y="10" width="100" height="60"/>'
+
+
+def svg(folder: Path, body: str) -> Path:
+    path = folder / "drawing.svg"
+    path.write_text(f'{HEAD}<g fill="none" stroke="black">{body}</g></svg>', encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("body", "join", "notch", "largest"),
+    [
+        ('<rect x="90" y="30" width="40" height="20"/>', 6400, 5600, 6000),
+        ('<circle cx="60" cy="10" r="10"/>', 6000 + 50 * math.pi, 6000 - 50 * math.pi, 6000),
+        ('<rect x="100" y="0" width="20" height="100"/><rect x="0" y="60" width="120" height="20"/>', None, 4500, 6000),
+    ],
+)
+def test_outlines_that_overlap(tmp_path: Path, body: str, join: float | None, notch: float, largest: float) -> None:
+    path = svg(tmp_path, PLATE + body)
+    with pytest.raises(Questions) as raised:
+        read_nest(path, ReadOptions())
+    [question] = raised.value.questions
+    assert (question.id, [c.value for c in question.choices]) == ("overlap", ["join", "notch", "largest", "refuse"])
+    for answer, area in (("join", join), ("notch", notch), ("largest", largest)):
+        found = areas(read_nest(path, ReadOptions(answers=(("overlap", answer),))))
+        assert area is None or found == {"P1.outer": pytest.approx(area, rel=2e-3)}
+    with pytest.raises(InputError, match="cannot be cut as it is drawn"):
+        read_nest(path, ReadOptions(answers=(("overlap", "refuse"),)))
+
+
+def test_holes_that_overlap_are_one(tmp_path: Path) -> None:
+    slot = '<circle cx="40" cy="40" r="10"/><rect x="40" y="35" width="30" height="10"/>'
+    found = areas(read_nest(svg(tmp_path, PLATE + slot), ReadOptions(frame="part", answers=(("overlap", "join"),))))
+    assert set(found) == {"P1.outer", "P1.hole1"}
+
+
+def pairs(outer: float, inner: float, off: float = 0.0) -> Any:
+    def draw(space: Any) -> None:
+        lines(space, square(0, 0, 200))
+        for x in (50, 150):
+            space.add_circle((x, 50), outer)
+            space.add_circle((x + off, 50), inner)
+
+    return draw
+
+
+@pytest.mark.parametrize(("outer", "inner"), [(1.5, 1.26), (5, 4.25), (5.2, 2.75), (12, 10)])
+def test_a_hole_with_its_thread_or_countersink(tmp_path: Path, outer: float, inner: float) -> None:
+    path = save_dxf(tmp_path, pairs(outer, inner))
+    with pytest.raises(Questions) as raised:
+        read_nest(path, ReadOptions(frame="part", kerf_mm=0.2))
+    [question] = raised.value.questions
+    assert (question.id, [c.value for c in question.choices]) == ("doubled", ["inner", "outer", "both"])
+    assert "2 holes hold a disc each" in question.text
+    for answer, radius in (("inner", inner), ("outer", outer)):
+        found = areas(read_nest(path, ReadOptions(frame="part", kerf_mm=0.2, answers=(("doubled", answer),))))
+        assert found["P1.hole2"] == pytest.approx(math.pi * radius**2, rel=1e-3)
+        assert "P2.outer" not in found
+    found = areas(read_nest(path, ReadOptions(frame="part", kerf_mm=0.2, answers=(("doubled", "both"),))))
+    assert "P3.outer" in found
+
+
+@pytest.mark.parametrize(("outer", "inner", "off"), [(30, 20, 0.0), (15, 5, 0.0), (15, 8, 2.0)])
+def test_a_disc_that_can_be_a_part_is_one(tmp_path: Path, outer: float, inner: float, off: float) -> None:
+    found = areas(read_nest(save_dxf(tmp_path, pairs(outer, inner, off)), ReadOptions(frame="part", kerf_mm=0.2)))
+    assert "P3.outer" in found
