@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.text import escape_text
 
-from .shared_options import input_options, nest_request, print_note, protect, read_inputs, reading_options
+from .shared_options import draw_seen, input_options, print_note, protect, read_inputs, seen_nest
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 
 # kerfwise read: what a drawing is taken for, before anything is made of it.
-
-OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 
 
 @click.command()
@@ -33,28 +31,19 @@ def read_command(output: str | None, as_json: bool, **given: Any) -> int:
 
     Exit code 3 if questions are open, 2 if it cannot be cut as drawn; the picture is drawn in any case.
     """
-    from kerfwise.encoder.readers.read import seen
-    from kerfwise.jobs.inputs import plant_of, reading
-    from kerfwise.jobs.nest_job.request import job_for, kept_answers, profile_for
-    from kerfwise.postproc.output_files import expect_outputs, write_files
+    from kerfwise.jobs.nest_job.request import kept_answers
+    from kerfwise.postproc.output_files import expect_outputs
     from kerfwise.postproc.report import expect_picture
-    from kerfwise.postproc.report.simple_pictures import reading_picture
 
-    nest, trust = given["nest"], given.pop("trust")
+    nest = given["nest"]
     if output:
         expect_picture(Path(output).suffix, output)
         expect_outputs([Path(output)], [Path(nest)])
-    said = reading_options(*(given.pop(name) for name in OF_READING))
-    given.pop("origin")
-    asked = nest_request(given.pop("profile"), **{k: v for k, v in given.items() if k != "nest"})
-    job = job_for(nest, asked.job, print_note)
-    plant = profile_for(asked, job, print_note, lambda named: plant_of(named, trust))
-    found = seen(nest, reading(plant, **said))
+    found, asked, job = seen_nest(given)
     if found.nest is not None and asked.answers and not isinstance(found.error, InputError):
         kept_answers(nest, job, asked, found.nest, print_note)
     if output:
-        title = f"{Path(nest).name}: as it was understood"
-        write_files({Path(output): reading_picture(found.lines, found.nest, escape_text(title), Path(output).suffix)})
+        draw_seen(found, nest, output)
     if as_json:
         click.echo(json.dumps(_data(nest, found), indent=1, ensure_ascii=False))
     elif found.reading is not None:
@@ -101,7 +90,12 @@ def facts_command(output: str | None, **given: Any) -> None:
     from kerfwise.postproc.output_files import expect_outputs, write_files
 
     expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
-    asked = read_inputs(**given)
+    try:
+        asked = read_inputs(**given)
+    except Questions:
+        nest = escape_text(given["nest"])
+        print_note(f"the facts wait for the answers; kerfwise read {nest} -o READING.png draws what is read so far")
+        raise
     protect(asked, given["nest"], [output])
     facts = facts_of(asked.nest, asked.profile)
     facts = facts if facts.copies is None else facts.copies.whole

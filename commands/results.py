@@ -9,18 +9,21 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import escape_text
 
 from .shared_options import (
     FEED,
     KERF,
+    draw_seen,
     input_options,
     print_note,
     program_alone,
     protect,
     read_inputs,
     read_program_alone,
+    seen_nest,
     trusted_if,
 )
 
@@ -198,8 +201,9 @@ def plot_command(
     An .html is a page for the browser, in one file: it plays the cuts, says why each is where it is, and has the
     verdict on every rule, the heat and the program.
 
-    A nest that cannot be cut as it is drawn is drawn all the same, with the wrong contours in red. An NC program in the
-    place of NEST is drawn as it burns: paths, order and travel.
+    A nest that cannot be cut as it is drawn is drawn all the same, with the wrong contours in red; so is one that
+    raises questions, with what these are about (exit 3). An NC program in the place of NEST is drawn as it burns:
+    paths, order and travel.
     """
     from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.inputs import differences
@@ -218,6 +222,12 @@ def plot_command(
     except BrokenNest as broken:
         _draw_broken(broken, output)
         return
+    except Questions:
+        if plan is None:
+            found, _, _ = seen_nest(given)
+            draw_seen(found, given["nest"], output)
+            print_note(f"written: {escape_text(output)}: what is read so far, what the questions are about in red")
+        raise
     protect(asked, given["nest"], [output], plan)
     made = read_plan(plan) if plan else None
     if made is not None:

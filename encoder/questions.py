@@ -25,7 +25,7 @@ NARROW, SMALL_HOLES = "narrow", "small-holes"
 """The ids of the questions that arise when a nest is to be cut: slots narrower than the kerf, and small holes."""
 
 OF_CUTTING = (NARROW, SMALL_HOLES)
-OF_DRAWING = ("units", "clip", "mask", "fill")
+OF_DRAWING = ("units", "clip", "mask", "fill", "paper")
 """Those that arise as the lines of a file are read, before any of them is taken for something."""
 
 LAYER = "layer:"

@@ -8,9 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import shapely
+
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.narrow_features import cut_across, lost_walls
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.small_holes import diameter_under
 from kerfwise.encoder.text import join_names
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.program import ARCS_REFITTED
@@ -103,6 +108,34 @@ def reading(
         repair=repair,
         refit_arcs_mm=refit_arcs_mm or options.refit_arcs_mm,
     )
+
+
+def lines_as_cut(nest: Nest, profile: Profile) -> list[tuple[str, Curve]]:
+    """What a plant makes of the lines of a nest, each with what it is for: cut, mark, ignore, or unknown.
+
+    Holes that are marked or left out, slits, and slots that are cut across are what the profile and the answers have
+    said; what they leave open is unknown.
+    """
+    made = profile.as_cut(nest)
+    drawn = made.drawn or made
+    options = profile.lead_options(made)
+    limits = options.holes
+    rows = [(_LINE_OF.get(contour.kind, "cut"), contour.curve) for contour in made.contours]
+    rows += [("ignore", drawn.contour(name).curve) for name in made.left_out]
+    small = [c for c in made.contours if c.kind == "hole" and diameter_under(c, limits.limit_mm) is not None]
+    rows += [("unknown", contour.curve) for contour in small]
+    slits = {part.outer.id: [slit.curve for slit in part.slits] for part in made.parts}
+    walls = lost_walls([c for c in made.contours if c not in small], options.kerf_mm, slits=slits)
+    open_ones = options.narrow in ("ask", "refuse")
+    for lost in walls.values():
+        for feature, wall in lost:
+            left = cut_across(feature, options.narrow, options.kerf_mm)
+            points = shapely.get_coordinates(wall)
+            rows.append(("ignore" if left or not open_ones else "unknown", Curve.of(points, closed=False)))
+    return rows
+
+
+_LINE_OF = {"mark": "mark", "scrap": "scrap"}
 
 
 def tabs_not_left(nest: Nest, plant: Profile) -> str:

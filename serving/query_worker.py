@@ -14,13 +14,14 @@ from typing import Any, TypeVar
 
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.questions import OF_CUTTING
 from kerfwise.encoder.questions import Questions as OfDrawing
 from kerfwise.encoder.readers.read import BrokenNest, seen
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.compare import Side, SideAsked, compare, side_of
 from kerfwise.jobs.edit.edited_nest import editing
 from kerfwise.jobs.explainer import Explainer, MovePreview, Mover
-from kerfwise.jobs.inputs import Inputs, plant_of, reading, silent
+from kerfwise.jobs.inputs import Inputs, lines_as_cut, plant_of, reading, silent
 from kerfwise.jobs.nest_job.request import NestRequest, profile_for
 from kerfwise.jobs.page import compared_data, page_data
 from kerfwise.jobs.page_reasons import heat_data, why_data
@@ -95,15 +96,19 @@ class Desk:
     def preview(self, wanted: PlanRequest) -> str:
         """How a drawing is understood with the answers of the wanted job file, as the address of a picture.
 
-        Questions that are still open get their likeliest answers.
+        Questions that are still open get their likeliest answers; with an answer to a question of the cutting, slots
+        and small holes are drawn as they would be cut.
         """
         name = enter_nest_folder(wanted)
         job = job_in(wanted)
         asked = NestRequest(job=False if job is None else job)
         plant = profile_for(asked, job, silent, lambda named: plant_of(named, wanted.trust))
         found = seen(name, reading(plant, repair=wanted.repair))
-        kind = ".png" if len(found.lines) > MOST_DRAWN else ".svg"
-        picture = reading_picture(found.lines, found.nest, "", kind, BOLD)
+        lines = found.lines
+        if found.nest is not None and job is not None and {question for question, _ in job.answers} & set(OF_CUTTING):
+            lines = tuple(lines_as_cut(found.nest, plant))
+        kind = ".png" if len(lines) > MOST_DRAWN else ".svg"
+        picture = reading_picture(lines, found.nest, "", kind, BOLD)
         media = {".png": "image/png", ".svg": "image/svg+xml"}[kind]
         return f"data:{media};base64,{base64.b64encode(picture).decode('ascii')}"
 

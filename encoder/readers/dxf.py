@@ -22,7 +22,7 @@ from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
-from kerfwise.encoder.questions import Asking
+from kerfwise.encoder.questions import Asking, Choice, Question
 from kerfwise.encoder.text import join_names
 
 from .clipping import Clips, seen_through, texts_seen
@@ -81,7 +81,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     try:
         _check_blocks(document)
         amount(len(document.modelspace()), "entity", "entities")
-        shown = list(entities(document.modelspace(), hidden, unread))
+        shown = list(entities(document.modelspace(), hidden, unread)) or _on_paper(document, hidden, unread, asking)
         guess = options.units or DXF_UNITS.get(_header(document, data)[0] or 0, "mm")
         read = _pieces(shown, mm_of(guess) or 1.0, looks, options.spot_mm)
         units, because = _units(document, data, options, read, guess, asking)
@@ -94,7 +94,9 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     pieces, clip_notes = seen_through(read.pieces, asking)
     texts, hidden_notes = texts_seen(read.texts)
     near, texts, far_notes = brought_near(pieces, texts)
-    notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes, *_paper(document))
+    notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes)
+    if document.modelspace() or not near:
+        notes = (*notes, *_paper(document))
     if not near:
         notes = (*notes, *_never_inserted(document))
     return Drawing(near, units, notes, None, because, texts)
@@ -160,6 +162,23 @@ def _paper(document: Document) -> tuple[Note, ...]:
     )
     which = "1 entity is" if count == 1 else f"{count} entities are"
     return (Note("warning", f"left out: {which} in paper space, where a drawing is printed from"),) if count else ()
+
+
+def _on_paper(document: Document, hidden: Hidden, unread: Unread, asking: Asking) -> list[Placed]:
+    """What is drawn in the one layout that holds anything, where somebody wants that read: the model space is empty."""
+    drawn = [space for space in document.layouts if any(e.dxftype() not in NO_LINES for e in space)]
+    if len(drawn) != 1 or drawn[0].name == "Model":
+        return []
+    count = sum(e.dxftype() not in NO_LINES for e in drawn[0])
+    said = asking.ask(
+        Question(
+            "paper",
+            f"the model space is empty, and {count} lines are drawn in paper space ('{drawn[0].name}'), where "
+            "drawings are printed from, at whatever scale: are they cut?",
+            (Choice("read", "read as they are, at full size"), Choice("ignore", "left out: nothing is cut then")),
+        )
+    )
+    return list(entities(drawn[0], hidden, unread)) if said == "read" else []
 
 
 def _never_inserted(document: Document) -> tuple[Note, ...]:

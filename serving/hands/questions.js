@@ -1,4 +1,5 @@
 /** @import { Work } from "./work.js" */
+import { sendServer } from "./asking.js";
 import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
 
@@ -87,7 +88,8 @@ export function drawingQuestions(questions, given, preview, done) {
 }
 
 /**
- * What the planning does not decide, such as narrow slots: a button for each choice, which plans with that answer.
+ * What the planning does not decide, such as narrow slots: a button for each choice, which plans with that answer, and a
+ * picture of what it would give.
  *
  * @param {any} app
  * @param {Work} work
@@ -101,10 +103,29 @@ export function planningQuestions(app, work) {
     if (now === drawn) return;
     drawn = now;
     place.hidden = !questions.length;
+    /** @type {[HTMLImageElement, Answers][]} */
+    const pictures = [];
     place.replaceChildren(...questions.map((/** @type {Question} */ question) => make("div", {},
       make("h2", {}, "A question first"), make("p", {}, question.text),
-      ...question.choices.map(choice => make("p", {},
-        make("button", { type: "button", onclick: () => lockAndPlan(work, [{ answer: `${question.id}=${choice.value}` }]) }, choice.words),
-        choice.gives ? make("small", {}, ` ${choice.gives}`) : "")))));
+      ...question.choices.map(choice => {
+        const picture = /** @type {HTMLImageElement} */ (make("img", { alt: `the nest, if this is answered: ${choice.words}`, hidden: true }));
+        if (choice.value !== "refuse") pictures.push([picture, { [question.id]: choice.value }]);
+        return make("p", {},
+          make("button", { type: "button", onclick: () => lockAndPlan(work, [{ answer: `${question.id}=${choice.value}` }]) }, choice.words),
+          choice.gives ? make("small", {}, ` ${choice.gives}`) : "", picture);
+      }))));
+    show(pictures, now);
   });
+
+  /** @type {(pictures: [HTMLImageElement, Answers][], asked: string) => Promise<void>} */
+  async function show(pictures, asked) {
+    for (const [picture, answers] of pictures) {
+      if (asked !== drawn) return;
+      const { nest, repair } = work.state;
+      const told = await sendServer("/api/preview", { nest, repair, answers }).catch(() => ({}));
+      picture.hidden = !told.picture;
+      if (told.picture) picture.src = told.picture;
+    }
+    place.dataset.previews = "drawn";
+  }
 }

@@ -54,6 +54,15 @@ def test_questions_are_printed_and_given_as_data(tmp_path: Path) -> None:
     assert told["reading"]["sheet"]["assumed"] is True
 
 
+def test_plot_draws_what_is_read_so_far(tmp_path: Path) -> None:
+    nest = save_dxf(tmp_path, framed)
+    drawn = kerfwise("plot", nest, "-o", tmp_path / "asked.svg")
+    assert (drawn.code, "what is read so far" in drawn.err) == (3, True)
+    assert "unknown: a question" in (tmp_path / "asked.svg").read_text(encoding="utf-8")
+    facts = kerfwise("facts", nest)
+    assert (facts.code, "-o READING.png draws what is read so far" in facts.err, facts.out) == (3, True, "")
+
+
 def test_an_answer_is_kept(tmp_path: Path) -> None:
     nest = save_dxf(tmp_path, framed)
     assert kerfwise("read", nest, "--answer", "frame=sheet").code == 0

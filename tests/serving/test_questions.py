@@ -176,11 +176,17 @@ SLOTTED = json.dumps(
 )
 
 
-def test_a_question_of_the_planning_is_answered_in_the_session(opened: Open) -> None:
+def test_a_question_of_the_planning_is_answered_in_the_session(opened: Open, client: httpx.Client) -> None:
     tab = opened(SLOTTED, "slotted.json")
     state = tab.solved()
     [question] = state["questions"]
     assert question["id"] == "narrow"
+    pictures = [
+        picture_of(client.post("/api/preview", json={"nest": state["nest"], "answers": {"narrow": value}}).json())
+        for value in ("slit", "leave")
+    ]
+    assert len(set(pictures)) == 2
+    assert "left out" in pictures[1]
     assert [choice["value"] for choice in question["choices"]][:2] == ["slit", "leave"]
     assert tab.edit({"answer": "narrow"}, expected=422)["message"].startswith("--answer 'narrow': expected QUESTION=")
     assert tab.edit({"answer": "narrow=slit"})["questions"] == []
@@ -198,6 +204,9 @@ def test_a_question_of_the_planning_has_buttons(look: Look, opened: Open, tmp_pa
     there.open(opened(SLOTTED, "slotted.json"))
     there.page.click("#hands-plan")
     there.page.wait_for_selector("#hands-questions button >> nth=1")
+    there.page.wait_for_selector("#hands-questions[data-previews=drawn]", state="attached")
+    shown = "all => all.filter(one => !one.hidden && one.naturalWidth > 100).length"
+    assert there.page.locator("#hands-questions img").evaluate_all(shown) == 2
     there.picture(tmp_path, "planning")
     there.page.locator("#hands-questions button").first.click()
     there.planned(1)

@@ -109,15 +109,27 @@ def test_a_header_that_names_no_unit_of_a_nest_is_asked_about(tmp_path: Path) ->
     assert asked(path)["units"] == ["mm", "in"]
 
 
+def test_lines_in_paper_space_alone_are_asked_about(tmp_path: Path) -> None:
+    document = new("R2010")
+    document.units = 4
+    closed(document.layout("Layout1"), 0, 0, 50)
+    document.saveas(path := tmp_path / "drawing.dxf")
+    assert asked(path)["paper"] == ["read", "ignore"]
+    assert areas(read_nest(path, ReadOptions(answers=(("paper", "read"),)))) == {"P1.outer": 2500}
+    with pytest.raises(InputError, match="nothing to cut"):
+        read_nest(path, ReadOptions(answers=(("paper", "ignore"),)))
+
+
 def test_a_file_without_lines_says_what_it_holds(tmp_path: Path) -> None:
     document = new("R2010")
     document.units = 4
     document.modelspace().add_3dface([(0, 0), (9, 0), (9, 9), (0, 9)])
     closed(document.blocks.new("Bracket"), 0, 0, 50)
-    closed(document.layout("Layout1"), 0, 0, 50)
+    for name in ("Layout1", "Layout2"):
+        closed(document.layouts.get(name) if name in document.layouts else document.layouts.new(name), 0, 0, 50)
     document.saveas(path := tmp_path / "drawing.dxf")
     with pytest.raises(InputError) as raised:
         read_nest(path, ReadOptions())
     told = "\n".join(raised.value.details)
-    for said in ("1 3DFACE", "1 entity is in paper space", "inserts nowhere: 'Bracket'"):
+    for said in ("1 3DFACE", "2 entities are in paper space", "inserts nowhere: 'Bracket'"):
         assert said in told
