@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import re
+import stat
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -37,11 +38,87 @@ def read_limited(path: str | Path, most_bytes: int = MOST_BYTES) -> bytes:
     OSError, ValueError
         If it cannot be read, or no file can have this name.
     """
+    expect_readable(path)
     with open(path, "rb") as file:
         data = file.read(most_bytes + 1)
     if len(data) > most_bytes:
         raise InputError(f"holds over {most_bytes // 1_000_000} MB: too large to be what it should be", file=path)
     return data
+
+
+_only_within: tuple[str, ...] | None = None
+
+
+def read_only_within(folders: Sequence[str | Path]) -> None:
+    """From now on this process reads files that a person names in these folders only, and regular ones only.
+
+    For a server: what a drawing, a profile or a rule names is another's choice, who must neither be told what other
+    files hold, nor have it wait for a pipe.
+    """
+    global _only_within
+    _only_within = tuple(os.path.realpath(folder) for folder in folders)
+
+
+def expect_readable(path: str | Path) -> None:
+    """Make sure that a file may be read in this process; wherever links lead to counts.
+
+    Raises
+    ------
+    InputError
+        If it lies outside of the folders that may be read, whether it is there or not; if it is no regular file.
+    """
+    if _only_within is None:
+        return
+    try:
+        place = os.path.realpath(path)
+        inside = any(os.path.commonpath([place, folder]) == folder for folder in _only_within)
+        mode = os.stat(place).st_mode if inside else 0
+    except FileNotFoundError:
+        return  # whoever reads it says so
+    except (OSError, ValueError):
+        inside = False
+    if not inside:
+        hint = "not read: it lies outside of the folder that is served, and those named with --also"
+        raise InputError(hint, file=escape_text(str(path)))
+    if not stat.S_ISREG(mode):
+        raise InputError("not read: it is no file, but a folder, a pipe or a device", file=escape_text(str(path)))
+
+
+def only_ours(folder: str | Path) -> bool:
+    """Whether nobody but this user and root may write into a folder, or put another in its place.
+
+    A group that is this user's alone counts as this user. Always so where there are no owners, as on Windows.
+    """
+    if not hasattr(os, "getuid"):
+        return True
+    place = os.path.realpath(folder)
+    own = _writable_by_others(os.stat(place))
+    above = (os.stat(one) for one in _above(place))
+    return not own and all(one.st_mode & stat.S_ISVTX or not _writable_by_others(one) for one in above)
+
+
+def _above(place: str) -> Iterator[str]:
+    while (parent := os.path.dirname(place)) != place:
+        yield parent
+        place = parent
+
+
+def _writable_by_others(told: os.stat_result) -> bool:
+    if told.st_uid not in (0, os.getuid()) or told.st_mode & stat.S_IWOTH:
+        return True
+    return bool(told.st_mode & stat.S_IWGRP) and told.st_gid != 0 and not _own_group(told.st_gid)
+
+
+def _own_group(number: int) -> bool:
+    """Whether a group is that of this user alone, as many systems make one for each user."""
+    import grp
+    import pwd
+
+    try:
+        group, user = grp.getgrgid(number), pwd.getpwuid(os.getuid())
+    except KeyError:
+        return False
+    return number == user.pw_gid and group.gr_name == user.pw_name and set(group.gr_mem) <= {user.pw_name}
 
 
 def is_file(path: str | Path) -> bool:

@@ -24,7 +24,7 @@ from numba import extending
 from numba.core import caching, serialize, types
 
 from kerfwise.encoder.errors import Advice
-from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
+from kerfwise.encoder.files import DamagedFile, only_ours, read_sealed, write_sealed
 
 from .kernel_parts import PartCompiler
 
@@ -72,7 +72,14 @@ def _take(kernel: type) -> None:
 
 def _cache_of(function: Any) -> Any:
     try:
-        return Kept(function)
+        kept = Kept(function)
+        if not only_ours(kept._cache_path):
+            _tell(
+                f"kernels kept in {kept._cache_path} are not run, for others may write there; NUMBA_CACHE_DIR names a "
+                "place of your own"
+            )
+            return _caching.NullCache()
+        return kept
     except (OSError, RuntimeError):  # numba found no place
         _tell("compiled kernels cannot be kept here and are compiled anew each time; NUMBA_CACHE_DIR names a place")
         return _caching.NullCache()

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import hmac
 import json
-from collections.abc import Awaitable, Callable
+import secrets
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
+from html import escape
 from http import HTTPStatus
 from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers
 from starlette.requests import Request, cookie_parser
-from starlette.responses import JSONResponse, RedirectResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from kerfwise.encoder.errors import InputError
@@ -25,10 +29,17 @@ from .worker import Died, Refused, error_as_json
 
 MOST_BODY_BYTES = 32_000_000
 """A drawing of ten thousand contours has a tenth of it."""
+NO_KEY = (
+    "wrong key, or none: use the address that kerfwise serve has printed\n"
+    "An address lets one browser in, once; the terminal shows another one then. What was shown is kept: start kerfwise "
+    "serve in the same folder where it has ended."
+)
 NAMES = ("127.0.0.1", "localhost")
 READING = ("GET", "HEAD")
-TOKEN = "token"
-"""The part of an address that carries the token the first time."""
+CODE = "code"
+"""The part of an address that carries a code, which lets one browser in, once."""
+BODY_S = 30.0
+"""A request that is not sent to its end is waited for no longer, from one part to the next."""
 HEADER = "x-kerfwise-token"
 
 
@@ -36,15 +47,42 @@ class TooLarge(Exception):
     """More is sent than the server takes; `too_large` says so."""
 
 
+@dataclass(eq=False)
+class Keys:
+    """What lets somebody in: a program by its `token`, in the header `X-Kerfwise-Token`, a browser by its `cookie`.
+
+    The cookie is given to who brings a code that nobody has brought before, in the address. `used` is called then.
+    """
+
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(32))
+    cookie: str = field(default_factory=lambda: secrets.token_urlsafe(32))
+    used: Callable[[], None] = lambda: None
+    _codes: set[str] = field(default_factory=set)
+
+    def code(self) -> str:
+        """A new code, for one browser."""
+        made = secrets.token_urlsafe(16)
+        self._codes.add(made)
+        return made
+
+    def take(self, said: str) -> bool:
+        """Whether that is a code; it is none any more."""
+        known = next((code for code in self._codes if _same(said, code)), None)
+        if known is not None:
+            self._codes.remove(known)
+            self.used()
+        return known is not None
+
+
 class Guard:
-    """Lets in what is asked of the right host, with the token, from no other site, and not too much of it.
+    """Lets in what is asked of the right host, with a key, from no other site, and not too much of it.
 
     Parameters
     ----------
     app
         What answers then.
-    token
-        The secret: in the address the first time, in a cookie from then on, or in the header `X-Kerfwise-Token`.
+    keys
+        What lets somebody in.
     port
         Of the server. Browsers may call it by `NAMES` and this port; any other name is a foreign one that was made to
         lead here.
@@ -52,8 +90,8 @@ class Guard:
         What pages may load and do (Content-Security-Policy).
     """
 
-    def __init__(self, app: ASGIApp, token: str, port: int, policy: str) -> None:
-        self._app, self._token, self._policy = app, token, policy
+    def __init__(self, app: ASGIApp, keys: Keys, port: int, policy: str) -> None:
+        self._app, self._keys, self._policy = app, keys, policy
         self._hosts = frozenset(f"{name}:{port}" for name in NAMES)
         self.cookie = f"kerfwise-{port}"
 
@@ -69,11 +107,12 @@ class Guard:
         if refused is not None:
             await refused(scope, receive, send)
             return
-        taken = 0
+        taken, more = 0, True
 
         async def bounded() -> Message:
-            nonlocal taken
-            message = await receive()
+            nonlocal taken, more
+            message = await (asyncio.wait_for(receive(), BODY_S) if more else receive())
+            more = bool(message.get("more_body"))
             taken += len(message.get("body", b""))
             if taken > MOST_BODY_BYTES:
                 raise TooLarge
@@ -91,12 +130,13 @@ class Guard:
             return _no(HTTPStatus.FORBIDDEN, "asked from another site")
         if headers.get("sec-fetch-site") in ("cross-site", "same-site") and scope["method"] not in READING:
             return _no(HTTPStatus.FORBIDDEN, "asked from another site")
-        said = parse_qs(scope["query_string"].decode("latin-1")).get(TOKEN, [])
-        if said and scope["method"] == "GET" and self._is_token(said[0]):
+        by_header = _same(headers.get(HEADER), self._keys.token)
+        by_cookie = _same(_cookie(headers, self.cookie), self._keys.cookie)
+        said = parse_qs(scope["query_string"].decode("latin-1")).get(CODE, [])
+        if said and scope["method"] == "GET" and (by_cookie or self._keys.take(said[0])):
             return self._with_cookie(scope)
-        by_header = self._is_token(headers.get(HEADER))
-        if not by_header and not self._is_token(_cookie(headers, self.cookie)):
-            return _no(HTTPStatus.UNAUTHORIZED, "wrong token, or none: use the address that kerfwise serve has printed")
+        if not by_header and not by_cookie:
+            return _no(HTTPStatus.UNAUTHORIZED, NO_KEY, "text/html" in headers.get("accept", ""))
         if scope["method"] not in READING and origin is None and not by_header:
             return _no(HTTPStatus.FORBIDDEN, "a request that changes something must say where it comes from")
         length = headers.get("content-length", "0")
@@ -105,13 +145,10 @@ class Guard:
         return None
 
     def _with_cookie(self, scope: Scope) -> ASGIApp:
-        """The same address without the token, so that it is not kept in the browser's history; the cookie has it."""
+        """The same address without the code; the browser has the cookie from now on."""
         answer = RedirectResponse("/" + scope["path"].lstrip("/\\"), HTTPStatus.SEE_OTHER)
-        answer.set_cookie(self.cookie, self._token, httponly=True, samesite="strict", path="/")
+        answer.set_cookie(self.cookie, self._keys.cookie, httponly=True, samesite="strict", path="/")
         return answer
-
-    def _is_token(self, said: str | None) -> bool:
-        return said is not None and hmac.compare_digest(said.encode("utf-8", "replace"), self._token.encode())
 
     def _with_headers(self, send: Send) -> Send:
         async def strict(message: Message) -> None:
@@ -138,8 +175,26 @@ def too_large() -> Response:
     return _no(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"too large: at most {MOST_BODY_BYTES // 1_000_000} MB are taken")
 
 
-def _no(status: HTTPStatus, why: str) -> Response:
-    return JSONResponse({"kind": "refused", "message": why}, status, headers={"connection": "close"})
+def _no(status: HTTPStatus, why: str, page: bool = False) -> Response:
+    headers = {"connection": "close"}
+    if page:
+        return page_of_words("This page is not open here", why, status, headers)
+    return JSONResponse({"kind": "refused", "message": why}, status, headers=headers)
+
+
+def page_of_words(
+    title: str, text: str, status: HTTPStatus, headers: Mapping[str, str] | None = None, link: str = ""
+) -> Response:
+    """A page that says something, for a browser that asked for a page; `link` leads to the list of nests."""
+    more = f'<p><a href="/?list">{escape(link)}</a></p>' if link else ""
+    text = "".join(f"<p>{escape(line)}</p>" for line in text.splitlines())
+    head = '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    body = f"<title>{escape(title)}</title><main><h1>{escape(title)}</h1>{text}{more}</main>"
+    return HTMLResponse(head + body, status, headers=dict(headers or {}))
+
+
+def _same(said: str | None, key: str) -> bool:
+    return said is not None and hmac.compare_digest(said.encode("utf-8", "replace"), key.encode())
 
 
 def _cookie(headers: Headers, name: str) -> str | None:
@@ -200,6 +255,15 @@ def with_error_text(server: Server, answer: Answer) -> Answer:
     """The same answer, with what goes wrong in words; a stale change gets the state as it is now."""
 
     async def answered(request: Request) -> Response:
+        told = await told_as_json(request)
+        if told.status_code < HTTPStatus.BAD_REQUEST or not request.url.path.startswith("/nest/"):
+            return told
+        said = json.loads(bytes(told.body))["message"]  # a browser asks for a page, and gets one
+        return page_of_words(
+            "This nest cannot be shown", said, HTTPStatus(told.status_code), link="The nests of the folder"
+        )
+
+    async def told_as_json(request: Request) -> Response:
         try:
             if request.path_params.get("id", "") not in ("", *server.sessions):
                 await server.reopen(request.path_params["id"])  # an earlier server had it open
@@ -212,6 +276,8 @@ def with_error_text(server: Server, answer: Answer) -> Answer:
             return JSONResponse(told, HTTPStatus.NOT_FOUND)
         except TooLarge:
             return too_large()
+        except TimeoutError:
+            return _no(HTTPStatus.REQUEST_TIMEOUT, "the request was not sent to its end")
         except InputError as error:
             return JSONResponse(error_as_json(error), HTTPStatus.UNPROCESSABLE_ENTITY)
         except Refused as error:

@@ -12,7 +12,6 @@ import hashlib
 import json
 import os
 import secrets
-import stat
 import sys
 import tempfile
 import zipfile
@@ -21,6 +20,8 @@ from dataclasses import asdict, dataclass, fields, replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+
+from kerfwise.encoder.files import only_ours
 
 from .plan_request import PlanRequest
 from .session import Alternative, Packed, Session
@@ -61,10 +62,8 @@ def private_folder(path: Path) -> Path:
         If it is another user's, or others may write it.
     """
     path.mkdir(mode=0o700, parents=True, exist_ok=True)
-    if hasattr(os, "getuid"):
-        told = path.stat()
-        if told.st_uid != os.getuid() or told.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-            raise NotPrivate(f"{path} may be written by others")
+    if not only_ours(path):
+        raise NotPrivate(f"{path} may be written by others")
     return path
 
 

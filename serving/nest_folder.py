@@ -88,12 +88,12 @@ class Folder:
             )
 
     def expect_inside(self, paths: Iterable[Path]) -> None:
-        """Make sure that files are written in this folder, wherever links lead to.
+        """Make sure that files are read and written in this folder, wherever links lead to.
 
         Raises
         ------
         InputError
-            Naming the file that would be written elsewhere.
+            Naming the file that is elsewhere.
         """
         for path in paths:
             try:
@@ -101,7 +101,9 @@ class Folder:
             except (OSError, RuntimeError):
                 inside = False
             if not inside:
-                raise InputError("is a link that leads out of the folder: nothing is written there", file=path.name)
+                raise InputError(
+                    "is a link that leads out of the folder: nothing is read or written there", file=path.name
+                )
 
 
 def is_readable(name: str) -> bool:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from anyio import to_thread
@@ -39,6 +40,8 @@ class Planning:
         What the process that plans may hold, but for CP-SAT and linear programs.
     planned
         Called with a session and the number of a plan that is shown now.
+    readable
+        The folders that it may read.
     """
 
     def __init__(
@@ -48,8 +51,9 @@ class Planning:
         work: float,
         memory_gb: float,
         planned: Callable[[Session, int], None],
+        readable: Sequence[Path] = (),
     ) -> None:
-        self.helper, self.turns = Worker("planner"), Turns(news)
+        self.helper, self.turns = Worker("planner", readable), Turns(news)
         self._background, self._work, self._planned = background, work, planned
         self._memory_gb = memory_gb
         self._now: PlanningRun | None = None

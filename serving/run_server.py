@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
-import secrets
+import os
 import socket
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -13,12 +14,13 @@ import uvicorn
 from starlette.applications import Starlette
 from starlette.routing import Route
 from starlette.types import ASGIApp
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.request import WORK
 from kerfwise.models.engines.solution import MEMORY_GB
 
-from .guard import TOKEN, Guard, with_error_text
+from .guard import CODE, Guard, Keys, with_error_text
 from .nest_folder import Folder
 from .routes import Reading, Writing
 from .server import Server
@@ -36,7 +38,11 @@ def serve(
     work: float = WORK,
     memory_gb: float = MEMORY_GB,
     trust: bool = False,
+    also: Sequence[Path] = (),
+    state: Path | None = None,
+    token_file: Path | None = None,
     ready: Callable[[str], None] = print,
+    another: Callable[[str], None] = lambda address: None,
 ) -> None:
     """Serve a folder of nests, or a nest and the folder that it is in, to this machine's browsers until Ctrl-C.
 
@@ -54,8 +60,16 @@ def serve(
         What the process that plans may hold, but for CP-SAT and linear programs.
     trust
         Whether Python rules of profiles are run.
+    also
+        Folders whose files profiles and the like may be read from, beside the served one and that of `profile`.
+    state
+        Below which folder sessions are kept, the port and what browsers are known by; None for nowhere.
+    token_file
+        Where the token for programs is written, for this user alone, until the server ends.
     ready
-        Called with the address, the token in it, as soon as the server listens.
+        Called with an address, a code for one browser in it, as soon as the server listens.
+    another
+        Called with the next address, once a browser has used the last one.
 
     Raises
     ------
@@ -63,26 +77,116 @@ def serve(
         If there is no such folder or nest, or the port is taken.
     """
     folder, first = _folder_of(given)
-    with contextlib.closing(socket.socket(socket.AF_INET, socket.SOCK_STREAM)) as listening:
-        try:
-            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            listening.bind((LOOPBACK, port))
-        except OSError as error:
-            raise InputError(f"--port {port}: {error.strerror}; leave it out for any that is free") from None
-        port, token = listening.getsockname()[1], secrets.token_urlsafe(32)
-        app = make_app(Server(folder, profile, work, trust, memory_gb), token, port, first)
+    server = Server(folder, profile, work, trust, memory_gb, state, also)
+    before = server.kept.read_own(OWN)
+    with contextlib.ExitStack() as until:
+        listening = until.enter_context(contextlib.closing(_listening(port, before.get("port"))))
+        port, keys = listening.getsockname()[1], Keys()
+        if before.get("port") == port and isinstance(before.get("cookie"), str):
+            keys.cookie = before["cookie"]  # pages that are still open go on
+        server.kept.keep_own(OWN, {"port": port, "cookie": keys.cookie})
+
+        def address() -> str:
+            return f"http://{LOOPBACK}:{port}/?{CODE}={keys.code()}"
+
+        keys.used = lambda: another(address())
+        if token_file is not None:
+            _write_token(token_file, keys.token)
+            until.callback(token_file.unlink, missing_ok=True)
         listening.listen()
-        ready(f"http://{LOOPBACK}:{port}/?{TOKEN}={token}")
+        ready(address())
         with contextlib.suppress(KeyboardInterrupt):
-            uvicorn.Server(config_of(app)).run(sockets=[listening])
+            uvicorn.Server(config_of(make_app(server, keys, port, first))).run(sockets=[listening])
+
+
+OWN = "server.json"
+"""What is kept of a folder's server: so a page that is still open finds the next one, and is known there."""
+
+
+def _listening(port: int, before: object) -> socket.socket:
+    """A socket at a port; with 0 at the one of the server before, if it is free, else at any that is."""
+    tried = [port] if port else [before if isinstance(before, int) and 0 < before < 65536 else 0, 0]
+    for one in tried:
+        made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            made.bind((LOOPBACK, one))
+        except OSError as error:
+            made.close()
+            if one == tried[-1]:
+                raise InputError(f"--port {port}: {error.strerror}; leave it out for any that is free") from None
+        else:
+            return made
+    raise AssertionError
+
+
+def _write_token(path: Path, token: str) -> None:
+    """Write the token into a new file that only this user reads."""
+    try:
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except OSError as error:
+        raise InputError(f"--token-file: {error.strerror}", file=path) from None
+    with os.fdopen(handle, "w", encoding="ascii") as file:
+        file.write(token)
 
 
 def config_of(app: ASGIApp) -> uvicorn.Config:
     """How the application is run."""
     return uvicorn.Config(
-        app, http="h11", ws="none", lifespan="on", log_level="error", access_log=False, server_header=False,
+        app, http=PromptProtocol, ws="none", lifespan="on", log_level="error", access_log=False, server_header=False,
         timeout_graceful_shutdown=ENDING_S, proxy_headers=False,
     )  # fmt: skip
+
+
+HEAD_S, TAKEN_S = 15.0, 30.0
+"""How long the head of a request may take to come, and somebody to take what is sent to them; then they are gone."""
+
+
+class PromptProtocol(H11Protocol):
+    """A connection that ends where its other end has come to a halt, so that nobody holds it for ever."""
+
+    _halted: asyncio.TimerHandle | None = None
+    _stuck: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Wait for the first request."""
+        super().connection_made(transport)
+        self._wait()
+
+    def data_received(self, data: bytes) -> None:
+        """Wait for the rest of the head of a request; its body is waited for by who reads it."""
+        super().data_received(data)
+        answering = self.cycle is not None and not self.cycle.response_complete
+        if answering and self._halted is not None:
+            self._halted.cancel()
+            self._halted = None
+        elif not answering and self._halted is None:
+            self._wait()
+
+    def pause_writing(self) -> None:
+        """Nobody takes what is sent: for a while."""
+        super().pause_writing()
+        self._stuck = self.loop.call_later(TAKEN_S, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """It is taken."""
+        super().resume_writing()
+        self._rest()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Nothing is waited for any more."""
+        super().connection_lost(exc)
+        self._rest()
+        if self._halted is not None:
+            self._halted.cancel()
+
+    def _wait(self) -> None:
+        self._halted = self.loop.call_later(HEAD_S, self.transport.close)
+
+    def _rest(self) -> None:
+        if self._stuck is not None:
+            self._stuck.cancel()
+            self._stuck = None
 
 
 def _folder_of(given: Path) -> tuple[Folder, str | None]:
@@ -110,7 +214,7 @@ POLICY = (
 """What the server's pages may load and do: nothing that is not the server's own."""
 
 
-def make_app(server: Server, token: str, port: int, first: str | None = None) -> Guard:
+def make_app(server: Server, keys: Keys, port: int, first: str | None = None) -> Guard:
     """The whole application; `first` is the name of the nest that the server was started with."""
 
     @asynccontextmanager
@@ -127,4 +231,4 @@ def make_app(server: Server, token: str, port: int, first: str | None = None) ->
         for method, answers in asked
         for path, answer in answers.items()
     ]
-    return Guard(Starlette(routes=routes, lifespan=running), token, port, POLICY)
+    return Guard(Starlette(routes=routes, lifespan=running), keys, port, POLICY)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from sysconfig import get_path
 from typing import Any
 
-from anyio import to_thread
+from anyio import CapacityLimiter, to_thread
 
+import kerfwise
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
 from kerfwise.encoder.text import escape_text
@@ -30,6 +33,11 @@ from .planning import Planning
 from .session import Alternative, Background, News, Session, request_after_cuts
 from .worker import Died, Refused, Worker
 
+ANSWERED_S, SLOW_S = 120.0, 900.0
+"""No question takes longer, nor one of `SLOW`; the process that works on it is ended then."""
+SLOW = ("heat", "compared", "prepared")
+MOST_ASKERS = 20
+"""So many questions wait at a time: who asks something else waits for none of them."""
 NONE: Mapping[str, str] = {}
 """No answers to questions of a drawing."""
 
@@ -51,6 +59,8 @@ class Server:
         What the process that plans may hold, but for CP-SAT and linear programs.
     state
         Below which folder sessions are kept; None for nowhere.
+    also
+        Folders whose files may be read, beside this one and that of the profile.
     """
 
     def __init__(
@@ -61,15 +71,22 @@ class Server:
         trust: bool = False,
         memory_gb: float = MEMORY_GB,
         state: Path | None = None,
+        also: Sequence[Path] = (),
     ) -> None:
         self.folder, self.profile, self._trust = folder, profile, trust
         self.kept, self.nests = KeptSessions(state, folder.path, trust), NestList(folder)
         self.sessions: dict[str, Session] = {}
-        self.news, self._background, self.desk = News(), Background(), Worker("desk")
-        self.planning = Planning(self.news, self._background, work, memory_gb, self._prepare)
+        self._dropped = Path(tempfile.mkdtemp(prefix="kerfwise-")).resolve()  # drawings that nobody has read yet
+        installed = [Path(kerfwise.__file__).parent, *map(Path, {get_path("purelib"), get_path("platlib")})]
+        readable = [folder.path, *(one.resolve() for one in also), self._dropped, *installed]
+        if profile is not None and Path(profile).is_absolute():
+            readable.append(Path(profile).resolve().parent)
+        self.news, self._background, self.desk = News(), Background(), Worker("desk", readable)
+        self.planning = Planning(self.news, self._background, work, memory_gb, self._prepare, readable)
 
     async def begin(self) -> None:
         """Start the processes, so that the first plan does not wait for them."""
+        self._askers = CapacityLimiter(MOST_ASKERS)
         self._background.begin(self._warm())
 
     async def end(self) -> None:
@@ -77,6 +94,7 @@ class Server:
         for helper in (self.planning.helper, self.desk):
             await to_thread.run_sync(helper.close)
         await self._background.end()
+        shutil.rmtree(self._dropped, ignore_errors=True)
 
     async def open_nest(self, path: Path, repair: bool = False, answers: Mapping[str, str] = NONE) -> Session:
         """The session of a nest in the folder; the one that is there, if it is open already.
@@ -85,7 +103,7 @@ class Server:
         """
         name = path.relative_to(self.folder.path).as_posix()
         key = key_of(name)
-        disk = text_of(path.with_name(beside_name(path.name)))
+        disk = self.text_beside(path)
         if answers:
             disk = await self._answered(path, disk, repair, answers)
         there = self.sessions.get(key)
@@ -172,13 +190,13 @@ class Server:
     async def drop(self, name: str, drawing: bytes, repair: bool = False, answers: Mapping[str, str] = NONE) -> Session:
         """The session of a drawing that was dropped on the page; it is written into the folder once it can be read."""
         with self._aside(name, drawing) as path:
-            disk = text_of(self.folder.path / beside_name(name))
+            disk = self.text_beside(self.folder.path / name)
             await self.asked("opened", wanted=self._with_answers(path, disk, repair, answers))
         return await self.open_nest(self.folder.keep(name, drawing), repair, answers)
 
     async def preview(self, path: Path, repair: bool, answers: Mapping[str, str]) -> str:
         """The address of a picture of how a nest is understood with some answers; nothing is written."""
-        disk = text_of(path.with_name(beside_name(path.name)))
+        disk = self.text_beside(path)
         return str(await self.asked("preview", wanted=self._with_answers(path, disk, repair, answers)))
 
     async def preview_of_drop(self, name: str, drawing: bytes, repair: bool, answers: Mapping[str, str]) -> str:
@@ -190,7 +208,7 @@ class Server:
     def _aside(self, name: str, drawing: bytes) -> Iterator[Path]:
         """A drawing in a folder of its own, for as long as nobody knows whether it can be read."""
         self.folder.expect_free(name, drawing)
-        with tempfile.TemporaryDirectory() as aside:
+        with tempfile.TemporaryDirectory(dir=self._dropped) as aside:
             path = Path(aside).resolve() / name
             path.write_bytes(drawing)
             yield path
@@ -209,11 +227,15 @@ class Server:
         job = path.with_name(beside_name(path.name))
         self.folder.expect_inside([job])
         text = JobText(disk or "").with_answers(used).text
-        if text_of(job) != disk:
+        if self.text_beside(path) != disk:
             raise InputError(f"{job.name} has changed on disk meanwhile: open the nest again")
         if text != disk:
             write_files({job: text})
         return text
+
+    def text_beside(self, nest: Path) -> str | None:
+        """What the job file of a nest says; None where there is none."""
+        return job_text_beside(nest, self.folder)
 
     def _first_text(self, disk: str | None, nest: Path) -> str | None:
         """The job file of a nest that is opened: with the profile that the server was given, where it names none."""
@@ -274,11 +296,12 @@ class Server:
 
     async def asked(self, question: str, **given: Any) -> Any:
         """What the desk answers; it changes nothing, so that another one is asked where it has died."""
-        ask = partial(self.desk.ask, question, **given)
+        within_s = SLOW_S if question in SLOW else ANSWERED_S
+        ask = partial(self.desk.ask, question, within_s=within_s, **given)
         try:
-            return await to_thread.run_sync(ask)
+            return await to_thread.run_sync(ask, limiter=self._askers)
         except Died:
-            return await to_thread.run_sync(ask)
+            return await to_thread.run_sync(ask, limiter=self._askers)
 
     def _prepare(self, session: Session, number: int) -> None:
         """Have the desk work out what moves of a plan need, so that the first one is answered at once."""
@@ -343,7 +366,7 @@ def save(session: Session, folder: Folder, profile_sha256: str, picture: str) ->
     job = nest.with_name(beside_name(nest.name))
     if sha256_of(nest) != current.sha256:
         raise InputError("the nest has changed on disk since this plan was made: open it again")
-    if text_of(job) != session.on_disk:
+    if job_text_beside(nest, folder) != session.on_disk:
         raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
     if wanted.job_text is None and session.on_disk is not None:
         raise InputError(f"{job.name} was saved since this plan was made, which goes without: plan again")
@@ -372,8 +395,16 @@ def save(session: Session, folder: Folder, profile_sha256: str, picture: str) ->
     return told
 
 
-def text_of(job: Path) -> str | None:
-    """What a job file says, to the byte; None where there is none."""
+def job_text_beside(nest: Path, folder: Folder) -> str | None:
+    """What the job file of a nest says, to the byte; None where there is none.
+
+    Raises
+    ------
+    InputError
+        If it is no UTF-8 text, or a link that leads out of the folder.
+    """
+    job = nest.with_name(beside_name(nest.name))
+    folder.expect_inside([job])
     try:
         return read_limited(job, MOST_BYTES_OF_YAML).decode("utf-8") if is_file(job) else None
     except UnicodeDecodeError:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import math
+import os
 import signal
 import sys
 import threading
+import time
 import traceback
-from collections.abc import Callable
-from multiprocessing import get_context
+from collections.abc import Callable, Sequence
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
+from pathlib import Path
 from typing import Any, Literal
 
 from kerfwise.encoder.errors import InputError, KerfwiseError
+from kerfwise.encoder.files import read_only_within
 from kerfwise.encoder.text import escape_text
-from kerfwise.jobs.process_pool import end_with_parent, start_quietly
+from kerfwise.jobs.process_pool import start_quietly
 
 from .plan_request import STOP, Questions
 
@@ -26,6 +31,7 @@ Role = Literal["desk", "planner"]
 Heard = Callable[[dict[str, Any]], None]
 """Called with what a process has to tell before its answer."""
 ENDED_S = 3.0
+SLOW = "there was no answer within {:g} s, and it was given up"
 
 
 class Refused(Exception):
@@ -43,11 +49,12 @@ class Died(Exception):
 class Worker:
     """One such process. Threads may ask; each waits for its turn.
 
-    `desk` answers in hundredths of a second, `planner` plans.
+    `desk` answers in hundredths of a second, `planner` plans. Files that are named in what is asked are read within
+    the folders `readable` only.
     """
 
-    def __init__(self, role: Role) -> None:
-        self.role = role
+    def __init__(self, role: Role, readable: Sequence[Path] = ()) -> None:
+        self.role, self._readable = role, tuple(readable)
         self._turn = threading.Lock()
         self._process: SpawnProcess | None = None
         self._way: Connection | None = None
@@ -59,13 +66,13 @@ class Worker:
         """Of the process; None where none runs."""
         return None if self._process is None or not self._process.is_alive() else self._process.pid
 
-    def ask(self, question: str, heard: Heard = lambda told: None, **given: Any) -> Any:
+    def ask(self, question: str, heard: Heard = lambda told: None, within_s: float | None = None, **given: Any) -> Any:
         """The answer, as JSON can hold it.
 
         Raises
         ------
         Refused
-            If something given cannot be used.
+            If something given cannot be used, or there is no answer `within_s`.
         Died
             If the process died; the next question starts another.
         """
@@ -78,8 +85,12 @@ class Worker:
             except OSError:  # it has died since the last question
                 way = self._begun(again=True)
                 way.send((question, given))
+            ends_s = math.inf if within_s is None else time.monotonic() + within_s
             try:
                 while True:
+                    if ends_s < math.inf and not way.poll(max(0.0, ends_s - time.monotonic())):
+                        self._end()
+                        raise Refused({"kind": "slow", "message": SLOW.format(within_s), "details": []})
                     kind, told = way.recv()
                     if kind == "heard":
                         heard(told)
@@ -99,7 +110,7 @@ class Worker:
     def kill(self) -> None:
         """End the process; what it is doing is lost, and who waits for it is told `Died`."""
         if (process := self._process) is not None:
-            process.kill()
+            _kill_all(process)
 
     def close(self) -> None:
         """End the process for good."""
@@ -116,7 +127,8 @@ class Worker:
             context = get_context("spawn")
             self._way, there = context.Pipe()
             self._stop, stop = context.Pipe()
-            self._process = context.Process(target=answer_questions, args=(self.role, there, stop), daemon=True)
+            work = (self.role, there, stop, self._readable)
+            self._process = context.Process(target=answer_questions, args=work, daemon=True)
             start_quietly(self._process)
             there.close()
             stop.close()
@@ -128,7 +140,7 @@ class Worker:
                 way.close()
         self._way = self._stop = None
         if self._process is not None:
-            self._process.kill()
+            _kill_all(self._process)
             self._process.join(ENDED_S)
 
     def _how(self) -> str:
@@ -136,13 +148,25 @@ class Worker:
         return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
 
 
+def _kill_all(process: SpawnProcess) -> None:
+    """End a process, and whatever it has begun: solvers of others, which go on by themselves else."""
+    process.kill()
+    if hasattr(os, "killpg") and process.pid is not None:
+        with contextlib.suppress(OSError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
 # What a process of the server does: it answers questions until nobody is there who asks.
 
 
-def answer_questions(role: str, way: Connection, stop: Connection) -> None:
+def answer_questions(role: str, way: Connection, stop: Connection, readable: Sequence[Path] = ()) -> None:
     """Answer what is asked over a pipe, as the desk or as the planner."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    if hasattr(os, "setpgid"):
+        os.setpgid(0, 0)  # it ends with all that it begins
+    threading.Thread(target=_end_all_with_parent, daemon=True).start()
+    if readable:
+        read_only_within(readable)
     asking = Questions(way, stop)
     if role == "planner":
         from .planner import planner as made
@@ -157,6 +181,15 @@ def answer_questions(role: str, way: Connection, stop: Connection) -> None:
             except Exception as error:  # the server lives on, whatever went wrong
                 told = ("refused", error_as_json(error))
             way.send(told)
+
+
+def _end_all_with_parent() -> None:
+    """End, and have end all that this process has begun, where the server was killed."""
+    if (server := parent_process()) is not None:
+        server.join()
+    if hasattr(os, "killpg"):
+        os.killpg(0, signal.SIGKILL)
+    os._exit(1)
 
 
 def error_as_json(error: Exception) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.jobs.inputs import Tell, silent
@@ -155,4 +156,4 @@ def job_text_for(job: Job, nest: Nest, beside: Path) -> str:
     for lock in job.locks:
         for _ in names.on_nest(lock):
             pass
-    return old.read_text(encoding="utf-8-sig")
+    return read_limited(old).decode("utf-8-sig")

@@ -10,6 +10,7 @@ from importlib import resources
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, expect_readable, read_limited
 from kerfwise.encoder.text import escape_text
 from kerfwise.rules.registry import RULES
 
@@ -75,7 +76,7 @@ def read_model_file(path: Path) -> ModelFile:
     if path.suffix != ".mzn":
         raise InputError("expected a MiniZinc file such as plant_rule.mzn", file=path)
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_limited(path, MOST_BYTES_OF_YAML).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"not a rule: the file is not UTF-8 text ({error.reason})", file=path) from None
     except OSError as error:
@@ -239,6 +240,7 @@ def _with_includes(file: Path) -> dict[Path, str]:
     found: dict[Path, str] = {}
     waiting = [file.resolve()]
     for path in waiting:
+        expect_readable(path)
         try:
             found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
         except OSError:  # MiniZinc says what is wrong with it

@@ -9,7 +9,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, ConsoleMessage, Page
 
-from kerfwise.tests.serving.served import TOKEN, Served, Tab
+from kerfwise.tests.serving.served import Served, Tab
 
 HEIGHTS = {1400: 900, 390: 844}
 WAIT_S = 60.0
@@ -33,7 +33,7 @@ class AtPage:
         page.on("pageerror", lambda error: wrong.append(str(error)))
         own = (served.address, "data:", "blob:")
         page.on("request", lambda asked: None if asked.url.startswith(own) else wrong.append(asked.url))
-        page.goto(f"{served.address}/?token={TOKEN}")
+        page.goto(served.entrance)
         self._fingers = self.context.new_cdp_session(page)
 
     def _heard(self, said: ConsoleMessage) -> None:

@@ -19,11 +19,12 @@ import uvicorn
 
 import kerfwise
 from kerfwise.cli import main
+from kerfwise.serving.guard import Keys
 from kerfwise.serving.nest_folder import Folder
 from kerfwise.serving.run_server import config_of, make_app
 from kerfwise.serving.server import Server
 
-TOKEN = "the-token-of-the-tests"
+TOKEN, COOKIE = "the-token-of-the-tests", "the-cookie-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
 WAIT_S = 120.0
 SMALL = """{"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 120}, "parts": [
@@ -96,10 +97,16 @@ class Served:
 
     server: InThread
     port: int
+    keys: Keys
 
     @property
     def address(self) -> str:
         return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def entrance(self) -> str:
+        """An address that lets one browser in."""
+        return f"{self.address}/?code={self.keys.code()}"
 
     @contextlib.contextmanager
     def planner_taken(self, nest: str = "another nest") -> Iterator[None]:
@@ -126,11 +133,12 @@ def serving(folder: Path, work: float = 1.0) -> Iterator[Served]:
     listening = socket.create_server(("127.0.0.1", 0))
     port = listening.getsockname()[1]
     server = InThread(Folder(folder.resolve()), work=work)
-    running = uvicorn.Server(config_of(make_app(server, TOKEN, port)))
+    keys = Keys(TOKEN, COOKIE)
+    running = uvicorn.Server(config_of(make_app(server, keys, port)))
     thread = threading.Thread(target=running.run, args=([listening],), daemon=True)
     thread.start()
     try:
-        yield Served(server, port)
+        yield Served(server, port, keys)
     finally:
         running.should_exit = True
         thread.join(30)

@@ -21,7 +21,7 @@ from kerfwise.serving.query_worker import Desk
 from kerfwise.serving.worker import error_as_json
 from kerfwise.tests.serving.at_page import drop
 from kerfwise.tests.serving.conftest import TOUCH_FIRST
-from kerfwise.tests.serving.served import TOKEN, Served
+from kerfwise.tests.serving.served import Served
 
 CROSSED = [[200, 20], [300, 20], [300, 100], [201, 100], [199, 98], [200, 100]]
 """It crosses itself near its last corner."""
@@ -131,7 +131,7 @@ def test_marks_stay_where_the_problems_are_and_repair_opens_the_drawing(
     faults: list[str] = []
     page.on("pageerror", lambda error: faults.append(str(error)))
     page.on("console", lambda said: None if "422" in said.text else faults.append(said.text))
-    page.goto(f"{served.address}/?token={TOKEN}&list")
+    page.goto(f"{served.entrance}&list")
     page.wait_for_selector("h1")
     drop(page, f"{tmp_path.name}.json", WRONG)
     page.wait_for_selector("#broken .mark")

@@ -13,11 +13,11 @@ from pathlib import Path
 import httpx
 import pytest
 
-from kerfwise.serving.guard import MOST_BODY_BYTES
-from kerfwise.serving.nest_folder import Folder
+from kerfwise.serving.guard import MOST_BODY_BYTES, Keys
+from kerfwise.serving.nest_folder import Folder, is_readable
 from kerfwise.serving.run_server import make_app
-from kerfwise.serving.server import Server, is_readable
-from kerfwise.tests.serving.served import SMALL, TOKEN, Open, Served
+from kerfwise.serving.server import Server
+from kerfwise.tests.serving.served import COOKIE, SMALL, TOKEN, Open, Served
 
 OWN = {"x-kerfwise-token": TOKEN}
 
@@ -34,19 +34,36 @@ def test_without_the_token_nothing_is_told(served: Served, stranger: httpx.Clien
     for said in (b"wrong", b"", TOKEN[:-1].encode(), "é".encode()):
         for headers in ({"x-kerfwise-token": said}, {"cookie": b"kerfwise-" + str(served.port).encode() + b"=" + said}):
             assert stranger.get("/api/nests", headers=headers).status_code == 401
-    assert stranger.get("/?token=wrong").status_code == 401
+    assert stranger.get("/?code=wrong").status_code == 401
     assert stranger.post("/api/open", json={"nest": "a"}, headers={"origin": str(stranger.base_url)}).status_code == 401
 
 
-def test_the_token_in_the_address_becomes_a_cookie(served: Served) -> None:
-    with httpx.Client(base_url=served.address) as browser:
-        answer = browser.get(f"/?token={TOKEN}")
+def test_a_code_in_the_address_becomes_a_cookie_once(served: Served) -> None:
+    entrance = served.entrance
+    with httpx.Client() as browser, httpx.Client() as other:
+        answer = browser.get(entrance)
         assert (answer.status_code, answer.headers["location"]) == (303, "/")
         assert "HttpOnly" in answer.headers["set-cookie"]
         assert "SameSite=strict" in answer.headers["set-cookie"]
+        assert TOKEN not in answer.headers["set-cookie"]  # whoever sees the one has not the other
+        browser.base_url = served.address
         assert browser.get("/api/nests").status_code == 200
         assert browser.post("/api/open", json={}).status_code == 403  # it does not say where it comes from
         assert browser.post("/api/open", json={}, headers={"origin": served.address}).status_code == 422
+        assert browser.get(entrance).status_code == 303  # the same browser may press reload
+        assert other.get(entrance).status_code == 401
+        for said in ({"x-kerfwise-token": COOKIE}, {"cookie": f"kerfwise-{served.port}={TOKEN}"}):
+            assert other.get(f"{served.address}/api/nests", headers=said).status_code == 401
+
+
+def test_a_browser_without_a_key_gets_a_page_in_words(served: Served, stranger: httpx.Client) -> None:
+    for path in ("/", "/nest/x", "/?code=used"):
+        answer = stranger.get(path, headers={"accept": "text/html,*/*"})
+        assert (answer.status_code, answer.headers["content-type"]) == (401, "text/html; charset=utf-8")
+        assert "An address lets one browser in, once" in answer.text
+    answer = stranger.get("/nest/000000000000", headers=OWN)
+    assert answer.status_code == 404
+    assert "<h1>This nest cannot be shown</h1>" in answer.text
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1:1"])
@@ -104,7 +121,7 @@ def test_who_sends_too_much_is_told_so(tmp_path: Path) -> None:
             yield b"x" * 1_000_000
 
     async def ask() -> httpx.Response:
-        way = httpx.ASGITransport(make_app(Server(Folder(tmp_path)), TOKEN, 8000))
+        way = httpx.ASGITransport(make_app(Server(Folder(tmp_path)), Keys(TOKEN), 8000))
         async with httpx.AsyncClient(transport=way, base_url="http://127.0.0.1:8000", headers=OWN) as client:
             return await client.post("/api/drop?name=a.json", content=endless())
 
@@ -115,13 +132,13 @@ def test_who_sends_too_much_is_told_so(tmp_path: Path) -> None:
 
 def test_cookies_of_other_servers_of_this_machine_are_no_matter(served: Served, stranger: httpx.Client) -> None:
     for other in ('settings={"a": 1}', "a b=c", "no-value", "=x"):
-        cookies = f"{other}; kerfwise-{served.port}={TOKEN}; {other}"
+        cookies = f"{other}; kerfwise-{served.port}={COOKIE}; {other}"
         assert stranger.get("/api/nests", headers={"cookie": cookies}).status_code == 200, other
 
 
-def test_an_address_with_the_token_leads_to_this_server(served: Served) -> None:
+def test_an_address_with_a_code_leads_to_this_server(served: Served) -> None:
     for path in ("//evil.example/", "/\\\\evil.example/"):
-        answer = httpx.get(f"{served.address}{path}", params={"token": TOKEN})
+        answer = httpx.get(f"{served.address}{path}", params={"code": served.keys.code()})
         assert (answer.status_code, answer.headers["location"]) == (303, "/evil.example/")
 
 

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.tests.serving.served import TOKEN, Open, Served, Tab
+from kerfwise.tests.serving.served import Open, Served, Tab
 
 pytestmark = pytest.mark.slow
 
@@ -173,7 +173,7 @@ def page(browser: Browser, served: Served, tab: Tab) -> Iterator[Any]:
     made.set_default_timeout(60_000)
     made.on("pageerror", lambda error: wrong.append(str(error)))
     made.on("console", lambda said: wrong.append(said.text) if said.type in ("error", "warning") else None)
-    made.goto(f"{served.address}/?token={TOKEN}")
+    made.goto(served.entrance)
     made.goto(f"{served.address}/nest/{tab.id}")
     made.wait_for_selector("[data-ready=yes]", state="attached")
     yield made

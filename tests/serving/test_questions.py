@@ -18,7 +18,7 @@ from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, square
 from kerfwise.tests.encoder.readers.test_frame import framed
 from kerfwise.tests.serving.at_page import drop
 from kerfwise.tests.serving.conftest import TOUCH_FIRST, Look
-from kerfwise.tests.serving.served import TOKEN, Open, Served
+from kerfwise.tests.serving.served import Open, Served
 
 OPEN = """<svg xmlns="http://www.w3.org/2000/svg" width="400mm" height="200mm" viewBox="0 0 400 200">
 <g id="a"><rect x="10" y="10" width="380" height="180" fill="none" stroke="black"/></g>
@@ -105,7 +105,7 @@ def test_questions_have_buttons_and_pictures_on_the_page(
     faults: list[str] = []
     page.on("pageerror", lambda error: faults.append(str(error)))
     page.on("console", lambda said: None if "422" in said.text else faults.append(said.text))
-    page.goto(f"{served.address}/?token={TOKEN}&list")
+    page.goto(f"{served.entrance}&list")
     page.wait_for_selector("h1")
     name = f"{tmp_path.name}.svg"
     drop(page, name, OPEN)
@@ -147,7 +147,7 @@ def test_an_answer_may_lead_to_the_next_question(browser: Browser, served: Serve
     save_dxf(folder, plate)
     context = browser.new_context(viewport={"width": 1400, "height": 900})
     page = context.new_page()
-    page.goto(f"{served.address}/?token={TOKEN}&list")
+    page.goto(f"{served.entrance}&list")
     page.get_by_role("button", name=f"{folder.name}/drawing.dxf").click()
     for _ in range(3):
         page.wait_for_selector("#questions, [data-ready=yes]", state="attached")

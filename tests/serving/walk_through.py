@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page
 
 import kerfwise
 from kerfwise.postproc.output_files import write_files
-from kerfwise.tests.serving.served import EXAMPLES, TOKEN, Served, serving
+from kerfwise.tests.serving.served import EXAMPLES, Served, serving
 from kerfwise.tests.tools.browser import launched
 
 PICTURES = Path(kerfwise.__file__).parent / "docs" / "walk-through"
@@ -115,7 +115,7 @@ def walk(browser: Browser, served: Served, see: Callable[[str, Page], None]) -> 
     shutil.copy(EXAMPLES / NEST, served.server.folder.path / NEST)
     page = browser.new_page(viewport={"width": WIDE, "height": HIGH})
     page.set_default_timeout(300_000)
-    page.goto(f"{served.address}/?token={TOKEN}&list")
+    page.goto(f"{served.entrance}&list")
     page.wait_for_selector("h1")
     for name, does in STEPS.items():
         does(page)
