@@ -74,4 +74,4 @@ def rest_of(nest: Nest, gone: frozenset[str]) -> Nest:
         for part in nest.parts
         if part.outer.id not in gone
     ]
-    return replace(nest, parts=tuple(parts), scrap=left(nest.scrap), drawn=None)
+    return replace(nest, parts=tuple(parts), scrap=left(nest.scrap), stretches=left(nest.stretches), drawn=None)

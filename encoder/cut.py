@@ -26,6 +26,21 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True)
+class Stretch:
+    """A stretch of a contour that is cut before the rest: where the torch's centre joins and leaves it, which way."""
+
+    contour: str
+    span: Span
+    direction: Direction
+
+    @property
+    def reversed(self) -> Stretch:
+        """The same the other way round."""
+        way: Direction = "cw" if self.direction == "ccw" else "ccw"
+        return Stretch(self.contour, Span(self.span.end, self.span.begin), way)
+
+
+@dataclass(frozen=True, slots=True)
 class Tab:
     """A stretch of a contour that stays uncut, so that the part holds to the sheet: its middle and its width, mm.
 
@@ -55,6 +70,9 @@ class Cut:
 
     Another `torch` than the first makes the cut at the very time of the first torch's cut of the contour `together`, by
     the same motion.
+
+    One with a `way` begins its contour and leaves it unfinished: it cuts a `span` as a stretch of the way of that name,
+    and the last cut of the contour comes later.
     """
 
     contour: str
@@ -72,6 +90,7 @@ class Cut:
     tabs: tuple[Tab, ...] = ()
     torch: int = 1
     together: str = ""
+    way: str = ""
 
     @property
     def end(self) -> Point:
@@ -196,6 +215,19 @@ class CutSequence(Sequence[Cut]):
                 yield begun.pop(0)
             yield position, cut
         yield from begun
+
+    def finishes(self, position: int, cut: Cut) -> bool:
+        """Whether one of `burns` is the cut at that position, and does not only come before it."""
+        return position <= len(self.cuts) and self.cuts[position - 1] is cut
+
+    def moment(self, position: int, cut: Cut) -> int:
+        """When one of `burns` comes: twice its position, or one less where it finishes no contour."""
+        return 2 * position - (not self.finishes(position, cut))
+
+    @property
+    def new_burns(self) -> tuple[tuple[int, Cut], ...]:
+        """Those of `burns` that are still to be made."""
+        return tuple((position, cut) for position, cut in self.burns if position > self.made)
 
     @property
     def pierced(self) -> dict[int, list[Pierce]]:

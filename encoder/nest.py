@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kerfwise.encoder.geometry.curve import Curve, flattened, lines_of
 from kerfwise.encoder.geometry.segment import Point
 
-from .cut import Tab
+from .cut import Stretch, Tab
 from .errors import InputError
 from .text import escape_text
 
@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from kerfwise.encoder.readers.reading import Reading
 
 
-Kind = Literal["outer", "hole", "mark", "slit", "scrap"]
+Kind = Literal["outer", "hole", "mark", "slit", "scrap", "stretch"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+CONTOUR_KINDS: tuple[Kind, ...] = tuple(kind for kind in KINDS if kind != "stretch")
+"""Those of contours; a stretch is none."""
 Severity = Literal["warning", "repaired"]
 CHORD_MM = 0.01
 
@@ -72,6 +74,9 @@ class Contour:
     through; a slit is an open line that the torch's centre follows as it is drawn, from its start, along the middle of
     a slot of the contour `slot_of`. A scrap line, `scrap1`…, is an open line that is followed from either end, and
     belongs to no part: `part` is "". `source` is what its drawing says of it.
+
+    A `stretch` is no contour of a drawing: it is a way of the torch's centre `along` stretches of contours, with links
+    between them, that is cut before these contours are finished, as one item of the order.
     """
 
     id: str
@@ -82,6 +87,7 @@ class Contour:
     slot_of: str = ""
     corner_mm: float = 0.0
     source: Source = NOWHERE
+    along: tuple[Stretch, ...] = ()
 
     @property
     def encloses(self) -> bool:
@@ -90,8 +96,11 @@ class Contour:
 
     @property
     def shapes_part(self) -> bool:
-        """Whether the torch cuts through a part, or round it, here: neither marks nor scrap lines do."""
-        return self.kind not in ("mark", "scrap")
+        """Whether the torch cuts through a part, or round it, here: neither marks nor scrap lines do.
+
+        Nor does a stretch by itself: the contours that it begins are cut with their last.
+        """
+        return self.kind not in ("mark", "scrap", "stretch")
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -218,10 +227,11 @@ class Nest:
 
     `contours` lists every contour, part by part in file order, each part's marks, slits, holes, then outer, and after
     all parts the lines that cut up the skeleton, `scrap`. A nest as it is cut keeps the one that was read as `drawn`
-    (see `small_holes.as_cut` and `slits.with_slits`). One whose `bridges` have been made keeps the parts that they
-    join, and all others, as they were drawn: `apart`. `refit_arcs_mm` is how near to flattened outlines its arcs were
-    made; None where they are as drawn. `losses` are what parts that touch lose to the cuts between them. `reading` is
-    how its file was understood; None for a nest that was read from none.
+    (see `small_holes.as_cut` and `slits.with_slits`). Last come the `stretches` that are cut before contours are
+    finished, in a nest that is planned so, and in no other. One whose `bridges` have been made keeps the parts that
+    they join, and all others, as they were drawn: `apart`. `refit_arcs_mm` is how near to flattened outlines its arcs
+    were made; None where they are as drawn. `losses` are what parts that touch lose to the cuts between them. `reading`
+    is how its file was understood; None for a nest that was read from none.
     """
 
     sheet: Sheet
@@ -236,6 +246,7 @@ class Nest:
     refit_arcs_mm: float | None = None
     losses: tuple[Loss, ...] = ()
     reading: Reading | None = None
+    stretches: tuple[Contour, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
         """What another process or a copy is given: nothing of what was found out."""
@@ -249,7 +260,7 @@ class Nest:
     @cached_property
     def contours(self) -> tuple[Contour, ...]:
         """Every contour to cut or mark."""
-        return (*(c for p in self.parts for c in p), *self.scrap)
+        return (*(c for p in self.parts for c in p), *self.scrap, *self.stretches)
 
     @cached_property
     def without_scrap(self) -> Nest:
@@ -257,11 +268,16 @@ class Nest:
         return replace(self, scrap=()) if self.scrap else self
 
     @cached_property
+    def without_stretches(self) -> Nest:
+        """The nest as everybody but the planning sees it; all other contours keep their numbers."""
+        return replace(self, stretches=()) if self.stretches else self
+
+    @cached_property
     def owners(self) -> tuple[int, ...]:
-        """The number of each contour's part, from 0 on; scrap lines, which have none, have numbers of their own."""
+        """The number of each contour's part, from 0 on; scrap lines and stretches, which have none, have their own."""
         number = {part.id: k for k, part in enumerate(self.parts)}
-        own = tuple(number[c.part] for c in self.without_scrap.contours)
-        return (*own, *range(len(self.parts), len(self.parts) + len(self.scrap)))
+        own = tuple(number[c.part] for part in self.parts for c in part)
+        return (*own, *range(len(self.parts), len(self.parts) + len(self.scrap) + len(self.stretches)))
 
     @cached_property
     def index(self) -> dict[str, int]:

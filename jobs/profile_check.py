@@ -9,7 +9,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.option import Members, options_of
 from kerfwise.rules.profile.load import SHIPPED, load_profile
-from kerfwise.rules.profile.profile import Profile, expect_common_cuts
+from kerfwise.rules.profile.profile import Profile, expect_common_cuts, expect_snakes
 from kerfwise.rules.profile.profile_yaml import Provenance
 from kerfwise.rules.profile.sections import SECTIONS
 from kerfwise.rules.registry import RULES
@@ -30,6 +30,7 @@ def expect_plannable(profile: Profile) -> None:
     """
     trusted_dialect(profile)
     expect_common_cuts(profile)
+    expect_snakes(profile)
     expect_torches_fit(profile)
     _compile_models(profile)
 
@@ -85,6 +86,11 @@ _FULL_FEED = _unless(lambda p: p.corners.corner_feed < 1, "corners are cut at th
 _NO_COMMON = _unless(
     lambda p: p.cuts.common.shortest_mm is not None, "no edges are cut once (cuts.common.shortest: off)"
 )
+_NO_KERF_START = _unless(
+    lambda p: p.cuts.common.shortest_mm is not None or p.cuts.snake.gap_mm is not None,
+    "no cut begins in an old kerf (cuts.common and cuts.snake are off)",
+)
+_NO_SNAKE = _unless(lambda p: p.cuts.snake.gap_mm is not None, "no row is cut as a snake (cuts.snake.gap: off)")
 _NO_LEAD = _unless(lambda p: p.leads.lead != "none", "there is no lead-in (leads.lead: none)")
 _NO_ACCELERATION = _unless(lambda p: p.time.model == "acceleration", "it is for time.model: acceleration")
 _NOT_LOGICAL = _unless(lambda p: p.heat.model == "logical", "it is for heat.model: logical")
@@ -110,7 +116,7 @@ WITHOUT_EFFECT: dict[str, Reason] = {
     "machine.torches.spacing": _ONE_TORCH,
     "machine.torches.axis": _ONE_TORCH,
     "machine.torches.up_to": _ONE_TORCH,
-    "machine.kerf_start": _NO_COMMON,
+    "machine.kerf_start": _NO_KERF_START,
     "machine.edge_preheat": _no_edge,
     "leads.lead_in": _NO_LEAD,
     "leads.lead_in_min": _NO_LEAD,
@@ -123,6 +129,7 @@ WITHOUT_EFFECT: dict[str, Reason] = {
     "cuts.common.gap_tolerance": _NO_COMMON,
     "cuts.common.good_side": _NO_COMMON,
     "cuts.common.accept_loss": _NO_COMMON,
+    "cuts.snake.parts": _NO_SNAKE,
     "small_holes.full_feed_hole": _unless(
         lambda p: p.small_holes.small_hole_feed < 1,
         "small holes are cut at the full feed (small_holes.small_hole_feed: 1)",

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.candidates import build_with_older_kerfs
-from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
+from kerfwise.encoder.candidates.snake import rows_of, snake_of
+from kerfwise.encoder.candidates.stretches import StretchWays, with_stretches
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.encoder.facts.compute import loose_in, remaining_facts
+from kerfwise.encoder.facts.compute import loose_in, remaining_facts, with_ways
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.geometry.segment import Point
@@ -32,7 +34,7 @@ from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.rules.lock import check_locks
-from kerfwise.rules.profile.profile import Profile, expect_common_cuts
+from kerfwise.rules.profile.profile import Profile, expect_common_cuts, expect_snakes
 from kerfwise.rules.profile.profile_sections import common_cut_problems
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import (
@@ -98,6 +100,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
     expect_common_cuts(profile)
+    expect_snakes(profile, nest)
     expect_torches(profile, bool(already))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
@@ -110,7 +113,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
         leads = profile.lead_options(nest)
         leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
         began_s = running_s()
-        candidates, met = build_with_older_kerfs(drawn, leads, already, loose)
+        candidates, met, made = _with_snakes(drawn, profile, leads, already, loose)
         if limit is not None:
             limit.candidates_s = running_s() - began_s
     except InputError as error:
@@ -139,7 +142,38 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
     if profile.machine.torches.several and nest.contours:
         return facts_of_torches(facts, groups, profile)
     links = None if profile.no_links(nest) else profile.link_options()
-    return _left(with_links(facts, links, _burnt(already)), already)
+    facts = with_links(facts, links, _burnt(already))
+    if made is not None:
+        heat_kj = contour_heat_kj(made.nest, made.ways, profile)[len(nest.contours) :]
+        facts = with_ways(facts, made, heat_kj)
+    return _left(facts, already)
+
+
+def _with_snakes(
+    nest: Nest, profile: Profile, leads: LeadOptions, already: AlreadyCut, loose: Collection[str]
+) -> tuple[tuple[Candidate, ...], OlderKerfs | None, StretchWays | None]:
+    """The candidates of the nest, and its ways along rows of neighbours; a row whose ends have no room is none."""
+    asked = profile.snake_options()
+    left = [contour.id for contour in nest.contours if contour.id not in already.contours.union(loose)]
+    rows = [] if asked is None else rows_of(nest, leads.kerf_mm, asked, left, leads.directions["outer"])
+    while rows and asked is not None:
+        members = frozenset[str]().union(*(row.members for row in rows))
+        led = {name for row in rows for name in (row.contours[0].id, row.contours[-1].id)}
+        candidates, met = build_with_older_kerfs(nest, leads, already, loose, members, led)
+        ways = {row.name: snake_of(nest, row, candidates, leads) for row in rows}
+        unfit = {name for name, way in ways.items() if way is None}
+        if not unfit:
+            sure = [way for way in ways.values() if way is not None]
+            made = with_stretches(nest, sure, candidates, met, leads, asked.shared)
+            if isinstance(made, StretchWays):
+                return (
+                    made.rest,
+                    None if made.met is None else made.met.of_kept(range(len(made.rest)), made.count),
+                    made,
+                )
+            unfit = {made}
+        rows = [row for row in rows if row.name not in unfit]
+    return (*build_with_older_kerfs(nest, leads, already, loose), None)
 
 
 def common_cut_advice(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Iterator[str]:

@@ -87,6 +87,8 @@ def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, fil
     """
     if plan.pierces:
         raise _with_a_pass("plan", file)
+    if plan.begun:
+        raise _with_ways("plan", file)
     cuts = [planned.cut for planned in (*plan.already_cut, *plan.cuts)]
     _expect(upto, plan.resumed_after, len(cuts), "plan", file)
     for k, cut in enumerate(cuts[:upto], 1):
@@ -120,6 +122,8 @@ def stopped_program(
     kerf_mm = profile.material.kerf_mm
     cuts_elsewhere(program, nest, kerf_mm, file)
     built = rebuild(nest, program, kerf_mm, profile.home_on(nest))
+    if built.cuts.begun:
+        raise _with_ways("program", file)
     made = built.cuts.made
     _expect(upto, made, made + max(len(program.burns), len(built.cuts.new)), "program", file)
     if told := [v.text for v in built.violations if not v.cuts and not v.text.startswith("line ")]:
@@ -134,6 +138,13 @@ def stopped_program(
 
 def _with_a_pass(what: str, file: str) -> InputError:
     text = f"the {what} has a pierce pass: holes of contours that are not cut yet are in the sheet"
+    return InputError(
+        f"{text}, and no work can go on from there; cut the rest by hand, or from the old program", file=file
+    )
+
+
+def _with_ways(what: str, file: str) -> InputError:
+    text = f"the {what} cuts contours in several stretches (cuts.snake)"
     return InputError(
         f"{text}, and no work can go on from there; cut the rest by hand, or from the old program", file=file
     )

@@ -73,8 +73,9 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     home = profile.home_on(nest)
     runs, at, pierced = [], home, plan.sequence().pierced
-    for order, made in enumerate(paths, plan.resumed_after + 1):
-        for pierce in pierced.get(order, ()):
+    order = plan.resumed_after + 1
+    for made in paths:
+        for pierce in pierced.pop(order, ()):
             runs.append(Run(_stands(pierce.at), travels_mm=(math.dist(at, pierce.at),)))
             at = pierce.at
         travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
@@ -92,6 +93,7 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
             )
         )
         at = _end(made.path)
+        order += not made.planned.cut.way
     return Job(tuple(runs), (math.dist(at, home),), blocks_of_plan(plan, nest, profile, paths))
 
 
@@ -139,16 +141,22 @@ def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
     """The plan with the times of its program by the model of the profile, which it then states."""
     timed = time_job(job_of_plan(plan, nest, profile), profile)
     spans, pierced = iter(timed.times.spans), plan.sequence().pierced
-    cuts, pierces = [], []
+    cuts: list[PlannedCut] = []
+    pierces, begun = [], [row for row in plan.begun if row[0] <= plan.resumed_after]
     begin = end = 0.0
-    for order, planned in enumerate(plan.cuts, plan.resumed_after + 1):
-        for pierce in pierced.get(order, ()):
+    for planned in plan.burns:
+        order = plan.resumed_after + 1 + len(cuts)
+        for pierce in pierced.pop(order, ()):
             begin, end = next(spans)
             pierces.append(replace(pierce, start_s=begin, end_s=end))
         begin, end = next(spans) if planned.cut.torch == 1 else (begin, end)
-        cuts.append(replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end)))
+        timed_cut = replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end))
+        if planned.cut.way:
+            begun.append((order, timed_cut))
+        else:
+            cuts.append(timed_cut)
     totals = replace(plan.totals, time_s=timed.times.total_s)
-    return replace(plan, cuts=tuple(cuts), totals=totals, time=timed.report, pierces=tuple(pierces))
+    return replace(plan, cuts=tuple(cuts), totals=totals, time=timed.report, pierces=tuple(pierces), begun=tuple(begun))
 
 
 def _stands(at: Point) -> Curve:

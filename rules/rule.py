@@ -93,6 +93,9 @@ class Rule(ABC, Generic[OptionsT]):
     judges a cut by what was cut before it, where the last of them is. A rule `of_whole_nest` states over the facts of
     the whole; what the cuts made have decided is left out.
 
+    Ways along stretches of contours, cut before these are finished (`cuts: {snake: …}`), are no contours: only
+    a rule that `minds_ways` states of them, and all others see facts without them.
+
     Where several torches cut at once, the orders of a rule `of_each_torch` are asked of what each of them cuts, not
     between two of them. All other rules judge the cuts of all torches, and what is cut at one time counts as cut in
     whichever order is worse.
@@ -116,6 +119,7 @@ class Rule(ABC, Generic[OptionsT]):
     relaxable: ClassVar[bool] = False
     minds_what_is_out: bool = False
     of_whole_nest: ClassVar[bool] = False
+    minds_ways: ClassVar[bool] = False
     relaxed_last: ClassVar[bool] = False
     of_fallen_metal: ClassVar[bool] = False
     hard_with_head_down: ClassVar[bool] = False
@@ -333,5 +337,6 @@ class Plant:
     locks: tuple[Lock, ...]
     process: str = "plasma"
     common_cuts: bool = False
+    snakes: bool = False
     longest_link_mm: float = 0.0
     plate: Plate = USUAL

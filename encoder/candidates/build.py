@@ -68,9 +68,17 @@ def build_candidates(
 
 
 def build_with_older_kerfs(
-    nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
+    nest: Nest,
+    options: LeadOptions,
+    already: AlreadyCut = NOTHING_CUT,
+    loose: Collection[str] = (),
+    in_ways: Collection[str] = (),
+    led: Collection[str] = (),
 ) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
-    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that."""
+    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that.
+
+    Of contours that are cut along stretches, `in_ways`, only those that are `led` have any, if there is room for leads.
+    """
     _check(options, nest)
     if not nest.sheet.stated or options.reach is None or not all(map(math.isfinite, options.reach)):
         options = replace(options, edge_start=False)
@@ -95,10 +103,12 @@ def build_with_older_kerfs(
         )
     again = recut(nest, already.broken_off, tried, options.kerf_mm)
     out = [k for k, c in enumerate(nest.contours) if c.id in already.contours]
-    before = [nest.index[cut.contour] for cut in already.cuts if cut.tabs]
+    stretched = {nest.index[name] for name in in_ways}
+    unled = stretched - {nest.index[name] for name in led}
+    before = [*(nest.index[cut.contour] for cut in already.cuts if cut.tabs), *stretched]
     edges, along = common_cut_paths(nest, sorted(tried.outlines), options, out, before)
     along = reachable_candidates(along, options.reach)
-    redone = {c.contour for c in (*again, *along)}
+    redone = {*stretched, *(c.contour for c in (*again, *along))}
     shut = {k: why for k, why in tried.shut.items() if k not in redone}
     tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
     if tried.faulty:
@@ -106,6 +116,7 @@ def build_with_older_kerfs(
     bare_lines = [(k, nest.contours[k]) for k in left if nest.contours[k].kind in ("mark", "scrap")]
     marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
     whole = reachable_candidates(_candidates(tried.found, tried.outlines, around, options), options.reach)
+    whole = [c for c in whole if c.contour not in unled]
     reached = [*with_neighbours_in(nest, whole, edges, out), *tried.slits, *again]
     if shut_in := _shut_in(nest, edges, reached, out):
         raise InputError(
@@ -113,7 +124,7 @@ def build_with_older_kerfs(
             file=nest.file or None,
             details=shut_in,
         )
-    if lost := sorted(set(tried.outlines) - {c.contour for c in (*reached, *along)}):
+    if lost := sorted(set(tried.outlines) - stretched - {c.contour for c in (*reached, *along)}):
         details = tuple(f"{nest.contours[k].id}: {_why_lost(edges, k, out)}" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
     if options.splash_mm is None:

@@ -10,7 +10,7 @@ from kerfwise.encoder.cut import Cut, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.narrow_features import Narrow
-from kerfwise.encoder.nest import KINDS, Contour, Kind
+from kerfwise.encoder.nest import CONTOUR_KINDS, Contour, Kind
 from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.encoder.torch_path import CornerFeed, TabOptions
 
@@ -68,7 +68,7 @@ class LeadOptions:
     edge_start: bool = False
     reach: tuple[float, float, float, float] | None = None
     directions: Mapping[Kind, tuple[Direction, ...]] = field(
-        default_factory=lambda: dict.fromkeys(KINDS, ("cw", "ccw"))
+        default_factory=lambda: dict.fromkeys(CONTOUR_KINDS, ("cw", "ccw"))
     )
     entry_points: Mapping[str, Point] = field(default_factory=dict)
     holes: HoleLimits = field(default_factory=HoleLimits)

@@ -55,7 +55,7 @@ def common_cut_paths(
         for number in edges.of
         if number in left
         for out, run in found[number]
-        for way in _ways(nest, number, out, edges, run, options, asked)
+        for way in along_the_rest(nest, number, out, edges, run, options, asked)
     ]
     return edges, ways
 
@@ -246,7 +246,7 @@ def _rest(around_mm: float, covered: Collection[Run], within_mm: float) -> list[
     return runs
 
 
-def _ways(
+def along_the_rest(
     nest: Nest,
     number: int,
     out: Collection[int],
@@ -255,7 +255,7 @@ def _ways(
     options: LeadOptions,
     common: CommonOptions,
 ) -> Iterator[Candidate]:
-    """Both ways along a stretch of a ring."""
+    """Both ways along a stretch of a ring, the rest of it being cut with those that are `out`."""
     contour, drawn = nest.contours[number], nest.contours[number].curve
     ring, corners = compensated(contour, options.kerf_mm), common.corners
     still_in = edges.of[number].keys() - set(out)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import shapely
@@ -12,6 +13,7 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut, loose_contours, rest_of
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
+from kerfwise.encoder.candidates.stretches import StretchWays
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.identical_parts import Group
 from kerfwise.encoder.nest import Nest
@@ -182,6 +184,82 @@ def skeleton_of(nest: Nest, kerf_mm: float) -> Skeleton:
     shared = touches.astype(np.int64) @ touches.T
     np.fill_diagonal(shared, 0)
     return Skeleton(framed, first + np.argwhere(shared > 0).astype(np.int64))
+
+
+# The facts with ways along stretches of contours, which are cut before these are finished.
+
+
+def with_ways(facts: Facts, made: StretchWays, heat_kj: Floats) -> Facts:
+    """The facts of the nest without its ways, with these behind all contours; `heat_kj` (m,) is that of each way.
+
+    A way faces nothing and lies in nothing. It is in the first of the zones of what it begins.
+    """
+    nest, count, more = made.nest, facts.n, len(made.nest.stretches)
+    zone = [min(int(facts.zone[nest.index[s.contour]]) for s in way.along) for way in nest.stretches]
+
+    def grown(given: Any, by: float) -> Any:
+        return np.concatenate([given, np.full((more, *given.shape[1:]), by, dtype=given.dtype)])
+
+    def stretch(given: Stretch) -> Stretch:
+        none = np.zeros(len(made.ways))
+        total, edge, solid = (np.concatenate([mm, none]) for mm in (given.total_mm, given.edge_mm, given.solid_mm))
+        return Stretch(total, edge, solid, given.neighbours)
+
+    candidates = (*facts.candidates, *made.ways)
+    contour = np.array([c.contour for c in candidates], dtype=np.int64)
+    paths = [shapely.LineString(link.path) for link in facts.links]
+    burnt = shapely.union_all([way.line for way in nest.stretches])
+    leads = [lead.line() for c in made.ways for lead in (c.lead_in,) if lead is not None]
+    off = (
+        shapely.distance(np.array(paths, dtype=object), shapely.union_all([burnt, *leads])) > 2 * facts.options.kerf_mm
+    )
+    return replace(
+        facts,
+        nest=nest,
+        parent=grown(facts.parent, -1),
+        edge_gap_mm=grown(facts.edge_gap_mm, 0.0),
+        edge_length_mm=grown(facts.edge_length_mm, 0.0),
+        solid_mm=grown(facts.solid_mm, 0.0),
+        long=grown(facts.long, False),
+        zone=np.concatenate([facts.zone, np.array(zone, dtype=np.int64)]),
+        torch_heat_kj=np.concatenate([facts.torch_heat_kj, heat_kj]),
+        candidates=candidates,
+        first=np.searchsorted(contour, np.arange(count + more + 1)),
+        head=stretch(facts.head),
+        tail=stretch(facts.tail),
+        scrap_framed=grown(facts.scrap_framed, False),
+        older_kerfs=OlderKerfs.none() if made.met is None else made.met,
+        links=tuple(link for link, free in zip(facts.links, off.tolist(), strict=True) if free),
+    )
+
+
+def without_ways(facts: Facts) -> Facts:
+    """The same facts of the contours alone: all numbers stay, for ways come last."""
+    if not facts.nest.stretches:
+        return facts
+    n, m = facts.n - len(facts.nest.stretches), int(facts.first[facts.n - len(facts.nest.stretches)])
+
+    def stretch(given: Stretch) -> Stretch:
+        return Stretch(given.total_mm[:m], given.edge_mm[:m], given.solid_mm[:m], given.neighbours)
+
+    rings, leads = facts.older_kerfs.rings, facts.older_kerfs.leads
+    return replace(
+        facts,
+        nest=facts.nest.without_stretches,
+        parent=facts.parent[:n],
+        edge_gap_mm=facts.edge_gap_mm[:n],
+        edge_length_mm=facts.edge_length_mm[:n],
+        solid_mm=facts.solid_mm[:n],
+        long=facts.long[:n],
+        zone=facts.zone[:n],
+        torch_heat_kj=facts.torch_heat_kj[:n],
+        candidates=facts.candidates[:m],
+        first=facts.first[: n + 1],
+        head=stretch(facts.head),
+        tail=stretch(facts.tail),
+        scrap_framed=facts.scrap_framed[:n],
+        older_kerfs=OlderKerfs(rings[(rings[:, 0] < m) & (rings[:, 1] < n)], leads[(leads < m).all(axis=1)]),
+    )
 
 
 # The facts of some contours of a nest: those of the whole, by numbers of their own. Nothing is measured anew.

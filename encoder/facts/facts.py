@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal, get_args
 
@@ -199,7 +199,13 @@ class Facts:
         """The nest as it was drawn, with what is already cut, and with what further torches cut."""
         if self.copies is not None:
             return self.copies.whole.nest
-        return self.nest if self.past is None else self.past.whole.nest
+        return (self.nest if self.past is None else self.past.whole.nest).without_stretches
+
+    @property
+    def nest_with_ways(self) -> Nest:
+        """The same with the ways along stretches that are still to be cut, behind all contours."""
+        whole = self.whole_nest
+        return replace(whole, stretches=self.nest.stretches) if self.nest.stretches else whole
 
     @property
     def already_cut(self) -> tuple[Cut, ...]:

@@ -49,7 +49,7 @@ def movable(facts: Facts) -> bool:
     lines cut up the skeleton, whose zone is the last."""
     given = facts.options
     decided = given.zone_contours is not None or given.zone_heat_kj is not None or given.zone_fixed or given.zone_places
-    return not decided and facts.past is None and not facts.nest.scrap
+    return not decided and facts.past is None and not facts.nest.scrap and not facts.nest.stretches
 
 
 def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:

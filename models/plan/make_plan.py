@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import assert_never
 
 from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.stretches import run_of
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
@@ -18,6 +19,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import features_cut_across, narrow_because
 from kerfwise.encoder.small_holes import uncut_hole_reasons
+from kerfwise.encoder.text import join_names
 from kerfwise.encoder.torch_path import compensated, unlit_length_mm
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.physics.motion import Leg, idle_mm, schedule
@@ -68,7 +70,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         narrow_because(facts.whole_nest, profile.material.kerf_mm),
         tabs_because(facts, profile),
     )
-    cuts = tuple(
+    items = tuple(
         PlannedCut(
             replace(
                 candidate.as_cut(contour.id, int(facts.zone[candidate.contour])),
@@ -82,7 +84,11 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             contour.part,
             contour.kind,
             way.length_mm,
-            (*(of[contour.id] for of in told if contour.id in of), *common_because(candidate, contour.id), *because),
+            (
+                *(of[contour.id] for of in told if contour.id in of),
+                *common_because(facts, candidate, contour.id),
+                *because,
+            ),
             across=tuple(one.place for one in across.get(contour.id, ())),
         )
         for candidate, contour, way, link, (begin, end), because in zip(
@@ -101,7 +107,8 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         start_side_because=facts.start_side_because,
         origin=machine.origin,
         zero=profile.frame_on(nest).corner,
-        cuts=cuts,
+        cuts=tuple(item for item in items if item.kind != "stretch"),
+        begun=tuple(_begun(nest, items, profile.material.kerf_mm, len(facts.already_cut))),
         totals=Totals(
             cut_mm=sum(leg.length_mm for leg in legs),
             idle_mm=idle_mm(legs, home),
@@ -168,6 +175,38 @@ def _way(candidate: Candidate, link: Link | None) -> _Way:
     return _Way(link.path[0], path, candidate.cut_mm - lead_mm + path.length_mm)
 
 
+def _begun(nest: Nest, items: Sequence[PlannedCut], kerf_mm: float, made: int) -> Iterator[tuple[int, PlannedCut]]:
+    """The stretches of the ways among a plan's items, each with the number of the cut after it."""
+    after = made + 1
+    for item in items:
+        if item.kind != "stretch":
+            after += 1
+            continue
+        cut, way = item.cut, nest.contour(item.cut.contour)
+        along = way.along if cut.direction == "ccw" else tuple(stretch.reversed for stretch in reversed(way.along))
+        at, lead, because = cut.pierce, cut.lead_in, item.because
+        for k, stretch in enumerate(along):
+            contour, (begin, end) = nest.contour(stretch.contour), (stretch.span.begin, stretch.span.end)
+            if k:
+                lead = Curve.of([at, begin], closed=False) if math.dist(at, begin) > SAME_MM else None
+            lead_mm = 0.0 if lead is None else lead.length_mm
+            begun = replace(
+                cut,
+                contour=contour.id,
+                entry=contour.curve.point_at(contour.curve.project(begin)[0]),
+                direction=stretch.direction,
+                pierce=at,
+                lead_in=lead,
+                lead_out=Curve.of([end], closed=False),
+                linked=k > 0,
+                span=stretch.span,
+                way=way.id,
+            )
+            length_mm = lead_mm + run_of(contour, stretch, kerf_mm)[1]
+            yield after, PlannedCut(begun, contour.part, contour.kind, length_mm, because)
+            at, because = end, (f"a stretch of {way.id}",)
+
+
 def _broken_off(facts: Facts) -> Cut | None:
     return None if facts.past is None else facts.past.already.broken_off
 
@@ -192,6 +231,9 @@ def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:
     """
     through = [c for c in contours if c.shapes_part]
     return float(sum(a.part != b.part and a.line.distance(b.line) < radius_mm for a, b in pairwise(through)))
+
+
+_NAMED = 6
 
 
 # Why a cut is entered where it is: where that is the shortest way on, or the link that leads to it.
@@ -239,10 +281,21 @@ def _way_mm(leave: Point, pierce: Point, end: Point, reach: Point) -> float:
 # Why a cut follows a stretch of its contour alone, in a sentence.
 
 
-def common_because(candidate: Candidate, name: str) -> tuple[str, ...]:
-    """What the neighbours that are out have left of a contour with common edges; nothing where it is cut all round."""
+def common_because(facts: Facts, candidate: Candidate, name: str) -> tuple[str, ...]:
+    """What the neighbours that are out have left of a contour with common edges; nothing where it is cut all round.
+
+    So of one that a way has begun; and what a way begins.
+    """
+    if along := facts.nest.contours[candidate.contour].along:
+        names = list(dict.fromkeys(stretch.contour for stretch in along))
+        return (f"stretches: it begins {join_names(names, _NAMED)}, cut later along what is left of each",)
     if candidate.span is None:
         return ()
+    if not {*candidate.out} <= facts.whole_nest.index.keys():
+        waits = "" if candidate.kerf_start else ", where the torch waits as for a pierce"
+        have = "have" if len(candidate.out) > 1 else "has"
+        told = f"{' and '.join(candidate.out)} {have} cut the rest of {name}, which begins in an old kerf{waits}"
+        return (f"stretches: {told}",)
     begins = "begins in their kerf" if len(candidate.out) > 1 else "begins in its kerf"
     waits = "" if candidate.kerf_start else ", where the torch waits as for a pierce"
     return (f"common edges: {', '.join(candidate.out)} cut the rest of {name}, which {begins}{waits}",)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from kerfwise.encoder.already_cut import AlreadyCut
@@ -178,7 +178,8 @@ class Plan:
     what cutting zone after zone costs, where that was looked for. Where a
     program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
     `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun. `pierces` are the holes that
-    are pierced in passes of their own, in order; the cuts of their contours begin there. `state`
+    are pierced in passes of their own, in order; the cuts of their contours begin there. `begun` are cuts along
+    stretches of ways that leave their contours unfinished, each with the number of the cut that comes after it. `state`
     says whether every hard rule holds, as the check found when the plan was made; None in plans of before.
     """
 
@@ -204,6 +205,42 @@ class Plan:
     pierces: tuple[Pierce, ...] = ()
     state: PlanState | None = None
     prices: Prices | None = None
+    begun: tuple[tuple[int, PlannedCut], ...] = ()
+
+    @property
+    def burns(self) -> tuple[PlannedCut, ...]:
+        """All that is still to be burnt, in the torch's order: the cuts, and stretches of ways before them."""
+        return tuple(planned for _, planned in self._numbered(self.cuts, self.resumed_after + 1))
+
+    @property
+    def items(self) -> tuple[PlannedCut, ...]:
+        """The same with each way as one: a cut named by the way, of kind `stretch`, as its first stretch begins."""
+        found: list[PlannedCut] = []
+        for planned in self.burns:
+            way = planned.cut.way
+            if way and found and found[-1].cut.contour == way:
+                last = found[-1]
+                cut = replace(last.cut, lead_out=planned.cut.lead_out, end_s=planned.cut.end_s)
+                found[-1] = replace(last, cut=cut, length_mm=last.length_mm + planned.length_mm)
+            elif way:
+                found.append(
+                    replace(planned, cut=replace(planned.cut, contour=way, span=None), part="", kind="stretch")
+                )
+            else:
+                found.append(planned)
+        return tuple(found)
+
+    def with_items(self, items: Sequence[PlannedCut]) -> Plan:
+        """The plan with the reasons of these items, which are its own: those of a way stand at its first stretch."""
+        told = {item.cut.contour: item.because for item in items if item.kind == "stretch"}
+        begun = tuple((k, replace(p, because=told.pop(p.cut.way, p.because))) for k, p in self.begun)
+        return replace(self, cuts=tuple(item for item in items if item.kind != "stretch"), begun=begun)
+
+    def _numbered(self, cuts: Sequence[PlannedCut], first: int) -> Iterator[tuple[int, PlannedCut]]:
+        """Cuts with their numbers, and before each the stretches that come before it, with its number."""
+        for k, planned in enumerate(cuts, first):
+            yield from ((k, stretch) for at, stretch in self.begun if at == k)
+            yield k, planned
 
     @property
     def resumed_after(self) -> int:
@@ -257,7 +294,8 @@ class Plan:
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
         """The bare cuts, those made before among them, as rules judge them."""
         cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
-        return CutSequence(cuts, self.start_side, home, made=self.resumed_after, pierces=self.pierces)
+        begun = tuple((k, planned.cut) for k, planned in self.begun)
+        return CutSequence(cuts, self.start_side, home, made=self.resumed_after, begun=begun, pierces=self.pierces)
 
     def to_json(self) -> str:
         """The plan as kerfwise-plan/1 text: stable key order, one cut a line, a newline at the end."""
@@ -307,11 +345,11 @@ class Plan:
             ]
         lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]
         if "resumed_after" in head:
-            lines.append(f' "already_cut": {_rows(self.already_cut, 1)}')
+            lines.append(f' "already_cut": {_rows(self._numbered(self.already_cut, 1))}')
         if self.broken_off is not None:
             row = _cut_row(self.resumed_after + 1, self.broken_off)
             lines.append(f' "broken_off": {json.dumps(row, ensure_ascii=False)}')
-        lines.append(f' "cuts": {_rows(self.cuts, self.resumed_after + 1)}')
+        lines.append(f' "cuts": {_rows(self._numbered(self.cuts, self.resumed_after + 1))}')
         if self.pierces:
             rows = ",\n  ".join(json.dumps(_pierce_row(pierce), ensure_ascii=False) for pierce in self.pierces)
             lines.append(f' "pierces": [\n  {rows}\n ]')
@@ -319,9 +357,9 @@ class Plan:
         return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def _rows(cuts: Sequence[PlannedCut], first: int) -> str:
-    """Cuts as a list, one a line, numbered from `first`."""
-    rows = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in enumerate(cuts, first))
+def _rows(cuts: Iterable[tuple[int, PlannedCut]]) -> str:
+    """Numbered cuts as a list, one a line."""
+    rows = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in cuts)
     return f"[\n  {rows}\n ]"
 
 
@@ -340,7 +378,7 @@ def _pierce_row(pierce: Pierce) -> dict[str, Any]:
 
 def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
     cut = planned.cut
-    row = {
+    row: dict[str, Any] = {
         "order": order,
         "contour": cut.contour,
         "part": planned.part,
@@ -361,7 +399,8 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
     if cut.linked:
         row["linked"] = True
     if cut.span is not None:
-        row["span"] = {"from": [round(v, 6) for v in cut.span.begin], "to": [round(v, 6) for v in cut.span.end]}
+        ends = {"from": [round(v, 6) for v in cut.span.begin], "to": [round(v, 6) for v in cut.span.end]}
+        row |= {"stretch": ends | {"way": cut.way}} if cut.way else {"span": ends}
     if cut.tabs:
         row["tabs"] = [{"at": [round(v, 6) for v in tab.at], "width": round(tab.width_mm, 6)} for tab in cut.tabs]
     if planned.across:

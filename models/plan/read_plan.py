@@ -16,7 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import places, read_limited, schema_message, strict_json
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_crossings
-from kerfwise.encoder.nest import KINDS, Loss, Nest
+from kerfwise.encoder.nest import CONTOUR_KINDS, Loss, Nest
 from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
 from kerfwise.rules.plan_state import PlanState
@@ -81,20 +81,28 @@ def plan_in(text: str, path: str | Path = "the plan") -> Plan:
 
 def _check_order(data: dict[str, Any], path: str | Path) -> None:
     """Cuts count from 1, those made before first."""
-    already = data.get("already_cut", [])
+    already, cuts = (_finishing(data.get(key, [])) for key in ("already_cut", "cuts"))
     made = len(already)
     if data.get("resumed_after", 0) != made:
         says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {made} cuts as already cut"
         raise InputError(f"the plan is damaged: {says}", file=path)
     if sorted(cut["order"] for cut in already) != list(range(1, made + 1)):
         raise InputError("the plan is damaged: the order of what is already cut does not count 1, 2, 3 …", file=path)
-    if sorted(cut["order"] for cut in data["cuts"]) != list(range(made + 1, made + len(data["cuts"]) + 1)):
+    if sorted(cut["order"] for cut in cuts) != list(range(made + 1, made + len(cuts) + 1)):
         counts = ", ".join(str(made + k) for k in (1, 2, 3))
         raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
-    for cut in (*already, *data["cuts"]):
+    for cut in (*data.get("already_cut", []), *data["cuts"]):
+        if "stretch" in cut and not 1 <= cut["order"] <= made + len(cuts) + 1:
+            says = f"a stretch of {cut['contour']} comes before cut {cut['order']}, which there is not"
+            raise InputError(f"the plan is damaged: {says}", file=path)
         if cut["end_s"] < cut["start_s"]:
             says = f"cut {cut['order']} ends at {cut['end_s']:g} s, before it begins at {cut['start_s']:g} s"
             raise InputError(f"the plan is damaged: {says}", file=path)
+
+
+def _finishing(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The cuts without those that leave their contours unfinished."""
+    return [row for row in rows if "stretch" not in row]
 
 
 @cache
@@ -141,7 +149,7 @@ def _plain(cut: object) -> bool:
         return False
     texts = [*cut["because"], *(cut.get("excused", ()) if isinstance(cut.get("excused", ()), list | tuple) else (0,))]
     return (
-        cut["kind"] in KINDS
+        cut["kind"] in CONTOUR_KINDS
         and cut["direction"] in ("cw", "ccw")
         and 0 <= cut["zone"] <= LIMIT_MM
         and all(len(cut[key]) == 2 and _plain_row(cut[key]) for key in ("entry", "pierce"))
@@ -157,7 +165,7 @@ def _plain_row(row: list[object]) -> bool:
 
 
 _PATHS = ("lead_in", "lead_out")
-_SELDOM = {"across", "dwell_s", "linked", "span", "tabs", "torch", "together"}
+_SELDOM = {"across", "dwell_s", "linked", "span", "stretch", "tabs", "torch", "together"}
 _NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
 _CUT_KINDS: dict[str, tuple[type, ...]] = {
     "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
@@ -205,11 +213,14 @@ def _plan_of(data: dict[str, Any]) -> Plan:
             for p in data.get("pierces", ())
         ),
         state=PlanState.of_json(data["state"]) if "state" in data else None,
+        begun=tuple(
+            (row["order"], _cut(row)) for row in (*data.get("already_cut", []), *data["cuts"]) if "stretch" in row
+        ),
     )
 
 
 def _cuts(rows: list[dict[str, Any]]) -> tuple[PlannedCut, ...]:
-    return tuple(_cut(row) for row in sorted(rows, key=itemgetter("order")))
+    return tuple(_cut(row) for row in sorted(_finishing(rows), key=itemgetter("order")))
 
 
 def _cut(c: dict[str, Any]) -> PlannedCut:
@@ -226,10 +237,11 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
             c["end_s"],
             tuple(c.get("excused", ())),
             c.get("linked", False),
-            _span(c["span"]) if "span" in c else None,
+            _span(ends) if (ends := c.get("stretch", c.get("span"))) is not None else None,
             tuple(Tab((float(t["at"][0]), float(t["at"][1])), float(t["width"])) for t in c.get("tabs", ())),
             c.get("torch", 1),
             c.get("together", ""),
+            c["stretch"]["way"] if "stretch" in c else "",
         ),
         c["part"],
         c["kind"],

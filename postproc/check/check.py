@@ -241,7 +241,7 @@ def _judge_paths(
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
         *([judgement("pierce-pass", pierce_pass_violations(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
-        judgement("links", [*bad_links(runs, kerf_mm, profile.cuts.links.longest_mm), *long]),
+        judgement("links", [*bad_links(runs, kerf_mm, profile.longest_link_mm), *long]),
         judgement(
             "loose-metal",
             [

@@ -17,7 +17,7 @@ from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Violation
 
-from .burn_pieces import Piece, find_shared_burns, is_whole, pieces, stretches_of
+from .burn_pieces import Piece, Stretch, adds_mm, find_shared_burns, is_whole, pieces, stretches_of
 from .matching import Match
 from .plan_runs import NOTHING_BURNT, BurntBefore
 from .result import RelaxedStatement
@@ -241,12 +241,16 @@ TabsByContour = Mapping[str, Sequence[Tab]]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CutOut:
-    """One contour that is out, or a stretch of one that is not: how it is cut, and the torch's path."""
+    """One contour that is out, or a stretch of one that is not: how it is cut, and the torch's path.
+
+    `begun` are the stretches of contours that a burn cuts which finishes none, each as a cut of its own, linked.
+    """
 
     contour: Contour
     cut: Cut
     out: bool
     run: TorchRun
+    begun: tuple[Cut, ...] = ()
 
 
 def shared_cuts(
@@ -298,7 +302,37 @@ def shared_cuts(
             for piece in row
         ]
         made[burn] = list(_cut_out(nest, burns[burn], row, whole, rings))
+        if made[burn] and not any(cut.out for cut in made[burn]):
+            begun = tuple(_begun(nest, burns[burn], _new_along(along.get(burn, []), coverage, burn, within_mm), rings))
+            made[burn][0] = replace(made[burn][0], begun=begun)
     return {burn: cuts for burn, cuts in made.items() if cuts}
+
+
+def _new_along(
+    row: Sequence[Stretch], coverage: Mapping[int, Covered], burn: int, within_mm: float
+) -> Iterator[Stretch]:
+    """The stretches of a burn that cover something of a ring which nothing has covered before."""
+    for stretch in row:
+        new = coverage[stretch.ring].new.get(burn) if stretch.ring in coverage else None
+        if new is not None and adds_mm(stretch, new) > 2 * within_mm:
+            yield stretch
+
+
+def _begun(nest: Nest, burn: Burn, row: Iterable[Stretch], rings: Rings) -> Iterator[Cut]:
+    """The stretches of a burn as cuts that leave their contours unfinished, in order."""
+    path, at_mm = burn.path, 0.0
+    for k, stretch in enumerate(row):
+        contour = nest.contours[stretch.ring]
+        low_mm, high_mm = float(stretch.low_mm), float(min(stretch.high_mm, path.length_mm))
+        join, followed = path.point_at(low_mm), _between(path, low_mm, high_mm)
+        lead_in = _between(path, at_mm, low_mm) if low_mm > at_mm else None
+        yield Cut(
+            contour.id, contour.curve.point_at(contour.curve.project(join)[0]),
+            _direction(contour, followed, rings[stretch.ring], False), path.point_at(min(at_mm, low_mm)), lead_in,
+            Curve.of([path.point_at(high_mm)], closed=False), 0, _when_s(burn, min(at_mm, low_mm)),
+            _when_s(burn, high_mm), linked=k > 0, span=Span(join, path.point_at(high_mm)),
+        )  # fmt: skip
+        at_mm = high_mm
 
 
 def _burnt_on(rings: Rings, before: Sequence[shapely.LineString], within_mm: float) -> dict[int, Floats]:

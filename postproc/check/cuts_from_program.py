@@ -124,7 +124,7 @@ def _rebuilt(
         pierces += _pierced(holes, len(cuts) + 1, burn.line)
         if k in several:
             if not any(piece.out for piece in several[k]):
-                begun.append((len(cuts) + 1, several[k][0].cut))
+                begun += [(len(cuts) + 1, replace(cut, torch=burn.torch)) for cut in several[k][0].begun]
             for piece in several[k]:
                 position = 0
                 if piece.out:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import shapely
 
@@ -40,7 +40,7 @@ class PlanClaims:
 
     def names_of_burns(self) -> list[str]:
         """The first contour of each burn that the plan asks for."""
-        return [cut.contour for cut in self.cuts.new if not cut.linked]
+        return [cut.contour for _, cut in self.cuts.new_burns if not cut.linked]
 
     def completed(self, cuts: CutSequence) -> CutSequence:
         """The cuts of a program, with what the plan says of them and the program does not."""
@@ -83,6 +83,7 @@ def strays_from(planned: PlanClaims, nest: Nest, made: CutSequence, kerf_mm: flo
             closed = cut.contour in nest.index and nest.contour(cut.contour).curve.closed
             for text in _differences(cut, asked, closed, kerf_mm):
                 yield Violation(_RULE, (cut.contour,), f"cut {k} of {cut.contour} {text}", (k,))
+    yield from _other_stretches(planned.cuts, made, kerf_mm)
     asked_holes = planned.cuts.pierces
     for k, (hole, said) in enumerate(zip(made.pierces, asked_holes, strict=False), 1):
         if hole.before != said.before or math.dist(hole.at, said.at) > 2 * tolerance_mm(kerf_mm):
@@ -93,6 +94,18 @@ def strays_from(planned: PlanClaims, nest: Nest, made: CutSequence, kerf_mm: flo
         yield Violation(_RULE, (), text)
     if len(made.new) != len(planned.cuts.new):
         yield Violation(_RULE, (), f"it makes {len(made.new)} cuts, the plan {len(planned.cuts.new)}")
+
+
+def _other_stretches(asked: CutSequence, made: CutSequence, kerf_mm: float) -> Iterator[Violation]:
+    """Burns that finish no contour and begin elsewhere, or at another time, than those of the plan."""
+    told = [(k, cut) for k, cut in asked.begun if k > asked.made and not cut.linked]
+    seen = [(k, cut) for k, cut in made.begun if k > made.made and not cut.linked]
+    for (k, cut), (at, other) in zip(told, seen, strict=False):
+        if k != at or math.dist(cut.pierce, other.pierce) > 2 * tolerance_mm(kerf_mm):
+            text = f"{cut.way} begins before cut {at} at {_at(other.pierce)}, the plan says before cut {k} at "
+            yield Violation(_RULE, (cut.contour,), f"{text}{_at(cut.pierce)}")
+    if len(told) != len(seen):
+        yield Violation(_RULE, (), f"{len(seen)} of its burns finish no contour, {len(told)} of the plan's do")
 
 
 def _differences(cut: Cut, asked: Cut, closed: bool, kerf_mm: float) -> Iterator[str]:
@@ -126,6 +139,8 @@ _IDLE_MM, _LENGTH_MM, _LENGTH_SHARE, _TIME_S = 0.1, 0.1, 0.001, 0.01
 class Claims:
     """What a plan states: totals, the torch-on length of each cut, and which rules hold (none where it is silent).
 
+    `begun_mm` are the lengths of cuts that leave their contours unfinished.
+
     `of_all` is false for a plan made with another profile than it is judged by: it knows nothing of further rules.
     """
 
@@ -136,16 +151,17 @@ class Claims:
     lengths_mm: tuple[float, ...]
     rules: Mapping[str, bool] = field(default_factory=dict)
     of_all: bool = True
+    begun_mm: tuple[float, ...] = ()
 
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:
     """Idle travel: home, every pierce and end in order, those of pierce passes among them, and home again, mm."""
-    ends = [cuts.home, *(end_of(nest, cut) for cut in cuts.way)]
-    starts = [*(cut.pierce for cut in cuts.way), cuts.home]
+    way = [(k, cut) for k, cut in cuts.new_burns if cut.torch == 1]
+    ends = [cuts.home, *(end_of(nest, cut) for _, cut in way)]
+    starts = [*(cut.pierce for _, cut in way), cuts.home]
     pierced = cuts.pierced
-    ways = (
-        (a, *(hole.at for hole in pierced.get(k, ())), b) for k, (a, b) in enumerate(zip(ends, starts, strict=True), 1)
-    )
+    number = [1, *accumulate((int(cuts.finishes(k, cut)) for k, cut in way), initial=1)][1:]
+    ways = ((a, *(hole.at for hole in pierced.pop(k, ())), b) for k, a, b in zip(number, ends, starts, strict=True))
     return math.fsum(math.dist(a, b) for way in ways for a, b in pairwise(way))
 
 
@@ -163,12 +179,14 @@ def totals(
     if abs(idle - claims.idle_mm) > _IDLE_MM:
         wrong(f"the idle travel is {idle:.3f} mm, the plan says {claims.idle_mm:.3f} mm")
     allowed = 0.0
+    begun = iter(claims.begun_mm)
     for run in runs:
         slack = _LENGTH_MM + 4 * step_mm() + _LENGTH_SHARE * run.length_mm
         allowed += slack
-        said = claims.lengths_mm[run.position - 1 - cuts.made]
+        said = claims.lengths_mm[run.position - 1 - cuts.made] if run.position else next(begun, 0.0)
         if abs(run.length_mm - said) > slack:
-            wrong(f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {said:.3f} mm", run.position)
+            text = f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {said:.3f} mm"
+            wrong(text, run.position or None)
     cut = math.fsum(run.length_mm for run in runs)
     if abs(cut - claims.cut_mm) > max(allowed, _LENGTH_MM):
         wrong(f"the torch is on for {cut:.3f} mm, the plan says {claims.cut_mm:.3f} mm")
@@ -211,7 +229,7 @@ def end_of(nest: Nest, cut: Cut) -> Point:
 
 def _pierces(nest: Nest, cuts: CutSequence, unpierced: Collection[int]) -> tuple[int, int]:
     """Cuts that pierce the sheet; an edge start right at the edge may count or not."""
-    new = enumerate(cuts.new, cuts.made + 1)
+    new = ((k if cuts.finishes(k, c) else 0, c) for k, c in cuts.new_burns)
     cut = (c for k, c in new if not c.linked and k not in unpierced and c.contour in nest.index)
     torch = [c.pierce for c in cut if nest.contour(c.contour).kind != "mark"]
     points = shapely.points(torch) if torch else []

@@ -28,9 +28,13 @@ from .torch_run import TorchRun, every_line_of, rings_of, tolerance_mm, torch_ri
 
 
 def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple[TorchRun, ...], tuple[Violation, ...]]:
-    """The torch-on path of every new cut of a known contour, and where leads do not join what they should."""
-    new = enumerate(cuts.new, cuts.made + 1)
-    known = [(k, cut, nest.contour(cut.contour)) for k, cut in new if cut.contour in nest.index]
+    """The torch-on path of every new cut of a known contour, and where leads do not join what they should.
+
+    A cut that leaves its contour unfinished has no position of its own.
+    """
+    burns = cuts.new_burns
+    earlier = dict(zip((id(cut) for _, cut in burns), [None, *(cut for _, cut in burns)], strict=False))
+    known = [(k, cut, nest.contour(cut.contour)) for k, cut in burns if cut.contour in nest.index]
     of_nest = rings_of(nest, kerf_mm)
     runs: list[TorchRun] = []
     violations: list[Violation] = []
@@ -46,15 +50,18 @@ def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple
         join = _join(cut, ring)
         faults += list(_faults(cut, contour, ring, join, kerf_mm))
         if cut.linked:
-            faults += list(_unlinked(nest, cut, cuts[position - 2] if position > cuts.made + 1 else None, kerf_mm))
+            faults += list(_unlinked(nest, cut, earlier[id(cut)], kerf_mm))
         if cut.span is not None and contour.encloses:
             faults += list(_off_span(cut, contour, cut.span, ring, join, kerf_mm))
             ring = _stretch(ring, join, cut.span.end, cut.direction == "ccw")
-        where, marks, partial = f"cut {position}", contour.kind == "mark", cut.span is not None
+        marks, partial, where = contour.kind == "mark", cut.span is not None, f"cut {position}"
+        if not cuts.finishes(position, cut):
+            where, position = f"the stretch of {cut.way} before cut {position}", 0
         off = unlit_tabs(cut, kerf_mm) if contour.encloses else ()
         faults += list(_faults_of_tabs(cut, off, ring, join, kerf_mm))
         runs.append(TorchRun(position, where, contour, lead_in, ring, lead_out, marks, cut.linked, partial, off))
-        violations += [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in faults]
+        at = (position,) if position else ()
+        violations += [Violation(rule, (contour.id,), f"{where}: {text}", at) for rule, text in faults]
     return tuple(runs), tuple(violations)
 
 

@@ -217,7 +217,7 @@ def body_of_plan(
         If the plan was made from another nest.
     """
     expect_same_nest(plan, profile.as_cut(nest))
-    cuts = tuple((*_geometry(planned.cut), planned.dwell_s) for planned in plan.cuts)
+    cuts = tuple((*_geometry(planned.cut), planned.dwell_s) for planned in plan.burns)
     pierces, first = tuple((hole.contour, hole.at, hole.before) for hole in plan.pierces), plan.resumed_after + 1
     spelt = _Spelt(cuts, pierces, first, names, profile, dialect)
     known = nest.kept.setdefault(body_of_plan, OrderedDict())
@@ -240,11 +240,13 @@ def blocks_of_plan(plan: Plan, nest: Nest, profile: Profile, paths: Sequence[Too
 def _geometry(cut: Cut) -> tuple[object, ...]:
     """All of a cut but its times, its entry, and what it is excused from. Leads are told apart as objects."""
     ways = cut.pierce, cut.lead_in, cut.lead_out, cut.span, cut.tabs
-    return cut.contour, cut.direction, *ways, cut.zone, cut.linked, cut.torch, cut.together
+    return cut.contour, cut.direction, *ways, cut.zone, cut.linked, cut.torch, cut.together, cut.way
 
 
 def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) -> str:
-    """What stands before a cut: its number, name, zone and direction."""
+    """What stands before a cut: its number, name, zone and direction; before a stretch, which way it belongs to."""
+    if cut.way:
+        return comment(dialect, f"STRETCH {plain(cut.way)}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
     with_torch = f" TORCH {cut.torch}" if cut.torch > 1 else ""
     told = f"ZONE {cut.zone} {cut.direction.upper()}{with_torch}"
     return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, told)
@@ -283,7 +285,7 @@ def _body(
         paths = list(paths)
         pen.shared = _shared(paths, profile, dialect, pen)
     for made, after in _with_next(paths):
-        for count, pierce in due.get(order, ()):
+        for count, pierce in due.pop(order, ()):
             at = round(pierce.at[0], 6) - x, round(pierce.at[1], 6) - y
             yield from _pierce(count, names.get(pierce.contour, ""), at, profile, pen)
         name, lit = names.get(made.planned.cut.contour, ""), after is not None and after.linked
@@ -291,7 +293,7 @@ def _body(
             yield cut_comment(more, names.get(planned.cut.contour, ""), planned.cut, made.marks, dialect)
         made = made if x == y == 0 else replace(made, path=made.path.moved(-x, -y))
         yield from _cut(order, name, made, profile, pen, stays_on=lit)
-        order += 1 + len(made.together)
+        order += (not made.planned.cut.way) + len(made.together)
     yield comment(dialect, "HOME")
     yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
     yield pen.rapid(profile.machine.home)

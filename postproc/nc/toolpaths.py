@@ -64,7 +64,7 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     """
     nest = profile.as_cut(nest)
     expect_same_nest(plan, nest)
-    first = [planned for planned in plan.cuts if planned.cut.torch == 1]
+    first = [planned for planned in plan.burns if planned.cut.torch == 1]
     others: dict[str, list[PlannedCut]] = {}
     for planned in plan.cuts:
         if planned.cut.torch > 1:
@@ -75,7 +75,8 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         contour = nest.contour(planned.cut.contour)
         cut, kerf_mm = _as_filed(planned.cut), profile.material.kerf_mm
         path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
-        unpierced = edge_start or (planned.cut.span is not None and profile.kerf_starts)
+        in_kerf = planned.cut.span is not None and not planned.cut.way
+        unpierced = edge_start or (in_kerf and profile.kerf_starts)
         edge_start = unpierced and not planned.cut.linked
         mark, hole = contour.kind == "mark", planned.cut.contour in pierced
         together = tuple(others.get(planned.cut.contour, ()))

@@ -25,7 +25,7 @@ from .scene import Dot, Item, SceneLayer, Shape, Style, TextLine, View
 
 INKS: Mapping[str, str] = {
     "outer": scene.OUTER, "hole": scene.HOLE, "mark": scene.MARK, "slit": scene.SLIT,
-    "scrap": scene.SCRAP,
+    "scrap": scene.SCRAP, "stretch": scene.STRETCH,
 }  # fmt: skip
 _ARROW_EVERY = 260.0  # page units along a contour
 
@@ -119,6 +119,27 @@ def lead_layer(view: View, cuts: Sequence[Cut]) -> SceneLayer:
     return SceneLayer("leads", tuple(Shape((path,), style, closed=False, cut=k) for path, (style, k) in drawn))
 
 
+def stretch_layer(nest: Nest, view: View, begun: Sequence[tuple[int, Cut]]) -> SceneLayer:
+    """Stretches that are cut before the rest of their contours, with their links and pierces: before which cut."""
+    items: list[Item] = []
+    width = 1.8 * view.line_width
+    for k, cut in begun:
+        curve = nest.contour(cut.contour).curve.towards(cut.direction)
+        start_mm = curve.project(cut.entry)[0]
+        end_mm = start_mm if cut.span is None else curve.project(cut.span.end)[0]
+        piece = curve.between(start_mm, (end_mm - start_mm) % curve.length_mm)
+        ways = [lead for lead in (cut.lead_in, piece) if lead is not None and len(lead.segments) > 0]
+        style = Style(stroke=scene.STRETCH, width=width)
+        items += [Shape((path,), style, closed=False, cut=k) for path in view.paths(ways)]
+        size = min(view.arrow_size, 0.3 * piece.length_mm * view.scale)
+        middle_mm = piece.length_mm / 2
+        head = _head(view.point(piece.point_at(middle_mm)), piece.tangent_at(middle_mm), size)
+        items.append(Shape((head,), Style(fill=scene.STRETCH), cut=k))
+        if not cut.linked:
+            items.append(Dot(*view.point(cut.pierce), view.dot_radius, Style(fill=_torch_ink(cut)), k))
+    return SceneLayer("stretches", tuple(items))
+
+
 def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
     """A dot where the torch pierces, a ring where it begins off the sheet or in an older kerf.
 
@@ -177,16 +198,19 @@ def travel_layer(
     home: Point | None,
     shares: Sequence[float],
     pierced: Mapping[int, Sequence[Pierce]] | None = None,
+    begun: Sequence[tuple[int, Cut]] = (),
 ) -> SceneLayer:
     """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home.
 
     Without a `home` the ways from there and back are left out.
 
     The way through the holes that are `pierced` in a pass before a cut, counted from 1, is dotted. Further torches go
-    along with the first, whose way this is.
+    along with the first, whose way this is. What is `begun` before a cut comes before it.
     """
+    linked = {id(cut) for cut in cuts if cut.linked}
     way = [(k, cut) for k, cut in enumerate(cuts, 1) if cut.torch == 1]
-    stops = [(k, a.end, b.pierce) for (_, a), (k, b) in pairwise(way)]
+    way = sorted([*begun, *way], key=lambda row: row[0]) if begun else way
+    stops = [(k, a.end, b.pierce) for (_, a), (k, b) in pairwise(way) if id(b) not in linked]
     if home is not None:
         stops = [(way[0][0], home, way[0][1].pierce), *stops, (len(cuts) + 1, way[-1][1].end, home)]
     width = max(view.line_width, 0.7)
@@ -201,7 +225,7 @@ def travel_layer(
             start = holes[-1].at
         a, b = view.point(start), view.point(end)
         length = math.dist(a, b)
-        if length < 0.5 or (k <= len(cuts) and cuts[k - 1].linked):
+        if length < 0.5:
             continue
         colour = scene.time_colour(share)
         cut = min(k, len(cuts))

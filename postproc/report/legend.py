@@ -198,6 +198,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("edge", "begins off the sheet"),
         ("kerf", "begins in an older kerf"),
         ("wait", "waits for metal to cool"),
+        ("stretch", "stretch cut before the rest"),
         ("outer", "outer contour"),
         ("hole", "hole"),
         ("mark", "mark"),
@@ -234,6 +235,8 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
     if kind == "across":
         strokes = tuple(np.array([(x + 6, y - s * 5), (x + 16, y + s * 5)]) for s in (-1, 1))
         return [Shape(strokes, Style(stroke=scene.ACROSS, width=2), closed=False)]
+    if kind == "stretch":
+        return [Shape((line,), Style(stroke=scene.STRETCH, width=2.4), closed=False)]
     if kind == "pass":
         return [Shape((line,), Style(stroke=scene.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
     if kind in ("edge", "kerf"):

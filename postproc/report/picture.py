@@ -33,6 +33,7 @@ from .layers import (
     part_layer,
     pierce_layer,
     sheet_layer,
+    stretch_layer,
     tab_layer,
     travel_layer,
     zone_layer,
@@ -172,17 +173,21 @@ def _drawn(
         layers.append(zone_layer(nest, view, zones, [p.box() for p in (*places.values(), *called.values())]))
     layers.append(contour_layer(nest, view, order, named, out))
     clock = None
+    begun = [] if plan is None else [(k - made, planned.cut) for k, planned in plan.begun if k > made]
     if cuts:
         clock, shares = _clock(cuts)
         pierced = {} if plan is None else {k - made: holes for k, holes in plan.sequence().pierced.items()}
         layers += [
-            travel_layer(view, cuts, home, shares, pierced),
+            travel_layer(view, cuts, home, shares, pierced, begun),
+            *([stretch_layer(nest, view, begun)] if begun else []),
             direction_layer(nest, view, cuts),
             lead_layer(view, cuts),
             pierce_layer(nest, view, cuts),
             home_layer(view, home),
         ]
     kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
+    if begun:
+        kinds.add("stretch")
     if any(cut.tabs for cut in cuts):
         kinds.add("tab")
         layers.append(tab_layer(nest, view, cuts))

@@ -62,6 +62,7 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
         tuple(planned.length_mm for planned in plan.cuts),
         {rule.id: rule.holds for rule in plan.rules},
         plan.profile.get("sha256") == profile.sha256 and not any(changed_since(plan.made_with, profile.for_one_nest)),
+        tuple(planned.length_mm for planned in plan.burns if planned.cut.way),
     )
     relaxed = _relaxed_of(plan)
     thermometer = thermometer_of(nest, profile)

@@ -34,7 +34,7 @@ class CutDirectionOptions:
 
     def allowed(self, kind: Kind) -> tuple[Direction, ...]:
         """The directions that a kind of contour may be cut in."""
-        if kind in ("slit", "scrap"):  # along its line, by its candidates
+        if kind in ("slit", "scrap", "stretch"):  # along its line, by its candidates
             return ("cw", "ccw")
         way = cast(WayRound, getattr(self, kind))
         return ("cw", "ccw") if way == "free" else (way,)
@@ -74,6 +74,7 @@ class CutDirection(Rule[CutDirectionOptions]):
     sentence = "Contours are cut in the direction that the process asks of their kind."
     source = "plasma practice (swirl of the arc)"
     Options = CutDirectionOptions
+    minds_ways = True
 
     def statements(self, facts: Facts, options: CutDirectionOptions) -> Iterator[Forbid]:
         for number, candidate in enumerate(facts.candidates):
@@ -81,6 +82,11 @@ class CutDirection(Rule[CutDirectionOptions]):
             if candidate.direction not in (allowed := options.allowed(contour.kind)):
                 sentence = f"{contour.id} is cut {SPOKEN[allowed[0]]}: that is the direction of every {contour.kind}"
                 yield Forbid(number, self.about((contour.id,), sentence))
+            for stretch in contour.along:
+                way = stretch if candidate.direction == "ccw" else stretch.reversed
+                if way.direction not in (allowed := options.allowed("outer")):
+                    sentence = f"{stretch.contour} is begun {SPOKEN[allowed[0]]}: that is the direction of every outer"
+                    yield Forbid(number, self.about((contour.id, stretch.contour), sentence))
 
     def lead_options(self, given: LeadOptions, options: CutDirectionOptions, strength: Strength) -> LeadOptions:
         if strength != "hard":
@@ -89,11 +95,12 @@ class CutDirection(Rule[CutDirectionOptions]):
 
     def violations(self, nest: Nest, cuts: CutSequence, options: CutDirectionOptions) -> list[Violation]:
         found = []
-        for k, cut in enumerate(cuts, 1):
+        for k, cut in cuts.burns:
             contour = nest.contour(cut.contour)
             if cut.direction not in (allowed := options.allowed(contour.kind)):
+                place = f"cut {k}" if cuts.finishes(k, cut) else f"begun before cut {k}"
                 text = (
-                    f"{contour.id} (cut {k}) is cut {SPOKEN[cut.direction]}; the direction of every {contour.kind} is "
+                    f"{contour.id} ({place}) is cut {SPOKEN[cut.direction]}; the direction of every {contour.kind} is "
                     f"{SPOKEN[allowed[0]]}"
                 )
                 found.append(Violation(self.id, (contour.id,), text, (k,)))

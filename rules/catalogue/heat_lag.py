@@ -101,6 +101,13 @@ class HeatLag(Rule[HeatLagOptions]):
                 "without a lag in seconds, let links be longer, or turn them off (cuts.links.longest: 0 mm)",
             )
 
+        if plant.snakes and rules[self.id].strength == "hard":
+            yield (
+                "heat_radius",
+                f"a snake (cuts.snake) runs along its parts one after the other, between which the rule wants "
+                f"{_wanted(options)}: make the rule soft, or leave snakes out",
+            )
+
     def unjudged(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> str | None:
         timed = not options.lag_s or any(cut.end_s for cut in cuts) or not cuts
         return None if timed else "the times of the cuts are not stated"

@@ -59,6 +59,7 @@ class NoTipTravel(Rule[NoOptions]):
     sentence = "Idle travel does not lead over a part that has been cut out."
     source = "plant practice"
     Options = NoOptions
+    minds_ways = True
     takes_no_file = "it looks at single moves of the torch, for which files have no words"
     minds_what_is_out = True
     default = "soft"

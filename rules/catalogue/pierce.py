@@ -89,6 +89,7 @@ class Pierce(Rule[PierceOptions]):
     sentence = "A pierce lies in waste, clear of every contour and of older kerfs, and its leads cross none."
     source = "Petunin 2009, section 2"
     Options = PierceOptions
+    minds_ways = True
     takes_no_file = "the check measures by it what no order decides: waste, clearance, leads across contours"
     minds_what_is_out = True
     strengths = ("hard", "off")

@@ -104,6 +104,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     sentence = "The sheet is cut zone after zone."
     source = "Petunin 2009, fig. 4"
     Options = ZoneOrderOptions
+    minds_ways = True
     makes_zones = True
 
     def statements(self, facts: Facts, options: ZoneOrderOptions) -> Iterator[Precede]:

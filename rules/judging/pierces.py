@@ -35,6 +35,7 @@ class PiercePlaces:
     def __init__(self, nest: Nest, cuts: CutSequence) -> None:
         self.nest = nest
         self.at = cuts.positions()
+        self.finishing = {id(cut) for cut in cuts}
         self.cuts: list[tuple[int, Cut, Contour]] = [
             (k, cut, contour) for k, cut in cuts.burns if (contour := nest.contour(cut.contour)).shapes_part
         ]
@@ -81,7 +82,7 @@ class PiercePlaces:
         """Pierces nearer to a contour than the clearance; those off the sheet and those `let` are none."""
         pierced = ~shapely.disjoint(self.nest.sheet.polygon, self.points)
         on_edge = shapely.distance(self.nest.sheet.polygon.boundary, self.points) <= SLACK_MM
-        asked = np.array([k not in let for k, _, _ in self.pierced], dtype=np.bool_)
+        asked = np.array([k not in let or id(cut) not in self.finishing for k, cut, _ in self.pierced], dtype=np.bool_)
         rows = np.flatnonzero(pierced & ~on_edge & asked)
         for row, k in pairs_found(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
             (at, _, contour), near = self.pierced[rows[row]], self.through[k]
@@ -151,6 +152,7 @@ class _BurntLine:
     """
 
     position: int
+    moment: int
     contour: Contour
     what: str
     line: Any
@@ -163,6 +165,7 @@ class _Lead:
     """A lead of a cut, without what lies beside its own contour."""
 
     position: int
+    moment: int
     contour: Contour
     name: str
     line: Any
@@ -177,17 +180,17 @@ def leads_over_older_kerfs(
     part's own metal lies between its contours, so that they are not looked at against each other, but for slits. The
     cuts at the positions that are `let` may begin in an older kerf.
     """
-    finished = [(k, c, nest.contour(c.contour)) for k, c in enumerate(cuts, 1) if _burns(nest, c)]
     through = [(k, c, nest.contour(c.contour)) for k, c in cuts.burns if _burns(nest, c)]
-    if not finished:
+    when = {id(c): cuts.moment(k, c) for k, c, _ in through}
+    if not through:
         return
-    burns = list(_burns_of(finished, kerf_mm))
+    burns = list(_burns_of(through, when, kerf_mm))
     tree = shapely.STRtree([burn.line for burn in burns])
     through_metal = _through_metal(nest, [cut for _, cut, _ in through])
     pierced = [
         row
         for row, holed in zip(through, through_metal.tolist(), strict=True)
-        if holed and not row[1].linked and row[0] not in let
+        if holed and not row[1].linked and not (row[0] in let and when[id(row[1])] % 2 == 0)
     ]
     points = shapely.points(np.array([cut.pierce for _, cut, _ in pierced]).reshape(-1, 2))
     least_mm = kerf_mm / 2 + splash_mm
@@ -195,7 +198,7 @@ def leads_over_older_kerfs(
     for row, b in pairs_found(tree.query(points, "dwithin", distance=kerf_mm + least_mm - SLACK_MM)):
         (k, cut, contour), burn = pierced[row], burns[b]
         gap_mm = float(shapely.distance(points[row], burn.line)) - burn.reach_mm
-        if _older(burn, k, contour) and gap_mm < least_mm - SLACK_MM:
+        if _older(burn, when[id(cut)], contour) and gap_mm < least_mm - SLACK_MM:
             where = (
                 f"in the kerf of {burn.what}, where there is no metal"
                 if gap_mm < 0
@@ -204,14 +207,15 @@ def leads_over_older_kerfs(
             text = f"{contour.id} (cut {k}) is pierced {where}, at {spot(cut)}"
             yield (burn.position, k), (contour.id, burn.contour.id), text
     before = {k: nest.contour(cuts[k - 2].contour) for k, cut, _ in through if cut.linked and k > 1}
-    leads = list(_leads_of([row for row in through if row[0] not in let], kerf_mm, before))
+    asked = [row for row in through if not (row[0] in let and when[id(row[1])] % 2 == 0)]
+    leads = list(_leads_of(asked, when, kerf_mm, before))
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, b in pairs_found(tree.query(free, "dwithin", distance=kerf_mm - SLACK_MM)):
         lead, burn = leads[row], burns[b]
         left = lead.name == "link" and burn.position == lead.position - 1 and burn.is_own_lead
         if (
             not left
-            and _older(burn, lead.position, lead.contour)
+            and _older(burn, lead.moment, lead.contour)
             and shapely.dwithin(lead.line, burn.line, max(reach_mm[b] - SLACK_MM, 0.0))
         ):
             text = f"the {lead.name} of {lead.contour.id} (cut {lead.position}) crosses the kerf of {burn.what}"
@@ -228,7 +232,7 @@ def leads_over_holes(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
         return
     tree = shapely.STRtree(shapely.points(np.array([hole.at for hole in holes])))
     through = [(k, cut, nest.contour(cut.contour)) for k, cut in cuts.burns if _burns(nest, cut)]
-    leads = list(_leads_of(through, kerf_mm, {}))
+    leads = list(_leads_of(through, {}, kerf_mm, {}))
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, h in pairs_found(tree.query(free, "dwithin", distance=kerf_mm / 2 - SLACK_MM)):
         lead, hole = leads[row], holes[h]
@@ -258,25 +262,37 @@ def _through_metal(nest: Nest, cuts: Sequence[Cut]) -> Bools:
     return np.asarray(shapely.intersects(sheet, at) & (shapely.distance(sheet.boundary, at) > SLACK_MM))
 
 
-def _older(burn: _BurntLine, position: int, contour: Contour) -> bool:
+def _older(burn: _BurntLine, moment: int, contour: Contour) -> bool:
     both_in_waste = burn.contour.part != contour.part or "slit" in (burn.contour.kind, contour.kind)
-    return burn.position < position and both_in_waste
+    return burn.moment < moment and both_in_waste
 
 
-def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterator[_BurntLine]:
+def stretch_line(cut: Cut, contour: Contour) -> shapely.LineString:
+    """The contour as drawn; of a cut that begins it only what is beside its stretch."""
+    if cut.span is None:
+        return contour.line
+    curve = contour.curve.towards(cut.direction)
+    begin_mm, end_mm = curve.project(cut.span.begin)[0], curve.project(cut.span.end)[0]
+    length_mm = (end_mm - begin_mm) % curve.length_mm
+    return curve.between(begin_mm, length_mm).line(CHORD_MM) if length_mm > 0 else contour.line
+
+
+def _burns_of(through: list[tuple[int, Cut, Contour]], when: Mapping[int, int], kerf_mm: float) -> Iterator[_BurntLine]:
     leads = [list(_named_leads(cut)) for _, cut, _ in through]
     lines = iter(lines_of([lead for row in leads for _, lead in row], CHORD_MM))
-    for (k, _, contour), row in zip(through, leads, strict=True):
-        yield _BurntLine(
-            k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm if contour.encloses else kerf_mm / 2
-        )
+    for (k, cut, contour), row in zip(through, leads, strict=True):
+        moment, reach_mm = when[id(cut)], kerf_mm if contour.encloses else kerf_mm / 2
+        told, line = f"{contour.id} (cut {k})", contour.line
+        if moment % 2:
+            told, line = f"{contour.id} (begun before cut {k})", stretch_line(cut, contour)
+        yield _BurntLine(k, moment, contour, told, line, reach_mm)
         for name, _ in row:
-            what = f"the {name} of {contour.id} (cut {k})"
-            yield _BurntLine(k, contour, what, next(lines), kerf_mm / 2, is_own_lead=name != "link")
+            what = f"the {name} of {told}"
+            yield _BurntLine(k, moment, contour, what, next(lines), kerf_mm / 2, is_own_lead=name != "link")
 
 
 def _leads_of(
-    through: Sequence[tuple[int, Cut, Contour]], kerf_mm: float, before: Mapping[int, Contour]
+    through: Sequence[tuple[int, Cut, Contour]], when: Mapping[int, int], kerf_mm: float, before: Mapping[int, Contour]
 ) -> Iterator[_Lead]:
     """The leads of cuts, each without its half a kerf at the contour; a lead-out without its overcut.
 
@@ -303,7 +319,7 @@ def _leads_of(
             older = shapely.buffer(before[position].line, kerf_mm + SLACK_MM)
             left = shapely.difference(left, shapely.union(begins, older))
         if left is not None and not left.is_empty:
-            yield _Lead(position, contour, name, left)
+            yield _Lead(position, when.get(id(cut), 2 * position), contour, name, left)
 
 
 def _named_leads(cut: Cut) -> Iterator[tuple[str, Curve]]:
@@ -317,6 +333,8 @@ def _named_leads(cut: Cut) -> Iterator[tuple[str, Curve]]:
 
 def starts_in_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float) -> frozenset[int]:
     """Positions of the cuts along a stretch of a contour that begin on the torch's way round one that is out.
+
+    So do those that begin on a stretch that was cut before, be it of their own contour.
 
     Examples
     --------
@@ -335,13 +353,15 @@ def starts_in_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float) -> froz
     if not rows:
         return frozenset()
     position = cuts.positions()
-    older = [(position[c.id], c) for c in nest.contours if c.kind == "outer" and c.id in position]
+    own = [(2 * position[c.id], c.id, c.line) for c in nest.contours if c.kind == "outer" and c.id in position]
+    begun = [(k, cut) for k, cut in cuts.begun if cut.contour in nest.index]
+    own += [(2 * k - 1, "", stretch_line(cut, nest.contour(cut.contour))) for k, cut in begun]
     points = shapely.points(np.array([cut.pierce for _, cut in rows]))
-    tree = shapely.STRtree([contour.line for _, contour in older])
+    tree = shapely.STRtree([line for _, _, line in own])
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
     row, met = tree.query(points, "dwithin", distance=within_mm)
     found = zip(row.tolist(), met.tolist(), strict=True)
-    return frozenset(rows[r][0] for r, m in found if older[m][0] < rows[r][0] and older[m][1].id != rows[r][1].contour)
+    return frozenset(rows[r][0] for r, m in found if own[m][0] < 2 * rows[r][0] and own[m][1] != rows[r][1].contour)
 
 
 def _may_be(cut: Cut, kerf_mm: float) -> bool:

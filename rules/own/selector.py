@@ -10,7 +10,7 @@ import shapely
 import yaml
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import KINDS, Nest
+from kerfwise.encoder.nest import CONTOUR_KINDS, Nest
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.judging.metal import host_holes, places
 from kerfwise.rules.options.kind import Choice, OptionKind, Unfit
@@ -341,7 +341,7 @@ def _neighbour_counts(facts: Facts) -> list[int]:
 
 
 _TABLE = (
-    _own("kind", WordKind(KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
+    _own("kind", WordKind(CONTOUR_KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
     _own("part", TextKind(), "id of its part, empty for a scrap line", lambda n: [c.part for c in n.contours]),
     _own(
         "id",

@@ -11,6 +11,7 @@ import shapely
 
 from kerfwise.encoder.bridges import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, CommonOptions, LeadOptions
+from kerfwise.encoder.candidates.snake import SnakeOptions
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.facts.links import LinkOptions
@@ -123,11 +124,25 @@ class Profile(ProfileSections):
             else with_touching_edges_cut(nest, self.material.kerf_mm, edges.shortest_mm, edges.gap_mm)
         )
 
+    def snake_options(self) -> SnakeOptions | None:
+        """Which rows of neighbours are cut as snakes; None where none are."""
+        snake, strict = self.cuts.snake, self.rules_of_direction("outer")
+        if snake.gap_mm is None:
+            return None
+        shared = CommonOptions(0.0, self.cuts.common.gap_tolerance_mm, self.machine.kerf_start)
+        one_way = bool(strict) and self.cuts.common.good_side == "part"
+        return SnakeOptions(snake.gap_mm, snake.parts, shared, may_share=not one_way)
+
     @property
     def kerf_starts(self) -> bool:
         """Whether cuts may begin in the kerf of an older one, without a wait for a pierce."""
-        common = self.common_options()
-        return common is not None and common.kerf_start
+        asked = self.common_options() is not None or self.snake_options() is not None
+        return asked and self.machine.kerf_start
+
+    @property
+    def longest_link_mm(self) -> float:
+        """The longest way through waste with the torch on: a link, or one in a snake; 0 where there are none."""
+        return max(self.cuts.links.longest_mm, self.cuts.snake.gap_mm or 0.0)
 
     def link_options(self) -> LinkOptions | None:
         """How links are made: no longer than the profile allows, and than pays; None where there are none."""
@@ -364,6 +379,41 @@ def expect_common_cuts(profile: Profile) -> None:
             "(cuts.common.good_side: any)",
             file=profile.file or None,
         )
+
+
+# Whether rows can be cut as snakes as a profile asks.
+
+
+def expect_snakes(profile: Profile, nest: Nest | None = None) -> None:
+    """Refuse what does not go together with snakes.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    if profile.cuts.snake.gap_mm is not None and (why := next(_no_snakes(profile, nest), None)):
+        raise InputError(f"cuts.snake: {why}, or leave snakes out (cuts.snake.gap: off)", file=profile.file or None)
+
+
+def _no_snakes(profile: Profile, nest: Nest | None) -> Iterator[str]:
+    cuts, limit, price = profile.cuts, profile.temperature_limit(), profile.objective
+    if profile.tabs() is not None:
+        yield "a part that tabs hold is cut in one round: turn off the rule that leaves tabs"
+    if cuts.pierce_pass is not None:
+        yield "what is left of a part begins at no hole: say cuts.pierce_pass: off"
+    if profile.machine.torches.several:
+        yield "snakes are planned for one torch: say machine: {torches: {count: 1}}"
+    if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
+        yield "a way over the gaps of a row may cut metal off in which scrap lines are cut: leave these out"
+    if profile.corner_feed() is not None:
+        yield "slower corners are counted for whole rounds: say corners.corner_feed: 1"
+    if limit is not None:
+        yield f"{limit.rule} simulates whole rounds: turn it off"
+    if price.heat and profile.heat.absorbed_power_w:
+        yield "the price of heat is simulated for whole rounds: say objective: {heat: 0}"
+    if price.distortion:
+        yield "the price of distortion is simulated for whole rounds: say objective: {distortion: 0}"
 
 
 # What is said aloud about where a sheet lies on its machine, before anything is planned.

@@ -36,6 +36,7 @@ from .sections import (
     Objective,
     RuleSetting,
     SmallHoles,
+    Snake,
     default_settings,
 )
 from .time_section import LawLeft, Time
@@ -194,7 +195,8 @@ def plant_of_sections(machine: Machine, material: Material, heat: Heat, locks: t
         absorbed_power_w=heat.absorbed_power_w,
         locks=locks,
         process=machine.process,
-        common_cuts=cuts.common.shortest_mm is not None,
+        common_cuts=cuts.common.shortest_mm is not None or cuts.snake.gap_mm is not None,
+        snakes=cuts.snake.gap_mm is not None,
         longest_link_mm=cuts.links.longest_mm,
         plate=Plate(
             thickness_mm=material.thickness_mm,
@@ -351,7 +353,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"machine.cut_feed: {feed} mm/min is not likely for {machine.process}, expected {least} mm/min and more: "
             f"did you mean {feed} m/min?",
         )
-    for path, text in common_cut_problems(given["cuts"].common, machine, material):
+    for path, text in common_cut_problems(given["cuts"].common, machine, material, given["cuts"].snake):
         problems.add(deepest(root, *path), text)
     if leads.edge_start and machine.pierce_dwell == "machine":
         problems.add(
@@ -434,9 +436,12 @@ def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str
 # What of common cuts does not go with the machine and the material.
 
 
-def common_cut_problems(common: Common, machine: Machine, material: Material) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Where the mistake stands in a profile, by its keys, and what it is."""
-    if common.shortest_mm is None:
+def common_cut_problems(
+    common: Common, machine: Machine, material: Material, snake: Snake | None = None
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Where the mistake stands in a profile, by its keys, and what it is; snakes begin in old kerfs, too."""
+    asked = "common" if common.shortest_mm is not None else "snake"
+    if common.shortest_mm is None and (snake is None or snake.gap_mm is None):
         return
     if common.gap_tolerance_mm > tolerance_mm(material.kerf_mm):
         yield (
@@ -446,8 +451,8 @@ def common_cut_problems(common: Common, machine: Machine, material: Material) ->
         )
     if machine.kerf_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
         yield (
-            ("cuts", "common"),
-            "cuts.common: a flame has to heat the edge of a kerf before it cuts on from there: give "
+            ("cuts", asked),
+            f"cuts.{asked}: a flame has to heat the edge of a kerf before it cuts on from there: give "
             "machine.edge_preheat, such as 7 s, or say machine.kerf_start: false",
         )
     if machine.kerf_start and machine.pierce_dwell == "machine":

@@ -114,6 +114,23 @@ class Scrap:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Snake:
+    """Rows of neighbours that are cut out along one side of each, with the torch on, and back along the other."""
+
+    gap_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(likely(positive(LENGTH), 0.1, 1e3), "off"),
+            "neighbours in a row are no further apart than this",
+            named=(20.0,),
+        ),
+    )
+    parts: int = field(
+        default=2, metadata=option(Number(2, 1000, whole=True), "so many parts make a row, at the least")
+    )
+
+
 PiercePass = Literal["zone", "sheet"]
 
 
@@ -142,6 +159,9 @@ class Cuts:
     )
     common: Common = field(
         default=Common(), metadata=option(Members(Common), "straight edges of two parts, a kerf apart, cut once")
+    )
+    snake: Snake = field(
+        default=Snake(), metadata=option(Members(Snake), "rows of neighbours, cut out along one side and back")
     )
 
 

@@ -52,8 +52,9 @@ def lazy_statements(facts: Facts, profile: Profile) -> Callable[[Sequence[int]],
         return tuple(found)
 
     def looked(names: Sequence[str]) -> Iterator[Statement]:
+        contours = [name for name in names if name in index] if nest.stretches else names
         for name, setting in profile.settings().items():
-            for wrong in book[name].no_goods(whole, names, setting.options):
+            for wrong in book[name].no_goods(whole, contours, setting.options):
                 out, left = frozenset(index[k] for k in wrong.out), frozenset(index[k] for k in wrong.left)
                 if (name, out, left) not in told:
                     told.add((name, out, left))
@@ -76,7 +77,7 @@ def forbids_later(facts: Facts, profile: Profile) -> bool:
 
     A rule of the profile may, and whatever it says: kerfs that meet may cut metal off.
     """
-    if meeting_of(facts.whole_nest, facts.options.kerf_mm):
+    if meeting_of(facts.nest_with_ways, facts.options.kerf_mm):
         return True
     book = profile.rulebook()
     hard = (book[name] for name, setting in profile.settings().items() if setting.weight is None)
@@ -141,7 +142,7 @@ def in_held_metal(facts: Facts, rest: Remainder, stated: Iterable[Statement]) ->
     known = {(s.about.contours, s.weight) for s in by_kind(stated).precede}
     inner = [s for s in _inner_first(facts) if (s.about.contours, None) not in known]
     yield from inner if facts.copies is None else GantryStatements(facts.copies).of_first(inner)
-    if meeting_of(facts.whole_nest, facts.options.kerf_mm):
+    if meeting_of(facts.nest_with_ways, facts.options.kerf_mm):
         yield from enclosed(facts, rest, _any_order(facts))
 
 
@@ -170,7 +171,7 @@ def _inner_first(facts: Facts) -> Iterator[Precede]:
 
 
 def _enclosed(facts: Facts, names: Sequence[str]) -> Iterator[NoGood]:
-    whole = facts.whole_nest
+    whole = facts.nest_with_ways
     for wrong in no_goods(whole, names, facts.options.kerf_mm, facts.held_by_tabs):
         out, left = (frozenset(whole.index[name] for name in side) for side in (wrong.out, wrong.left))
         yield NoGood(out, left, About(LOOSE_METAL, (*wrong.out, *wrong.left), wrong.sentence))
@@ -281,6 +282,6 @@ def _any_order(facts: Facts) -> list[str]:
             depth, top = depth + 1, parent[top]
         return -float(contours[top].line.distance(middle)), top, -depth
 
-    made = [cut.contour for cut in facts.already_cut]
+    made = [*(cut.contour for cut in facts.already_cut), *(way.id for way in of.nest.stretches)]
     left = sorted((k for k, contour in enumerate(contours) if contour.id not in set(made)), key=key)
     return [*made, *(contours[k].id for k in left)]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.compute import without_ways
 from kerfwise.encoder.graphs import (
     Link,
     Unbreakable,
@@ -28,7 +29,7 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, 
 from .feasible_order import links_to_drop, position_clashes, positions
 from .lazy_statements import asked_of_torches, in_held_metal
 from .reduced_statements import GantryStatements, remaining_statements, rest_of
-from .statement_costs import late_parts, link_offers, open_ways, slower_ways, soften
+from .statement_costs import begun_first, late_parts, link_offers, open_ways, slower_ways, soften
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -129,6 +130,7 @@ def every_statement(
             exempt += book[name].exempt(facts if facts.copies is None else facts.copies.whole, setting.options)
         else:
             statements += soften(stated, setting.weight)
+    statements += begun_first(facts)
     statements += in_held_metal(facts, rest_of(facts), statements)
     statements += _objective(facts, profile)
     return statements, tuple(exempt)
@@ -183,6 +185,7 @@ def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement
     if facts.copies is not None:
         whole = rule.statements(facts.copies.whole, options)
         return GantryStatements(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
+    facts = facts if rule.minds_ways else without_ways(facts)
     if facts.past is None or not rule.of_whole_nest:
         return rule.statements(facts, options)
     return remaining_statements(rule.statements(facts.past.whole, options), rest_of(facts))

@@ -209,9 +209,27 @@ COMMON = "common-cuts"
 """What these statements come from: no rule, but the profile's `cuts.common`."""
 
 
+STRETCHES = "stretches"
+"""What the orders come from that a way along stretches makes: no rule, but the profile's `cuts`."""
+
+
+def begun_first(facts: Facts) -> Iterator[Precede]:
+    """Each way along stretches of contours is cut before what it leaves of them."""
+    for way in facts.nest.stretches:
+        for name in dict.fromkeys(stretch.contour for stretch in way.along):
+            if name in facts.nest.index:
+                sentence = f"{way.id} is cut before {name}: it begins {name}, which is cut along what is left"
+                number = facts.nest.index[way.id]
+                yield Precede(number, facts.nest.index[name], About(STRETCHES, (way.id, name), sentence))
+
+
 def open_ways(facts: Facts) -> Iterator[AtLeast]:
-    """For each candidate of a contour with common edges: its neighbours are out, or still in, as it asks."""
+    """For each candidate of a contour with common edges: its neighbours are out, or still in, as it asks.
+
+    Ways along stretches of it always are, see `begun_first`.
+    """
     index, gone = facts.nest.index, {cut.contour for cut in facts.already_cut}
+    gone |= {way.id for way in facts.nest.stretches}
     for number, candidate in enumerate(facts.candidates):
         if not candidate.out and not candidate.still_in:
             continue

@@ -39,6 +39,9 @@ PLANS_PER_PROCESS = 40
 @click.option("--rests", is_flag=True, help="Stop after half of each program's cuts, and plan and judge the rest too.")
 @click.option("--each", is_flag=True, help="Print every finding.")
 @click.option("--plain", is_flag=True, help="No links, tabs, common cuts and the like, whatever the seed.")
+@click.option(
+    "--given", type=click.Choice(list(BEYOND)), help="What each profile is given besides, in place of one in turn."
+)
 @click.option("--minutes", type=float, help="Begin no more plans after so long.")
 def main(
     nests: int,
@@ -51,6 +54,7 @@ def main(
     rests: bool,
     each: bool,
     plain: bool,
+    given: str | None,
     minutes: float | None,
 ) -> None:
     """Plan made nests under profiles and judge every program by what it burns.
@@ -60,7 +64,8 @@ def main(
     names = tuple(shipped_profiles()) if profiles == "all" else tuple(map(_profile, profiles.split(",")))
     effort = ("--time-limit", str(time_s)) if time_s else ("--work", str(work))
     pairs = product(range(first, first + nests), names)
-    tasks = [(seed, name, effort, rests, "" if plain else beyond(seed, name)) for seed, name in pairs]
+    besides = "" if plain else given
+    tasks = [(seed, name, effort, rests, beyond(seed, name) if besides is None else besides) for seed, name in pairs]
     started, tally = time.monotonic(), Tally()
     for of_one in until_stopped(_run(tasks, processes), len(tasks), "plans", minutes):
         for done in of_one:

@@ -49,6 +49,7 @@ TABS = "rules: {hold-small-parts: {strength: hard, tabs: tipping, width: 0.5 mm,
 PASS = "machine: {pierce_dwell: program}\ncuts: {pierce_pass: zone}\n"
 EDGES = "common: {shortest: 15 mm, good_side: any"
 COMMON = f"machine: {{pierce_dwell: program, pierce_time: 2 s, edge_preheat: 1 s}}\ncuts: {{{EDGES}}}"
+SNAKE = "machine: {pierce_dwell: program, pierce_time: 2 s, edge_preheat: 1 s}\ncuts: {snake: {gap: 30 mm}"
 BEYOND: Mapping[str, str] = {
     "": "",
     "links": LINKS,
@@ -65,8 +66,12 @@ BEYOND: Mapping[str, str] = {
     "common cuts, pass": COMMON + ", pierce_pass: zone}\n",
     "common cuts, scrap": COMMON + ", scrap: {grid: 150 mm}}\n",
     "edges that touch": COMMON.removesuffix("}") + ", accept_loss: true}}\n",
+    "snake": SNAKE + "}\n",
+    "snake, common": SNAKE + f", {EDGES}}}}}\n",
+    "snake, links": SNAKE + ", links: {longest: 90 mm}}\n",
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
+IN_TURN = tuple(name for name in BEYOND if "snake" not in name)
 ANSWERS = {"small-holes": ("refuse",), "narrow": ("slit", "leave")}
 """What a plant answers where a drawing asks: another choice for each seed. Holes that are left out on purpose would be
 metal that stays: the judge knows the drawing, not the answer."""
@@ -74,7 +79,7 @@ metal that stays: the judge knows the drawing, not the answer."""
 
 def beyond(seed: int, profile: str) -> str:
     """What a profile is given besides with the nest of a seed: each in turn, another under another profile."""
-    return list(BEYOND)[(seed + sum(profile.encode())) % len(BEYOND)]
+    return IN_TURN[(seed + sum(profile.encode())) % len(IN_TURN)]
 
 
 def nest_of(seed: int, profile: str, cuts_with: str) -> Made:

@@ -133,7 +133,7 @@ def solved_context(facts: Facts, profile: Profile, stated: Stated, solution: Sol
 
 def _same_contours(facts: Facts, plan: Plan) -> None:
     index = facts.nest.index
-    planned = [p.cut.contour for p in plan.cuts]
+    planned = [p.cut.contour for p in plan.items]
     unknown = [name for name in planned if name not in index]
     missing = sorted(index.keys() - set(planned))
     if unknown or missing or len(planned) != len(index):
@@ -148,7 +148,7 @@ def _candidates_of(facts: Facts, problem: Problem, plan: Plan) -> tuple[list[int
     """The candidates that the planned cuts use, or the lawful ones nearest to them, and notes of these."""
     used = []
     otherwise: dict[str, list[str]] = defaultdict(list)
-    for planned in plan.cuts:
+    for planned in plan.items:
         candidate, how = _candidate_of(facts, problem, planned.cut)
         used.append(candidate)
         if how:
@@ -176,7 +176,7 @@ def _candidate_of(facts: Facts, problem: Problem, cut: Cut) -> tuple[int, str]:
         return math.dist(begin, begins), math.dist(facts.candidates[c].end, cut.end)
 
     span = facts.candidates_of(facts.nest.index[cut.contour])
-    same_way = [c for c in span if facts.candidates[c].direction == cut.direction]
+    same_way = [c for c in span if facts.candidates[c].direction == cut.direction or cut.way]
     nearest = min(same_way, key=away_mm, default=None)
     how = "cut in a way that no candidate of this profile is"
     if nearest is not None and away_mm(nearest)[0] <= NEAR_MM:

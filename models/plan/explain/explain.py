@@ -91,6 +91,7 @@ def explained(
     number = facts.nest.index[contour]
     order, budget_kj = setting.order, facts.options.zone_heat_kj
     k = order.index(number)
+    planned = plan.items[k]
     return Explanation(
         contour,
         k + 1 + setting.made,
@@ -107,16 +108,16 @@ def explained(
         explain_moves(along, number),
         setting.notes,
         heat_prices(setting, number),
-        plan.cuts[k].dwell_s,
-        plan.cuts[k].waits_because,
+        planned.dwell_s,
+        planned.waits_because,
         None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
         budget_kj,
         uncut_hole_reasons(facts.whole_nest, profile.hole_limits()).get(contour, ""),
         narrow_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
-        plan.cuts[k].linked_because,
+        planned.linked_because,
         tabs_because(facts, profile).get(contour, ""),
-        plan.cuts[k].pierced_because,
-        "".join(common_because(facts.candidates[setting.candidates[k]], contour)),
+        planned.pierced_because,
+        "".join(common_because(facts, facts.candidates[setting.candidates[k]], contour)),
         facts.nest.contours[number].source.told(),
         (reasons or Reasons(setting, along)).of(number).lines(contour) or kept_orders(setting, number),
         tuple((rule, why, mm) for rule, names, why, mm in price_split(setting).breaches if contour in names),

@@ -244,11 +244,11 @@ def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
     """The plan with why each of its cuts comes where it does, before how that is cut, and what its cost is made of."""
     reasons = Reasons(setting)
     cuts = []
-    for contour, cut in zip(setting.order, plan.cuts, strict=True):
+    for contour, cut in zip(setting.order, plan.items, strict=True):
         why = reasons.of(contour).sentences(setting.name(contour)) or kept_orders(setting, contour)
         how = next((k for k, told in enumerate(cut.because) if told.startswith(ENTRY)), len(cut.because))
         cuts.append(replace(cut, because=(*cut.because[:how], *why, *cut.because[how:])))
-    return replace(plan, cuts=tuple(cuts), prices=price_split(setting))
+    return replace(plan.with_items(cuts), prices=price_split(setting))
 
 
 ENTRY = ("entered at ", LINKED)
