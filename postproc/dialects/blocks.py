@@ -282,13 +282,19 @@ class AlsoList(OptionKind):
 
 @dataclass(frozen=True, slots=True)
 class Group(OptionKind):
-    """The options of the dataclass `owner`, each with its default, under one key; or null."""
+    """The options of the dataclass `owner`, each with its default, under one key; or null.
+
+    A `word` stands for all of them as they are.
+    """
 
     owner: type
+    word: str = ""
 
     def read(self, node: yaml.Node) -> Any:
         if is_empty(node):
             return None
+        if self.word and isinstance(node, yaml.ScalarNode) and node.value == self.word:
+            return self.owner()
         if not isinstance(node, yaml.MappingNode):
             raise self.refuse(node)
         inner, known = Problems(""), {one.key: one for one in options_of(self.owner)}
@@ -312,10 +318,12 @@ class Group(OptionKind):
 
     def schema(self) -> dict[str, Any]:
         members = {one.key: {"description": one.help, **one.kind.schema()} for one in options_of(self.owner)}
-        return {"type": ["object", "null"], "properties": members, "additionalProperties": False}
+        group = {"type": ["object", "null"], "properties": members, "additionalProperties": False}
+        return {"anyOf": [{"const": self.word}, group]} if self.word else group
 
     def expected(self) -> str:
-        return "a mapping of " + ", ".join(one.key for one in options_of(self.owner))
+        group = "a mapping of " + ", ".join(one.key for one in options_of(self.owner))
+        return f"{self.word}, or {group}" if self.word else group
 
 
 @dataclass(frozen=True, slots=True)

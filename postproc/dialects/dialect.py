@@ -98,6 +98,24 @@ class Subprogram:
 
 
 @dataclass(frozen=True, slots=True)
+class KerfByControl:
+    """How a control is told to keep half the kerf beside the contour, which then stands in the program itself.
+
+    The torch runs up to each pierce in the direction of its lead-in, as controls ask for.
+    """
+
+    left: str = field(
+        default="G41 D1", metadata=option(_WORD, "the torch keeps to the left of the path; {kerf} is the whole kerf")
+    )
+    right: str = field(default="G42 D1", metadata=option(_WORD, "the torch keeps to the right of the path"))
+    off: str = field(default="G40", metadata=option(_BLOCK, "the torch is on the path again, from the next move on"))
+    run_up_mm: float = field(
+        default=5.0,
+        metadata=option(positive(LENGTH), "how far the torch runs up to the pierce, off; half the kerf at least"),
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class Around:
     """Blocks before what cuts a kind of contour starts, and behind where it stops."""
 
@@ -297,6 +315,13 @@ class Dialect:
     )
     subprogram: Subprogram | None = field(
         default=None, metadata=option(Group(Subprogram), "paths of copies are written once, and called; {} for M98")
+    )
+    kerf: KerfByControl | None = field(
+        default=None,
+        metadata=option(
+            Group(KerfByControl, "control"),
+            "control: contours themselves are written and the control adds the kerf (G41, G42); else it is in the path",
+        ),
     )
     greatest_radius_mm: float | None = field(
         default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")

@@ -132,6 +132,9 @@ def parse_dialect(text: str, file: str) -> Dialect:
             "subprogram: a path that is called at several places counts from where it begins: expected positions: "
             "absolute, and arc_centre: relative, radius or none",
         )
+    if dialect.kerf is not None and (why := _adds_no_kerf(dialect)):
+        at = problems.place(deepest(root, "kerf"))
+        raise wrong_at(at, f"kerf: the control cannot add it here: {why}; leave kerf out, so that it is in the path")
     if dialect.step_mm > _COARSEST_MM * (1 + 1e-9):
         at = problems.place(deepest(root, "decimals"))
         raise wrong_at(
@@ -148,6 +151,17 @@ def parse_dialect(text: str, file: str) -> Dialect:
                 problems.place(deepest(root, key)), f"{key}: {{{hole}}} needs the key powers, with the S words"
             )
     return dialect
+
+
+def _adds_no_kerf(dialect: Dialect) -> str:
+    """Why the control of a dialect cannot add the kerf; "" where it can."""
+    if dialect.control not in ("linuxcnc", "linuxcnc-qtplasmac", "eia", "burny"):
+        return f"programs for '{dialect.control}' have no such words that are known here"
+    if dialect.positions != "absolute":
+        return "behind it positions that count from the last one would not count from where the torch is"
+    if dialect.subprogram is not None:
+        return "subprograms are called with the torch on its path"
+    return ""
 
 
 # A plant's own dialect, begun as a copy of another.
@@ -226,6 +240,12 @@ def fitting_dialect(profile: Profile) -> Dialect:
             _said_at(profile, ("machine", "torches"), ("machine", "dialect")),
             f"machine.torches: the dialect '{dialect.name}' has no words for a second torch (torch_select, "
             f"torch_deselect): take {' or '.join(others)}, give a copy of it these words, or say count: 1",
+        )
+    if dialect.kerf is not None and profile.cuts.links.longest_mm > 0:
+        raise wrong_at(
+            _said_at(profile, ("cuts", "links"), ("machine", "dialect")),
+            f"cuts.links: the dialect '{dialect.name}' has the control add the kerf to each contour, and a link leads "
+            "from one to the next with the torch on: say links: off, or leave kerf out of the dialect",
         )
     tabs = profile.tabs()
     if tabs is not None and not tabs.at_end and dialect.rapid == dialect.line:

@@ -8,7 +8,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
@@ -17,6 +17,8 @@ from kerfwise.encoder.torch_path import CornerFeed, Paced, paced
 from kerfwise.postproc.dialects import Dialect, own_wait_s, powers_of
 from kerfwise.postproc.dialects.blocks import DWELL
 from kerfwise.postproc.dialects.dialect import INCH_MM
+
+from .kerf_by_control import named_path, run_up
 
 CHORD_MM = 0.001
 RISE_MM = 0.0025
@@ -68,6 +70,7 @@ class GcodeWriter:
         """The paths of copies, each from where it begins, that a dialect with subprograms calls."""
         self._marks: bool | None = None
         self.torches = 1
+        self.kerf_mm = 0.0
         self._lit: set[int] | None = None
 
     def select(self, marks: bool) -> tuple[str, ...]:
@@ -113,6 +116,18 @@ class GcodeWriter:
         self.at = end
         return block
 
+    def beside(self, path: Curve, left: bool) -> list[str]:
+        """Run up to where a path begins, and have the control keep the torch to its left, or right, from there on."""
+        kerf = self.dialect.kerf
+        assert kerf is not None
+        named = next(chain(*named_path(path.segments, left, self.kerf_mm)))
+        length_mm = max(kerf.run_up_mm, self.kerf_mm)
+        return [
+            self.rapid(run_up(named, length_mm)),
+            *self.others([(kerf.left if left else kerf.right).format(**self.powers, **self.plant)]),
+            self.rapid(named.start),
+        ]
+
     def start(self, marks: bool, dwell_s: float, feed_mm_s: float) -> list[str]:
         """Start the torch, or what marks, and wait for `dwell_s`, where that is more than nothing."""
         blocks = self.dialect.mark_on if marks else self.dialect.torch_on
@@ -141,11 +156,13 @@ class GcodeWriter:
         feed_mm_s: float,
         corners: CornerFeed | None = None,
         unlit: Sequence[tuple[float, float]] = (),
+        left: bool | None = None,
     ) -> list[str]:
         """The blocks that run an open path from its first point, at which the torch already stands.
 
         With `corners` the feed changes where they say. Over the stretches `unlit`, mm from its start, the torch goes
-        out, and moves on.
+        out, and moves on. Where the control adds the kerf, and keeps the torch to the `left` or right, the path that it
+        is named lies beside that of the torch.
 
         Arcs beyond a half turn are split, because near a full turn the last decimal decides between all and
         nothing; others where the dialect allows less. Arcs that turn less than 0.001 rad become chords within 0.001 mm,
@@ -158,7 +175,13 @@ class GcodeWriter:
         ends, at_mm = [mm for stretch in unlit for mm in stretch], 0.0
         self.at = self._rounded(path.segments[0].start) if path.segments else self.at
         words: dict[float, str] = {}
-        for stretch, share in _split(paced(path, corners), ends) if ends else paced(path, corners):
+        rows: Iterable[Paced] = _split(paced(path, corners), ends) if ends else paced(path, corners)
+        named: Iterator[tuple[Segment, ...]] | None = None
+        if left is not None:
+            rows = list(rows)
+            named_rows = named_path([stretch for stretch, _ in rows], left, self.kerf_mm)
+            self.at, named = self._rounded(next(chain(*named_rows)).start), iter(named_rows)
+        for stretch, share in rows:
             while ends and ends[0] <= at_mm + SPECK_MM:
                 blocks += self._over_tab(len(ends) % 2 == 1, feed_mm_s)
                 in_force, ends = "", ends[1:]
@@ -166,7 +189,8 @@ class GcodeWriter:
             if share not in words:
                 words[share] = dialect.feed.format(**self._feeds(feed_mm_s * share))
             word = words[share]
-            for piece in self._pieces(stretch) if stretch.is_arc else (stretch,):
+            ways = (stretch,) if named is None else next(named)
+            for piece in chain.from_iterable(self._pieces(way) if way.is_arc else (way,) for way in ways):
                 end = self._rounded(piece.end)
                 if end == self.at:
                     continue

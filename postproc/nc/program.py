@@ -38,6 +38,7 @@ from .gcode import (
     with_subprograms,
 )
 from .head_comments import name_comments, program_names, reading_comments, setting_comments
+from .kerf_by_control import keeps_left
 from .toolpaths import SHA_DIGITS, Toolpath, expect_same_nest, toolpaths
 
 ARCS_REFITTED = "ARCS REFITTED WITHIN"
@@ -47,8 +48,9 @@ ARCS_REFITTED = "ARCS REFITTED WITHIN"
 def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | None = None) -> str:
     """The program of `plan` in the dialect of the profile's machine, or in one that has no file.
 
-    Kerf compensation is in the path (the program keeps G40); pierce points, order and directions are the plan's. The
-    same plan, nest and profile give the same bytes, and so does the plan once written to a file and read back.
+    Kerf compensation is in the path (the program keeps G40), unless the dialect has the control add it; pierce points,
+    order and directions are the plan's. The same plan, nest and profile give the same bytes, and so does the plan once
+    written to a file and read back.
 
     Raises
     ------
@@ -279,7 +281,7 @@ def _body(
     due: dict[int, list[tuple[int, Pierce]]] = {}
     for count, pierce in enumerate(pierces, 1):
         due.setdefault(pierce.before, []).append((count, pierce))
-    pen.torches = profile.machine.torches.count
+    pen.torches, pen.kerf_mm = profile.machine.torches.count, profile.material.kerf_mm
     order = first
     if dialect.subprogram is not None:
         paths = list(paths)
@@ -344,11 +346,12 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
     yield cut_comment(order, name, cut, mark, dialect)
     feed_mm_s, law = _pace(made, profile)
     around = dialect.around_kind(_kind(made))
+    left = None if dialect.kerf is None else keeps_left(made.planned.kind, cut.direction)
     if not made.linked:
         yield from pen.select(mark)
         lit = {planned.cut.torch for planned in made.together}
         yield from pen.leave(lit)
-        yield pen.rapid(made.path.point_at(0.0))
+        yield from [pen.rapid(made.path.point_at(0.0))] if left is None else pen.beside(made.path, left)
         yield from pen.add(lit)
         if made.planned.dwell_s > 0:  # metal cools, the torch being off
             yield from pen.wait(made.planned.dwell_s)
@@ -360,11 +363,13 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWrit
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
     if dialect.subprogram is None:
-        yield from pen.path(made.path, feed_mm_s, law, made.unlit)
+        yield from pen.path(made.path, feed_mm_s, law, made.unlit, left)
     else:
         yield from pen.called_path(made.path, feed_mm_s, law, made.unlit, pen.shared)
     yield from dialect.height_on if slowed else ()
     yield from () if stays_on else pen.stop(mark)
+    if left is not None and dialect.kerf is not None:
+        yield from pen.others([dialect.kerf.off])
     if not stays_on:
         yield from pen.others(block.format(**pen.powers, **pen.plant) for block in around.after)
 

@@ -7,7 +7,8 @@ else. Then every plan would fail in the check. So each word is looked at by what
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 
@@ -27,6 +28,8 @@ from kerfwise.rules.profile.profile import Profile
 
 _CUT = Curve.of([(20.0, 10.0, 0.0), (30.0, 10.0, 0.3), (40.0, 20.0, -0.4), (55.0, 25.0, 0.0)], closed=False)
 _MARK = Curve.of([(60.0, 5.0, 0.0), (70.0, 5.0, 0.0)], closed=False)
+_TO_THE_LEFT = Curve.of([(20.0, 40.0), (60.0, 40.0), (60.0, 80.0)], closed=False)
+_TO_THE_RIGHT = Curve.of([(20.0, 80.0), (60.0, 80.0), (60.0, 40.0)], closed=False)
 _FEED_MM_S, _DWELL_S = 12.5, 1.5
 _NEAR_MM, _SHARE = 0.02, 1e-3
 _INCH_MM = 25.4
@@ -106,6 +109,40 @@ def read_back(dialect: Dialect, name: str, plant: Mapping[str, str] | None = Non
         raise wrong(key, what)
     if dialect.subprogram is not None and (what := _called_wrong(dialect, control, plant)):
         raise wrong("subprogram", what)
+    if dialect.kerf is not None and (what := _beside_wrong(dialect, control, plant)):
+        raise wrong("kerf", what)
+
+
+def _beside_wrong(dialect: Dialect, control: Control, plant: Mapping[str, str]) -> str:
+    """What is wrong with paths beside which the control keeps the torch, left and right; "" for nothing."""
+    kerf_mm = float(plant["kerf"] or 1.0) * (_INCH_MM if dialect.inch else 1.0)
+    pen = GcodeWriter(dialect, _HOME, plant=plant)
+    pen.kerf_mm = kerf_mm
+    body, paths = list(header_blocks(dialect, plant)), []
+    for left, ends in (
+        (True, ((20.0, 40.0), (60.0, 40.0), (60.0, 80.0))),
+        (False, ((20, 80.0), (60, 80.0), (60, 40.0))),
+    ):
+        paths.append(path := Curve.of(ends, closed=False))
+        body += [*pen.select(False), *pen.beside(path, left), *pen.start(False, 0.0, _FEED_MM_S)]
+        body += [*pen.path(path, _FEED_MM_S, left=left), *pen.stop(False)]
+        body += pen.others([dialect.kerf.off] if dialect.kerf is not None else [])
+    text = "\n".join([*number_blocks([*body, pen.rapid(_HOME), *dialect.footer], dialect), ""])
+    try:
+        program = read_nc(text, control=replace(control, kerf_mm=kerf_mm), home=_HOME)
+    except InputError as error:
+        return f"a path beside which the control keeps the torch cannot be read: {error.message}"
+    for path, burn in zip_longest(paths, program.burns):
+        if path is None or burn is None or _apart_mm(path, burn.path) > 2 * (_NEAR_MM + dialect.step_mm):
+            return "the torch is read to be elsewhere than half the kerf beside the path: left and right are its sides"
+    return "; ".join(fault.text for fault in program.faults)
+
+
+def _apart_mm(one: Curve, other: Curve) -> float:
+    """How far the corners of two paths are from the other path, and their ends from each other."""
+    ends = zip(one.vertices[[0, -1], :2], other.vertices[[0, -1], :2], strict=True)
+    corners = [path.project((x, y))[1] for path, of in ((one, other), (other, one)) for x, y, _ in of.vertices.tolist()]
+    return max(*corners, *(float(np.hypot(*(a - b))) for a, b in ends))
 
 
 def _called_wrong(dialect: Dialect, control: Control, plant: Mapping[str, str]) -> str:

@@ -87,9 +87,9 @@ class Run:
         return sum(math.dist(a, b) for a, b in self.rapids)
 
 
-def run(text: str | bytes, tolerance_mm: float = 0.005) -> Run:
-    """Interpret a program; arcs become chords within `tolerance_mm`."""
-    code, canon, errors = _run_rs274(text)
+def run(text: str | bytes, tolerance_mm: float = 0.005, kerf_mm: float = 0.0) -> Run:
+    """Interpret a program; arcs become chords within `tolerance_mm`. Tool 1 is as wide as the kerf."""
+    code, canon, errors = _run_rs274(text, kerf_mm)
     machine = _Machine(tolerance_mm)
     machine.follow(_calls(canon))
     if code != 0:
@@ -99,12 +99,12 @@ def run(text: str | bytes, tolerance_mm: float = 0.005) -> Run:
     return machine.run
 
 
-def _run_rs274(text: str | bytes) -> tuple[int, str, str]:
+def _run_rs274(text: str | bytes, kerf_mm: float) -> tuple[int, str, str]:
     with tempfile.TemporaryDirectory(prefix="canon-") as name:
         folder = Path(name)
         (folder / "in.ngc").write_bytes(text if isinstance(text, bytes) else text.encode())
         (folder / "x.var").touch()
-        (folder / "tool.tbl").write_text("T1 P1 D0\n")
+        (folder / "tool.tbl").write_text(f"T1 P1 D{kerf_mm / 25.4:.9f}\n")  # in the machine's own units
         # M3 $1 is refused unless the machine has several spindles
         ini = "[RS274NGC]\nPARAMETER_FILE = x.var\n[TRAJ]\nSPINDLES = 8\n[AXIS_Z]\nMAX_LIMIT = 100\n"
         (folder / "x.ini").write_text(ini)

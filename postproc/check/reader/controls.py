@@ -152,6 +152,7 @@ class Control:
     `subprograms` says that a program of ours may call such by M98.
     Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off;
     where it has stopped it stands for `rests_s`.
+    `kerf_mm` is the kerf that it adds itself where a program says so (G41, G42), None where no program may.
     """
 
     title: str
@@ -200,6 +201,7 @@ class Control:
     preheat_s: float = 0.0
     stands_s: float = 0.0
     rests_s: float = 0.0
+    kerf_mm: float | None = None
 
     @property
     def has_own_words(self) -> bool:

@@ -93,6 +93,8 @@ def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
     machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
     by_machine = pierce_dwell_of(profile, dialect) == "machine"
     control = control_for(dialect, machine.dialect)
+    if dialect.kerf is not None:
+        control = replace(control, kerf_mm=material.kerf_mm)
     pierce_s = max(machine.pierce_time_s - control.stands_s, 0.0)
     held_s = (pierce_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
     if not control.beam or material.power is None:
@@ -223,6 +225,12 @@ def read_old(
             )
         program = machine.done()
         _expect_cold_rapids(program, file)
+    if further.kept_kerf and control.kerf_mm is not None:
+        raise InputError(
+            "the dialect has its control add the kerf, from a run-up on: another order would need other run-ups, and "
+            "is not made here; plan the nest again, or read the program by a dialect without kerf",
+            file=file or None,
+        )
     kerfs, notes = tuple(sorted(further.kerfs_mm)), tuple(_notes(further, rows))
     return OldProgram(program, tuple(traced), kerfs, tuple(further.used), text, home, source, notes)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import replace
 
 from kerfwise.encoder.errors import InputError
@@ -17,12 +18,16 @@ from kerfwise.encoder.geometry.segment import Point
 from .controls import QTPLASMAC, Control, Declared, Row, in_file, row_of, rows_of, without
 from .essi import read_essi
 from .grammar import ModalState, refuse_conflicts
+from .kerf_beside import ENDS, OFF, Beside, Listened, side_of, torch_moves, without_kerf
 from .old_words import OldWords
 from .program import NcProgram, Track
 from .qtplasmac import Filter
 from .tools import Beam, Tools, ToolsOn, finish_program
 from .unfold import UnfoldedRow, at_lines_of, needs_unfolding, unfold
 from .words import Block, block_of
+
+_KERF_MM = 0.001
+"""By how much a kerf may differ that a program tells the control: it is written with so many digits."""
 
 
 def read_nc(
@@ -117,8 +122,54 @@ class Machine:
         self.blocks = 0
         """How many rows so far were more than comments."""
         self._without_conflicts: set[tuple[object, ...]] = set()
+        self._left: bool | None = None
+        self._waiting: list[Block] = []
 
     def run(self, block: Block) -> None:
+        """Run a block; what lies between G41 or G42 and G40, where the control adds the kerf, once that has come."""
+        kerf_mm = self.control.kerf_mm
+        side = side_of(block) if kerf_mm is not None else None
+        if kerf_mm is None or (side is None and self._left is None):
+            self._run(block)
+            return
+        over = any(word.value in OFF for word in block.g) or any(word.value in ENDS for word in block.m)
+        if side is not None and self._left is not None:
+            raise block.refused("another G41 or G42 before G40: not supported here; write G40 between them")
+        if side is not None:
+            self._left = side
+            self._expect_kerf(block, kerf_mm)
+        if not over:
+            self._waiting.append(without_kerf(block))
+            return
+        self._run_beside(self._left is True, kerf_mm / 2)
+        self._run(block)
+
+    def _run_beside(self, left: bool, half_mm: float) -> None:
+        """Run the blocks that wait, the torch half the kerf beside the path that they name."""
+        waiting, self._waiting, self._left = self._waiting, [], None
+        moves, named = copy(self.moves), Listened(self.track.at)
+        moves.modes = copy(self.moves.modes)
+        self.moves.track = named  # type: ignore[assignment]
+        for block in waiting:
+            motion = self.moves.of(block)
+            self.moves.feed(block)
+            self.moves.move(block, motion)
+        self.moves = moves
+        made = torch_moves(named.heard, left, half_mm) if named.heard else []
+        self.moves.track = Beside(self.track, self.track.at, made)  # type: ignore[assignment]
+        for block in waiting:
+            self._run(block)
+        self.moves.track = self.track
+
+    def _expect_kerf(self, block: Block, kerf_mm: float) -> None:
+        """Note a program that says another kerf (G41.1 D1.5) than the profile has."""
+        dynamic = any(word.value in (41.1, 42.1) for word in block.g)
+        said_mm = block.of("D") * self.moves.unit_mm if dynamic and "D" in block.words else kerf_mm
+        if abs(said_mm - kerf_mm) > _KERF_MM:
+            text = f"the control is told a kerf of {said_mm:g} mm, and the profile's is {kerf_mm:g} mm"
+            self.track.fault(block.line, "program-state", text)
+
+    def _run(self, block: Block) -> None:
         """Comments, feed, tools, wait, modes, motion, end."""
         self.line = block.line
         self.blocks += bool(block.g or block.m or block.words)

@@ -93,15 +93,17 @@ def apart_mm(path: Curve, points: list[tuple[float, float]]) -> float:
     )
 
 
-def of_linuxcnc(text: str, control: str, tabs: bool = False, dialect: str = "") -> Heard:
+def of_linuxcnc(text: str, control: str, tabs: bool = False, dialect: str = "", kerf_mm: float = 0.0) -> Heard:
     """What LinuxCNC's interpreter makes of a program, once it is spelt in its words; `tabs` are gone over unlit.
+
+    The kerf is the width of tool 1, for programs that have the control add it.
 
     Raises
     ------
     AssertionError
         With what the interpreter says against it.
     """
-    run = canon.run(in_linuxcnc(text, control, dialect), tolerance_mm=0.002)
+    run = canon.run(in_linuxcnc(text, control, dialect), tolerance_mm=0.002, kerf_mm=kerf_mm)
     assert (run.error, run.warnings) == (None, [])
     assert tabs or not run.dry_feeds, "moves at a feed with the torch off"
     return Heard([b.points for b in run.burns], [b.length_mm for b in run.burns], run.idle_mm)
