@@ -40,6 +40,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Pick,
     Precede,
@@ -73,6 +74,9 @@ def said(statement: Statement) -> object:
             return ("run", frozenset(contours), statement.weight)
         case Lag(first, second):
             return ("lag", min(first, second), max(first, second), statement.cuts, statement.seconds, statement.weight)
+        case Move(leave, reach):
+            by = statement.leaving, statement.reaching
+            return ("move", frozenset(leave), frozenset(reach), *by, statement.weight)
         case NoGood() | Crossing() | IdleTravel() | Link():
             return statement
         case _:

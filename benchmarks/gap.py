@@ -38,6 +38,7 @@ from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
 
@@ -208,7 +209,7 @@ def fewer(problem: Problem) -> Iterator[tuple[str, Problem]]:
     yield "all", problem
     problem = replace(problem, conditions=())
     yield "no conditions", problem
-    problem = replace(problem, lags=())
+    problem = replace(problem, lags=(), moves=MovePrices())
     yield "orders alone", problem
     yield "none", replace(problem, before=np.zeros_like(problem.before), block=np.arange(problem.n))
 

@@ -172,12 +172,33 @@ class Link:
     seconds: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Move:
+    """None of the contours `reach` is cut directly after one of `leave`; soft, each time that one is costs the weight.
+
+    With `leaving`, only where the first of the two is cut by one of these candidates; with `reaching`, only where the
+    second is.
+    """
+
+    leave: tuple[int, ...]
+    reach: tuple[int, ...]
+    about: About
+    weight: float | None = None
+    leaving: frozenset[int] | None = None
+    reaching: frozenset[int] | None = None
+
+    def covers(self, i: int, j: int, c: int, d: int) -> bool:
+        """Whether it is broken where contour `j`, cut by candidate `d`, directly follows `i`, cut by `c`."""
+        by = (self.leaving is None or c in self.leaving) and (self.reaching is None or d in self.reaching)
+        return by and i in self.leave and j in self.reach
+
+
 EXEMPTION_MM = 1e6
 """Weight of a hard statement that may be excused: more than any plan travels, so excuses are fewest before all else."""
 RELAXED_MM = 2 * EXEMPTION_MM
 """What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
 
-Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel | Link
+Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel | Link | Move
 """Every `weight` of None makes a statement hard; a number makes breaking it cost that much, in mm of idle travel."""
 
 
@@ -200,6 +221,7 @@ class Kinds:
     crossing: tuple[Crossing, ...]
     idle_travel: tuple[IdleTravel, ...]
     link: tuple[Link, ...]
+    move: tuple[Move, ...]
 
 
 def by_kind(statements: Iterable[Statement]) -> Kinds:
@@ -227,6 +249,7 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
     crossing: list[Crossing] = []
     idle_travel: list[IdleTravel] = []
     link: list[Link] = []
+    move: list[Move] = []
     for _, alike in groupby(statements, type):  # those of a kind mostly stand together
         run: list[Any] = list(alike)
         first: Statement = run[0]
@@ -249,6 +272,8 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
                 idle_travel.extend(run)
             case Link():
                 link.extend(run)
+            case Move():
+                move.extend(run)
             case _:
                 assert_never(first)
     return Kinds(
@@ -261,6 +286,7 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
         crossing=tuple(crossing),
         idle_travel=tuple(idle_travel),
         link=tuple(link),
+        move=tuple(move),
     )
 
 
@@ -291,6 +317,8 @@ def contours_named(s: Statement) -> Iterator[int]:
                     yield from (literal.i, literal.j)
         case Crossing():
             yield from () if s.over is None else (s.over,)
+        case Move():
+            yield from (*s.leave, *s.reach)
         case Forbid() | IdleTravel() | Link():
             return
         case _:
@@ -307,6 +335,8 @@ def candidates_named(s: Statement) -> Iterator[int]:
             yield from () if s.when is None else (s.when,)
         case Link():
             yield from (*s.leave, *s.reach)
+        case Move():
+            yield from (*(s.leaving or ()), *(s.reaching or ()))
         case Precede() | Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
             return
         case _:

@@ -21,6 +21,7 @@ from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.moves import UNLAWFUL
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.rules.profile.profile import Profile
@@ -51,7 +52,8 @@ class Walk:
         for condition in problem.conditions:
             if condition.cost is None or condition.cost >= _EXCUSE_UM:
                 self._of[condition.contour].append(condition)
-        self._apart = {frozenset((lag.first, lag.second)) for lag in problem.lags if lag.weight is None and lag.cuts}
+
+        self._apart = {frozenset(pair) for pair in problem.apart()}
 
     @property
     def finished(self) -> bool:
@@ -62,8 +64,12 @@ class Walk:
         """Sites that may come next; those that need an excuse only where there are no others."""
         free: list[int] = []
         excused: list[int] = []
-        for contour in self._ready():
-            for site in self.problem.sites(contour):
+        ready = self._ready()
+        sites = self.problem.sites_of(ready)
+        if self.route:
+            sites = sites[self.problem.travel(self.route[-1:], sites)[0] < UNLAWFUL]
+        for contour in ready:
+            for site in sites[self.problem.site_contour[sites] == contour].tolist():
                 unmet = [c for c in self._of[contour] if c.when in (None, site) and not c.met(self._done)]
                 if any(c.cost is None for c in unmet):
                     continue
@@ -78,7 +84,7 @@ class Walk:
         self._waits -= self.problem.before[contour]
 
     def _ready(self) -> list[int]:
-        """Contours whose turn the orders, blocks and lags allow."""
+        """Contours whose turn the orders, blocks and bans on moves allow."""
         problem = self.problem
         last = int(problem.site_contour[self.route[-1]]) if self.route else None
         ready = [c for c in range(problem.n) if c not in self._done and self._waits[c] == 0]

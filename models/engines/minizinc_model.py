@@ -43,6 +43,7 @@ from kerfwise.rules.statements import (
     Lag,
     Link,
     Literal,
+    Move,
     NoGood,
     Pick,
     Precede,
@@ -257,6 +258,8 @@ def conditions(statement: Statement) -> list[str]:
             return [f"{between} >= {k}" for k in range(1, statement.cuts + 1)]
         case NoGood(out, left):
             return [f"exists(i in {_set(left)}, j in {_set(out)})(before(i, j))"]
+        case Move(leave, reach):
+            return [_not_straight_on(statement, i, j) for i in leave for j in reach if i != j]
         case Crossing() | IdleTravel():
             raise InputError(
                 f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, "
@@ -266,6 +269,13 @@ def conditions(statement: Statement) -> list[str]:
             return []  # a price of moves: the table of travel has it
         case _:
             assert_never(statement)
+
+
+def _not_straight_on(s: Move, i: int, j: int) -> str:
+    """Contour j does not directly follow contour i, cut as the statement has it."""
+    sides = ((s.leaving, i), (s.reaching, j))
+    by = [f" /\\ pick[{contour + 1}] in {_set(some)}" for some, contour in sides if some is not None]
+    return f"not (directly_before({i + 1}, {j + 1}){''.join(by)})"
 
 
 def _follows(i: int, others: set[int]) -> str:

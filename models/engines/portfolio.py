@@ -150,7 +150,7 @@ def dense(problem: Problem) -> bool:
 
 def bounded_well(problem: Problem) -> bool:
     """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
-    return problem.m <= bounds.MOST_SITES and bool(problem.conditions or problem.lags)
+    return problem.m <= bounds.MOST_SITES and bool(problem.conditions or problem.lags or problem.moves)
 
 
 def bounded_beside(run: Run) -> bool:

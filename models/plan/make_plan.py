@@ -36,6 +36,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Precede,
     by_kind,
@@ -369,7 +370,7 @@ def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Co
             case AtLeast():
                 if (asked := at_least_condition(s, contour_of, None)) is not None:
                     found[asked.contour].append((asked, s.about.contours[0]))
-            case Precede() | Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link():
+            case Precede() | Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link() | Move():
                 pass  # no excusable rule states them
             case _:
                 assert_never(s)

@@ -23,6 +23,7 @@ from kerfwise.rules.statements import (
     Forbid,
     Kinds,
     Link,
+    Move,
     Precede,
     Statement,
     by_kind,
@@ -31,6 +32,7 @@ from kerfwise.rules.statements import (
 from .bitsets import digest
 from .conditions import Condition, LoweredStatements, lower_statements, starts_with
 from .crossings import Crossings, Going, TooManyMoves, find_crossings, from_home
+from .moves import MovePrices, without_near_lags
 from .precedence import close
 from .problem import Durations, Links, Problem, SoftGroup
 from .simplify import sites_of
@@ -80,8 +82,8 @@ def make_problem(
         soft_groups=tuple(
             SoftGroup(g.contours, cost_um(g.weight), g.about) for g in kinds.contiguous if g.weight is not None
         ),
-        lags=kinds.lag,
     )
+    problem = _with_moves(problem, kinds)
     problem = _with_links(problem, kinds.link)
     problem = _with_crossings(problem, kinds.crossing, earlier, going)
     check_magnitude(problem)
@@ -93,7 +95,9 @@ def _on_sites(
 ) -> Problem:
     """Sites, and what is asked of them; nothing of orders yet."""
     allowed, costs = _candidate_costs(facts, kinds.forbid)
-    candidate_site, chosen = sites_of(facts.candidates, allowed, costs, told.conditions, told.general, kinds.link)
+    candidate_site, chosen = sites_of(
+        facts.candidates, allowed, costs, told.conditions, told.general, kinds.link, kinds.move
+    )
     some = [facts.candidates[c] for c in chosen.tolist()]
     contours = np.array([c.contour for c in some], dtype=np.int64)
     return Problem(
@@ -125,7 +129,9 @@ def _same_sites(statements: tuple[Statement, ...], earlier: Problem) -> bool:
     if not starts_with(statements, known):
         return False
     new, old = by_kind(statements[len(known) :]), by_kind(known)
-    return not (new.forbid or new.link or new.at_least or any(s.over is None for s in (*old.crossing, *new.crossing)))
+    by_entry = any(s.leaving is not None or s.reaching is not None for s in new.move)
+    out_before = any(s.over is None for s in (*old.crossing, *new.crossing))
+    return not (new.forbid or new.link or new.at_least or by_entry or out_before)
 
 
 def _gone_on(earlier: Problem, told: LoweredStatements) -> Problem:
@@ -135,6 +141,14 @@ def _gone_on(earlier: Problem, told: LoweredStatements) -> Problem:
     known = {condition for condition in earlier.conditions if condition.contour in at}
     conditions = (*earlier.conditions, *(condition for condition in new if condition not in known))
     return replace(earlier, told=told, conditions=conditions, links=Links(), crossings=Crossings(), left_out=())
+
+
+def _with_moves(problem: Problem, kinds: Kinds) -> Problem:
+    """The lags, but for those of one cut; these and other statements about moves are prices of moves."""
+    far, near = without_near_lags(kinds.lag)
+    asked: tuple[Move, ...] = (*near, *kinds.move)
+    prices = MovePrices.of(asked, problem.site_contour, problem.candidate_site, problem.n)
+    return replace(problem, lags=far, moves=prices)
 
 
 def _with_links(problem: Problem, statements: Sequence[Link]) -> Problem:
@@ -150,7 +164,8 @@ def _with_links(problem: Problem, statements: Sequence[Link]) -> Problem:
     timed = np.array([(lag.first, lag.second) for lag in problem.lags if lag.seconds > 0]).reshape(-1, 2)
     for first, second in timed.tolist():
         lawful &= ~(((one == first) & (other == second)) | ((one == second) & (other == first)))
-    return replace(problem, links=links.only(lawful & (links.cost < problem.legs(links.leave, links.reach))))
+    idle = problem.legs(links.leave, links.reach) - problem.moves.price.each(links.leave, links.reach)
+    return replace(problem, links=links.only(lawful & (links.cost < idle)))
 
 
 def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None, going: Going) -> Problem:
@@ -192,7 +207,8 @@ def _same_moves(one: Problem, other: Problem) -> bool:
         and np.array_equal(one.links.reach, other.links.reach)
         and np.array_equal(one.before, other.before)
         and np.array_equal(one.block, other.block)
-        and one.apart() == other.apart()
+        and one.moves.statements == other.moves.statements
+        and one.lags == other.lags
     )
 
 
@@ -279,6 +295,9 @@ def dearest_um(problem: Problem) -> dict[str, int]:
     for lag in problem.lags:
         if lag.weight is not None:
             found[lag.about.rule] += cost_um(lag.weight) * lag.cuts + round(lag.weight) * round(lag.seconds * 1000)
+    for move in problem.moves.statements:
+        most = min(problem.n, len(move.leave), len(move.reach))  # each is left once, and reached once
+        found[move.about.rule] += 0 if move.weight is None else cost_um(move.weight) * most
     for s in problem.general:
         found[s.about.rule] += 0 if s.weight is None else cost_um(s.weight)
     if len(problem.crossings):  # of the areas that a move crosses each is charged once

@@ -29,6 +29,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Precede,
     Statement,
@@ -165,7 +166,7 @@ def lower_statements(
                     general.append(s)
                 else:
                     conditions.append(made)
-            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link():
+            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link() | Move():
                 pass  # `make_problem` reads them
             case _:
                 assert_never(s)

@@ -13,6 +13,7 @@ from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Pick
 from .bitsets import ROWS_AT_ONCE
 from .conditions import Condition
 from .crossings import FORBIDDEN
+from .moves import UNLAWFUL
 from .precedence import known_immediate_pairs
 from .problem import Problem
 
@@ -22,7 +23,7 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     sites = np.asarray(route, dtype=np.int64)
     legs = problem.legs(np.append(problem.m, sites), np.append(sites, problem.m))
     order = [int(problem.site_contour[s]) for s in route]
-    total = int(legs.sum()) + int(problem.site_cost[sites].sum())
+    total = int(np.where(legs >= UNLAWFUL, legs - UNLAWFUL, legs).sum()) + int(problem.site_cost[sites].sum())
     total += sum(cost for cost, _ in broken_conditions(problem, route) if cost is not None)
     total += order_cost(problem, order)
     position = {c: k for k, c in enumerate(order)}
@@ -42,8 +43,8 @@ def order_cost(problem: Problem, order: Sequence[int]) -> int:
     """The part of a route's cost that its order alone decides, µm: groups that are taken apart, and cuts between."""
     position = {c: k for k, c in enumerate(order)}
     apart = sum(g.cost * (pieces(order, g.contours) - 1) for g in problem.soft_groups)
-    near = (cost_um(lag.weight) * _missing_cuts(lag, position) for lag in problem.lags if lag.weight is not None)
-    return apart + sum(near)
+    few = (cost_um(lag.weight) * _missing_cuts(lag, position) for lag in problem.lags if lag.weight is not None)
+    return apart + sum(few)
 
 
 def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
@@ -58,11 +59,28 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
     for lag in problem.lags:
         if lag.weight is None and (_missing_cuts(lag, position) > 0 or missing_ms(lag, times) > 0):
             found.append(lag.about)
+    found += _unlawful_moves(problem, route)
     if FORBIDDEN in _crossed(problem, route):
         found.append(About("crossing", (), "an idle move crosses a part that is already out"))
     picked = set(route)
     found += [s.about for s in problem.general if s.weight is None and not general_holds(problem, s, position, picked)]
     return tuple(found)
+
+
+def _unlawful_moves(problem: Problem, route: Sequence[int]) -> list[About]:
+    """Who says so of the moves that are not lawful by themselves; a table of costs tells no more than that."""
+    sites = np.asarray(route, dtype=np.int64)
+    if not len(problem.moves.price) and problem.matrix is None:
+        return []
+    if not (problem.legs(sites[:-1], sites[1:]) >= UNLAWFUL).any():
+        return []
+    found = [about for about, cost in moves_paid(problem, route) if cost is None]
+    return found or [About("move", (), "a move that is not lawful is made")]
+
+
+def moves_paid(problem: Problem, route: Sequence[int]) -> Iterator[tuple[About, int | None]]:
+    """The statements about moves that a route breaks, each time with its price, µm; None where it is hard."""
+    yield from problem.moves.paid(problem.site_contour, problem.site_candidate, route)
 
 
 def broken_orders(problem: Problem, order: Sequence[int]) -> list[About]:

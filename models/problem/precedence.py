@@ -13,6 +13,7 @@ from kerfwise.encoder.graphs import strong_components
 from kerfwise.models.jit import jit, suited
 
 from .bitsets import LOW, ONE, ROWS_AT_ONCE, LastAnswer, Masks, bit_number, digest, words
+from .moves import PairTable
 
 # Precedence, closed: everything that must come before everything else, blocks of contours included.
 
@@ -261,22 +262,27 @@ class Followers:
 _last_successors = LastAnswer[Followers]()
 
 
-def known_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]] = ()) -> Followers:
+def known_followers(
+    before: Bools, block: Ints, apart: Sequence[tuple[int, int]] = (), barred: PairTable | None = None
+) -> Followers:
     """The same as `lawful_followers`, made once of orders that are asked for again; they must not change meanwhile."""
     unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
-    asked = digest(block, unlike)
+    asked = digest(block, unlike, *(() if barred is None else (barred.row, barred.column, barred.key)))
     followers = _last_successors.known(before, asked)
     if followers is None:
-        followers = lawful_followers(before, block, unlike)
+        followers = lawful_followers(before, block, unlike, barred)
         _last_successors.keep(before, asked, followers)
     return followers
 
 
-def lawful_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]] | Ints = ()) -> Followers:
+def lawful_followers(
+    before: Bools, block: Ints, apart: Sequence[tuple[int, int]] | Ints = (), barred: PairTable | None = None
+) -> Followers:
     """Which of n + 1 may directly follow which; n is the machine's home.
 
-    `before` is the closed relation of what must come before what, `block` the contiguous block of every contour, and
-    `apart` pairs that may not follow each other either way round.
+    `before` is the closed relation of what must come before what, `block` the contiguous block of every contour,
+    `apart` are pairs that may not follow each other either way round, and `barred` has a number for each pair of which
+    the second may not follow the first.
 
     Examples
     --------
@@ -304,6 +310,11 @@ def lawful_followers(before: Bools, block: Ints, apart: Sequence[tuple[int, int]
     unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
     for one, other in (unlike.T, unlike[:, ::-1].T):
         np.bitwise_and.at(bits, (one, other >> 3), ~_bit(other))
+    if barred is not None and len(barred):
+        everything = np.arange(n + 1)
+        for row in range(0, n, ROWS_AT_ONCE):
+            some = everything[row : min(row + ROWS_AT_ONCE, n)]
+            bits[some] &= ~np.packbits(barred.between(some, everything) > 0, axis=1, bitorder="little")
     bits[n] = np.packbits(np.append(first, False), bitorder="little")
     return Followers(bits)
 

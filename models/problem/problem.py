@@ -22,6 +22,7 @@ from kerfwise.rules.statements import About, AtLeast, Lag, Link, Statement, by_k
 
 from .conditions import Condition, LoweredStatements
 from .crossings import Crossings
+from .moves import MovePrices
 from .precedence import Followers, known_followers
 
 # Moves with the torch on: from the end of one site through waste to another, in place of idle travel and a pierce.
@@ -183,13 +184,14 @@ class Problem:
     `pierce_um`, `end_um` are (m, 2) coordinates, µm; `site_cost` (m,) what using a site costs (soft `Forbid`).
     `before[i, j]` says that i must come before j (closure, lifted over contiguous blocks); `block[i]` numbers the
     contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
-    that only an engine with the whole order in hand can judge, as are `lags` but for those of one cut. `crossings`
-    are moves that cost more, or are unlawful, once some contour is out. `pace` tells how long cuts and moves take.
-    `links` are moves with the torch on, each in place of the idle travel between its two sites.
+    that only an engine with the whole order in hand can judge, as are `lags`; those of one cut are among `moves`,
+    which are what going directly from one site to another costs. `crossings` are moves that cost more, or are unlawful,
+    once some contour is out. `pace` tells how long cuts and moves take. `links` are moves with the torch on, each in
+    place of the idle travel between its two sites.
     `left_out` are soft rules that could not be priced on a problem of this size, and why. `matrix` (m + 1, m + 1), home
-    last, replaces idle travel between points where costs are given by a table. `orders` tells hard orders and blocks
-    that `before` was made of from others, where it was made of such. `told` is what the statements came to before
-    candidates became sites, for a problem of these and more.
+    last, replaces idle travel between points, and the prices of moves, where costs are given by a table. `orders` tells
+    hard orders and blocks that `before` was made of from others, where it was made of such. `told` is what the
+    statements came to before candidates became sites, for a problem of these and more.
     """
 
     n: int
@@ -212,6 +214,7 @@ class Problem:
     crossings: Crossings = field(default_factory=Crossings)
     pace: Durations = field(default_factory=Durations)
     links: Links = field(default_factory=Links)
+    moves: MovePrices = field(default_factory=MovePrices)
     matrix: Ints | None = None
     left_out: tuple[tuple[str, str], ...] = ()
     orders: bytes = b""
@@ -235,7 +238,7 @@ class Problem:
     def looks_one_back(self) -> bool:
         """Whether the cost of a step depends on nothing but the set already cut and the last site.
 
-        Lags of more than one cut or of seconds, and general statements, look further back than that.
+        Lags and general statements look further back than that.
         """
         return self.further_back is None
 
@@ -256,16 +259,17 @@ class Problem:
 
     def followers(self) -> Followers:
         """The same, as bits: for large problems."""
-        return known_followers(self.before, self.block, self.apart())
+        return known_followers(self.before, self.block, self.apart(), self.moves.barred)
 
     def apart(self) -> list[tuple[int, int]]:
-        """Contours that may not follow each other, whichever comes first."""
+        """Contours that hard lags of several cuts keep from following each other, whichever comes first."""
         return [(lag.first, lag.second) for lag in self.lags if lag.weight is None and lag.cuts > 0]
 
     def travel(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
         """Cost matrix of the moves from the end of each site in `leave` (k,) to the pierce of each in `reach` (l,).
 
-        Idle travel, or a link where there is one. Home is site m. Whole µm, or whatever unit `matrix` has.
+        Idle travel, or a link where there is one, and the price of the move, `UNLAWFUL` where it is none. Home is
+        site m. Whole µm, or whatever unit `matrix` has.
         """
         if self.matrix is not None:
             table = np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
@@ -275,6 +279,8 @@ class Problem:
             table = np.rint(self.travel_weight * np.sqrt(over**2 + up**2)).astype(np.int64)
         if len(self.links):
             self.links.laid_over(table, np.asarray(leave), np.asarray(reach))
+        if self.matrix is None and len(self.moves.price):
+            table += self.moves.price.between(np.asarray(leave, dtype=np.int64), np.asarray(reach, dtype=np.int64))
         return table
 
     def legs(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
@@ -284,10 +290,12 @@ class Problem:
         else:
             gap = self._at(self.end_um, leave) - self._at(self.pierce_um, reach)
             cost = np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=1))), dtype=np.int64)
-        if not len(self.links):
-            return cost
-        row = self.links.rows_of(np.asarray(leave), np.asarray(reach))
-        return np.where(row >= 0, self.links.cost[row], cost)
+        if len(self.links):
+            row = self.links.rows_of(np.asarray(leave), np.asarray(reach))
+            cost = np.where(row >= 0, self.links.cost[row], cost)
+        if self.matrix is None and len(self.moves.price):
+            cost = cost + self.moves.price.each(np.asarray(leave, dtype=np.int64), np.asarray(reach, dtype=np.int64))
+        return cost
 
     def _at(self, points_um: Ints, sites: Ints | Sequence[int]) -> Floats:
         """The points of some sites, home included, (k, 2)."""

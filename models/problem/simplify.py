@@ -17,7 +17,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.geometry.tolerances import cost_um
-from kerfwise.rules.statements import EXEMPTION_MM, AtLeast, Link, Pick, plain
+from kerfwise.rules.statements import EXEMPTION_MM, AtLeast, Link, Move, Pick, plain
 
 from .conditions import Condition
 from .crossings import Crossings
@@ -27,7 +27,7 @@ from .problem import Links, Problem
 def without_wishes(problem: Problem) -> Problem | None:
     """The problem without wishes that reach over the whole order; None where there are none.
 
-    These are soft runs, soft lags of more than a cut or of seconds, and soft sums of sums or of entries: they tie
+    These are soft runs, soft lags, and soft sums of sums or of entries: they tie
     zones together and leave sweeps too many sets. Sites, hard statements and excuses from them are the same, so a plan
     is lawful with the wishes, too, and a bound is one of the problem.
     """
@@ -35,7 +35,7 @@ def without_wishes(problem: Problem) -> Problem | None:
     def stays(weight: float | None) -> bool:
         return weight is None or weight >= EXEMPTION_MM
 
-    lags = tuple(lag for lag in problem.lags if stays(lag.weight) or not (lag.cuts > 1 or lag.seconds > 0))
+    lags = tuple(lag for lag in problem.lags if stays(lag.weight))
     general = tuple(s for s in problem.general if stays(s.weight))
     groups = tuple(group for group in problem.soft_groups if group.cost >= cost_um(EXEMPTION_MM))
     if (len(lags), len(general), len(groups)) == (len(problem.lags), len(problem.general), len(problem.soft_groups)):
@@ -148,7 +148,9 @@ def _alike(problem: Problem) -> list[list[int]]:
 
 def _places(problem: Problem, timed: bool) -> list[Ints]:
     """As `_place`, of all sites, where there is no matrix: columns."""
+    price = problem.moves.price
     columns = [problem.site_contour, *problem.pierce_um.T, *problem.end_um.T]
+    columns += [price.row[:-1], price.column[:-1]] if len(price) else []
     return [*columns, problem.pace.cut_ms] if timed else columns
 
 
@@ -158,9 +160,12 @@ def _timed(problem: Problem) -> bool:
 
 
 def _place(problem: Problem, site: int, timed: bool) -> object:
-    """What two sites must share to be compared: contour, pierce and end, and the time of the cut where it counts."""
+    """What two sites must share to be compared: contour, pierce, end, prices of moves, and the time where it counts."""
+    price = problem.moves.price
     if problem.matrix is None:
         reached, left = problem.pierce_um[site].tobytes(), problem.end_um[site].tobytes()
+        if len(price):
+            reached, left = reached + price.column[site].tobytes(), left + price.row[site].tobytes()
     else:
         reached, left = problem.matrix[:, site].tobytes(), problem.matrix[site].tobytes()
     return (
@@ -224,6 +229,7 @@ def _with_sites(problem: Problem, kept: Bools) -> Problem:
         ),
         crossings=problem.crossings.renumbered(number),
         links=problem.links.renumbered(number[:-1], int(kept.sum())),
+        moves=problem.moves.of_sites(np.flatnonzero(np.append(kept, True))),
         pace=replace(problem.pace, cut_ms=problem.pace.cut_ms[kept]) if timed else problem.pace,
         matrix=None if problem.matrix is None else problem.matrix[np.ix_(np.append(kept, True), np.append(kept, True))],
     )
@@ -239,6 +245,7 @@ def sites_of(
     conditions: Sequence[Condition],
     general: Sequence[AtLeast],
     links: Sequence[Link] = (),
+    moves: Sequence[Move] = (),
 ) -> tuple[Ints, Ints]:
     """The site of every candidate, -1 of one that is not `allowed`, and the candidate that each site stands for.
 
@@ -247,7 +254,7 @@ def sites_of(
     """
     leader, lawful = np.arange(len(candidates)), np.flatnonzero(allowed).tolist()
     if alike := [lawful[k] for k in duplicate_rows(_site_places([candidates[c] for c in lawful]))]:
-        told_apart = _told_apart(frozenset(alike), conditions, general, links)
+        told_apart = _told_apart(frozenset(alike), conditions, general, links, moves)
         first: dict[object, int] = {}
         for number in alike:
             candidate = candidates[number]
@@ -283,7 +290,11 @@ def _site_places(candidates: Sequence[Candidate]) -> list[Ints | Floats]:
 
 
 def _told_apart(
-    asked: frozenset[int], conditions: Sequence[Condition], general: Sequence[AtLeast], links: Sequence[Link]
+    asked: frozenset[int],
+    conditions: Sequence[Condition],
+    general: Sequence[AtLeast],
+    links: Sequence[Link],
+    moves: Sequence[Move],
 ) -> dict[int, list[object]]:
     """What is said of each of these candidates."""
     found: dict[int, list[object]] = defaultdict(list)
@@ -293,9 +304,9 @@ def _told_apart(
     for number, s in enumerate(general):
         for c in asked & ({lit.c for lit in plain(s.literals) if isinstance(lit, Pick)} | {s.when}):
             found[c].append(number)
-    for number, link in enumerate(links):
-        for end, ends in (("leave", link.leave), ("reach", link.reach)):
-            for c in ends:
-                if c in asked:
-                    found[c].append((end, number))
+    ends = [(s.leave, s.reach) for s in links] + [(s.leaving or (), s.reaching or ()) for s in moves]
+    for number, of in enumerate(ends):
+        for end, some in zip(("leave", "reach"), of, strict=True):
+            for c in asked.intersection(some):
+                found[c].append((end, number))
     return found

@@ -17,6 +17,7 @@ from kerfwise.rules.statements import (
     Forbid,
     Lag,
     Literal,
+    Move,
     Pick,
     Precede,
     Statement,
@@ -36,6 +37,7 @@ from .expr import (
     at_least,
     at_most,
     gate,
+    holds_under,
     literals,
     opposite,
     order,
@@ -150,6 +152,16 @@ class Writer:
     def _single(self, node: Node, said: str | None, about: tuple[int, ...]) -> Iterator[Statement]:
         if node is True:
             return
+        moves = self._moves(node, said)
+        if moves is not None:
+            yield from moves
+            return
+        if self.in_parts and isinstance(node, Gate) and any(isinstance(lit.atom, Next) for lit in literals(node)):
+            fallen = clauses(node)
+            if len(fallen) > 1:
+                for clause in fallen:
+                    yield from self._single(clause, said, about)
+                return
         if isinstance(node, Lit) and node.holds and isinstance(node.atom, Pause | Between):
             if self.in_parts:
                 yield self._apart(node.atom, said)
@@ -166,6 +178,35 @@ class Writer:
                 yield from self._simple(merged(clause), said, about)
             return
         yield from self._simple(plain, said, about)
+
+    def _moves(self, node: Node, said: str | None) -> list[Move] | None:
+        """A condition about nothing but one move and the ways to cut its two contours; None where it is more."""
+        found = [lit for lit in literals(node) if isinstance(lit.atom, Next)]
+        if len(found) != 1 or found[0].holds:
+            return None
+        straight = found[0].atom
+        assert isinstance(straight, Next)
+        i, j = straight.i, straight.j
+        names = [self.nest.contours[k].id for k in (i, j)]
+        words = self._sentence(said, names, "do not follow each other directly in this order")
+        about = About(self.rule, tuple(names), words)
+        if node == found[0]:
+            return [Move((i,), (j,), about)]
+        picks = {lit.atom.c for lit in literals(node) if isinstance(lit.atom, Pick)}
+        others = sum(1 for lit in literals(node) if not isinstance(lit.atom, Pick)) > 1
+        if others or any(self.ways[c].contour not in (i, j) for c in picks):
+            return None
+        ways = [[c for c, way in enumerate(self.ways) if way.contour == k] for k in (i, j)]
+        known = {Lit(Pick(c)): False for of in ways for c in of}
+        if holds_under(node, {Lit(straight): False}) is not True:
+            return None
+        refused: dict[frozenset[int], list[int]] = defaultdict(list)
+        for c in ways[0]:
+            told = {**known, Lit(straight): True, Lit(Pick(c)): True}
+            refused[frozenset(d for d in ways[1] if holds_under(node, {**told, Lit(Pick(d)): True}) is False)].append(c)
+        return [
+            Move((i,), (j,), about, leaving=frozenset(some), reaching=then) for then, some in refused.items() if then
+        ]
 
     def _apart(self, atom: Pause | Between, said: str | None) -> Lag:
         cuts, seconds = (atom.cuts, 0.0) if isinstance(atom, Between) else (0, atom.ms / 1000)

@@ -22,6 +22,7 @@ from kerfwise.rules.statements import (
     Lag,
     Link,
     Literal,
+    Move,
     NoGood,
     Pick,
     Precede,
@@ -84,6 +85,7 @@ def remaining_statements(statements: Iterable[Statement], rest: Remainder) -> It
       that it was asked of is forbidden; asked of no candidate, it is too late.
     - What is left of a run that has begun is cut in one go.
     - A lag between what is out and what is left is over: metal cools while the machine stands.
+    - So is what is asked of a move from what is out.
     - A no-good is over once one of those that were to stay is out, and too late once all the others are.
     - Travel over a part that is out never becomes lawful again: `Crossing.over` is None.
 
@@ -116,6 +118,10 @@ def _reduced(s: Statement, rest: Remainder) -> Iterator[Statement]:
         case Lag():
             if rest.left(s.first, s.second):
                 yield replace(s, first=number[s.first], second=number[s.second])
+        case Move():
+            leave, reach = (tuple(number[k] for k in side if rest.left(k)) for side in (s.leave, s.reach))
+            if leave and reach:
+                yield replace(s, leave=leave, reach=reach)
         case NoGood():
             yield from remaining_no_good(s, rest)
         case Crossing():
@@ -233,6 +239,14 @@ class GantryStatements:
                     self._cannot(s, first)
                 else:
                     yield replace(s, first=first, second=second)
+            case Move():
+                leave, reach = (tuple(dict.fromkeys(number[k] for k in side)) for side in (s.leave, s.reach))
+                by = (
+                    None if some is None else frozenset(self.candidate[c] for c in some)
+                    for some in (s.leaving, s.reaching)
+                )
+                leaving, reaching = by
+                yield replace(s, leave=leave, reach=reach, leaving=leaving, reaching=reaching)
             case NoGood():
                 yield from self._no_good(s)
             case Crossing():

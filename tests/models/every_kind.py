@@ -27,6 +27,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Pick,
     Precede,
@@ -176,6 +177,17 @@ def _hard() -> Iterator[Example]:
         NoGood(frozenset({0, 1}), frozenset({3}), ABOUT),
         lambda way: way.place(3) > max(way.place(0), way.place(1)),
         ((0, 1), (1, 2)),
+    )
+    yield Example(
+        "move",
+        Move((0, 1), (1, 2), ABOUT),
+        lambda way: sum(way.place(j) == way.place(i) + 1 for i in (0, 1) for j in (1, 2)),
+        ((0, 3),),
+    )
+    yield Example(
+        "move of entries",
+        Move((1, 2, 3), (0, 1, 2), ABOUT, leaving=frozenset({2, 4}), reaching=frozenset({0, 2})),
+        lambda way: sum(way.follows(c, d) for c in (2, 4) for d in (0, 2)),
     )
     yield Example("crossing", Crossing(1, TRACK, ABOUT), lambda way: way.crossings(1, TRACK), ((1, 2), (1, 3), (3, 0)))
 

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
+from kerfwise.models.problem.moves import MovePrices, without_near_lags
 from kerfwise.models.problem.precedence import close
 from kerfwise.models.problem.problem import Durations, Links, Problem, SoftGroup
-from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Pick
+from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Move, Pick
 
 ABOUT = About("test", (), "a statement made for a test")
 Points = Sequence[tuple[float, float]]
@@ -36,6 +37,7 @@ def problem(
     crossings: Crossings | None = None,
     pace: Durations | None = None,
     links: Sequence[tuple[int, int, int, int]] = (),
+    moves: Sequence[Move] = (),
 ) -> Problem:
     """A problem with the pierce points of every contour's sites (where the cuts end too, unless `ends_mm` is given).
 
@@ -50,10 +52,12 @@ def problem(
     assert not before.diagonal().any(), "the orders contradict each other"
     counts = [len(points) for points in pierces_mm]
     m = sum(counts)
+    contours = np.repeat(np.arange(n, dtype=np.int64), counts)
+    far, near = without_near_lags(lags)
     return Problem(
         n=n,
         first=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
-        site_contour=np.repeat(np.arange(n, dtype=np.int64), counts),
+        site_contour=contours,
         site_candidate=np.arange(m, dtype=np.int64),
         candidate_site=np.arange(m, dtype=np.int64),
         pierce_um=_um(pierces_mm),
@@ -65,7 +69,8 @@ def problem(
         block=block,
         conditions=tuple(conditions),
         soft_groups=tuple(soft_groups),
-        lags=tuple(lags),
+        lags=far,
+        moves=MovePrices.of([*near, *moves], contours, np.arange(m), n),
         general=tuple(general),
         ids=tuple(f"C{i}" for i in range(n)),
         crossings=crossings or Crossings(),
@@ -79,6 +84,12 @@ def linked(sites: int, rows: Sequence[tuple[int, int, int, int]]) -> Links:
     once = sorted({(leave, reach): (leave, reach, cost, ms) for leave, reach, cost, ms in rows}.values())
     leave, reach, cost, ms = np.array(once, dtype=np.int64).reshape(-1, 4).T.copy()
     return Links(leave, reach, cost, ms, np.arange(len(once)), sites)
+
+
+def with_lags(drawn: Problem, lags: Sequence[Lag]) -> Problem:
+    """A problem with lags, and no other statements about moves."""
+    far, near = without_near_lags(lags)
+    return replace(drawn, lags=far, moves=MovePrices.of(near, drawn.site_contour, drawn.candidate_site, drawn.n))
 
 
 def scattered(seed: int, contours: int, sites: int, pairs: int = 0, blocks: Sequence[Sequence[int]] = ()) -> Problem:
@@ -130,6 +141,7 @@ def problems(draw: st.DrawFn, contours: int = 5, sites: int = 3, choices: int = 
         conditions=draw(st.lists(_conditions(n, starts), max_size=4)),
         soft_groups=draw(st.lists(_soft_groups(n), max_size=2)),
         lags=draw(st.lists(_lags(n), max_size=2)) if n > 1 else (),
+        moves=draw(st.lists(_moves(n, m), max_size=2)),
         general=draw(st.lists(_general(n, one_site), max_size=2)),
         site_cost=draw(st.lists(st.integers(0, 20_000), min_size=m, max_size=m)),
         travel_weight=draw(st.sampled_from([1.0, 0.5])),
@@ -203,6 +215,13 @@ def _lags(draw: st.DrawFn, n: int) -> Lag:
     first, second = draw(st.permutations(range(n)))[:2]
     seconds = draw(st.sampled_from([0.0, 0.0, 0.0, 1.5, 4.0]))
     return Lag(first, second, ABOUT, cuts=draw(st.integers(0, 3)), seconds=seconds, weight=draw(_WEIGHT))
+
+
+@st.composite
+def _moves(draw: st.DrawFn, n: int, m: int) -> Move:
+    contours = st.sets(st.integers(0, n - 1), min_size=1, max_size=3).map(lambda some: tuple(sorted(some)))
+    by = st.one_of(st.none(), st.none(), st.frozensets(st.integers(0, m - 1), max_size=m))
+    return Move(draw(contours), draw(contours), ABOUT, draw(_WEIGHT), draw(by), draw(by))
 
 
 @st.composite

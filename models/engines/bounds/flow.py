@@ -21,6 +21,7 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .flow_program import FlowProgram
@@ -323,5 +324,6 @@ def contract_sites(problem: Problem) -> Problem:
         general=(),
         crossings=Crossings(),
         links=Links(),
+        moves=MovePrices(barred=problem.moves.barred),
         matrix=np.minimum(least, FAR).astype(np.int64),
     )

@@ -15,6 +15,7 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.jit import cores
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
+from kerfwise.models.problem.moves import UNLAWFUL
 from kerfwise.models.problem.problem import Problem
 
 # What every move of a network costs: a table that is worked out some rows at a time, narrow where it is large.
@@ -131,8 +132,9 @@ def _lawful(contours: Ints, sooner: Bools, later: Bools) -> tuple[Bools, Ints]:
 class Moves:
     """What it costs at least to go from the end of one site to the pierce of another, from site to site.
 
-    Infinite for moves that no lawful order has. What soft lags charge for following each other at once is in it, and
-    what is crossed that is out in every order that has the move. What depends on the order is not: it can only add.
+    Infinite for moves that no lawful order has. What soft lags of several cuts charge for following each other at once
+    is in it, and what is crossed that is out in every order that has the move. What depends on the order is not: it can
+    only add.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -148,7 +150,9 @@ class Moves:
 
     def between(self, leave: Ints, reach: Ints) -> Floats:
         """From each site in `leave` (k,) to each in `reach` (l,), (k, l); home is site m."""
-        move: Floats = self._problem.travel(leave, reach) + self._extra[np.ix_(self._owner[leave], self._owner[reach])]
+        travel = self._problem.travel(leave, reach)
+        move: Floats = travel + self._extra[np.ix_(self._owner[leave], self._owner[reach])]
+        move[travel >= UNLAWFUL] = np.inf
         if self._charged is not None:
             move += self._charged[leave][:, reach].toarray()
         return move

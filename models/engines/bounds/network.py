@@ -12,6 +12,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Float32s, Floats, Ints
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .inequalities import Inequalities
@@ -103,6 +104,7 @@ def network_of(
         general=(),
         crossings=Crossings(),
         links=Links(),
+        moves=MovePrices(),
         matrix=None,
     )
     none = np.zeros((1, len(kept)), dtype=np.bool_)

@@ -12,6 +12,7 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.solution import MAX_ARCS, Incumbent, count_site_arcs
 from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Durations, Links, Problem
 from kerfwise.rules.statements import Before
 
@@ -127,6 +128,7 @@ def by_contours(problem: Problem) -> Problem:
         crossings=Crossings(),
         pace=Durations(),
         links=Links(),
+        moves=MovePrices(),
     )
 
 

@@ -14,6 +14,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.problem.crossings import FORBIDDEN
+from kerfwise.models.problem.moves import UNLAWFUL
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before, plain
 
@@ -341,13 +342,13 @@ def site_arcs(problem: Problem, lawful: Bools, go_on: GoOn = always) -> ArcLiter
 
 
 def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints, cost: Ints) -> ArcLiterals:
-    """Arcs with the crossings that the hard orders decide: forbidden ones are left out."""
+    """Arcs with the crossings that the hard orders decide; moves that are forbidden are left out."""
     rows = problem.crossings
     always = out_by_then(problem) == OutByThen.YES
     arc = arc_of_move(problem.m, tail, head, rows.leave, rows.reach)
     paid = always & (arc >= 0) & (rows.cost != FORBIDDEN)
     np.add.at(cost, arc[paid], rows.cost[paid])
-    kept = np.ones(len(cost), dtype=np.bool_)
+    kept = cost < UNLAWFUL
     kept[arc[always & (arc >= 0) & (rows.cost == FORBIDDEN)]] = False
     left = np.add.reduceat(kept, np.cumsum(sizes) - sizes, dtype=np.int64)
     first = np.concatenate([[0], np.cumsum(left[left > 0])])

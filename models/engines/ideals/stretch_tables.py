@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.models.problem.bitsets import words
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
+from kerfwise.models.problem.moves import UNLAWFUL, MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .kernels import Costs, MoveTable
@@ -27,10 +27,11 @@ LANES = 8
 
 def dearest(problem: Problem) -> int:
     """What no lawful plan costs more than; what is less than unlawful where that takes many words."""
-    if len(problem.crossings) or problem.soft_groups or any(lag.weight is not None for lag in problem.lags):
+    if len(problem.crossings) or problem.soft_groups:
         return UNLAWFUL - 1
     everywhere = np.arange(problem.m + 1)
-    blocks = (problem.travel(everywhere[at : at + 256], everywhere).max() for at in range(0, problem.m + 1, 256))
+    tables = (problem.travel(everywhere[at : at + 256], everywhere) for at in range(0, problem.m + 1, 256))
+    blocks = (table[table < UNLAWFUL].max(initial=0) for table in tables)
     total = (problem.n + 1) * int(max(blocks)) + problem.n * int(problem.site_cost.max(initial=0))
     return total + sum(condition.cost or 0 for condition in problem.conditions)
 
@@ -74,20 +75,7 @@ def table_of(local: Local, travel: Ints, limit: int) -> MoveTable:
 
 def travel_between(problem: Problem, rows: Ints, columns: Ints) -> Ints:
     """Cost of going from the end of each row's site to the pierce of each column's, `HOME` for the machine's home."""
-    travel = problem.travel(*(np.where(sites == HOME, problem.m, sites) for sites in (rows, columns)))
-    left, right = _contours(problem, rows), _contours(problem, columns)
-    here, there = set(left.tolist()), set(right.tolist())
-    for lag in problem.lags:
-        cost = UNLAWFUL if lag.weight is None else cost_um(lag.weight)
-        for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
-            if lag.cuts == 1 and i in here and j in there:
-                travel[np.ix_(left == i, right == j)] += cost
-    return travel
-
-
-def _contours(problem: Problem, sites: Ints) -> Ints:
-    """The contour of every site, `HOME` for home."""
-    return np.where(sites == HOME, HOME, problem.site_contour[sites])
+    return problem.travel(*(np.where(sites == HOME, problem.m, sites) for sites in (rows, columns)))
 
 
 def home_from(problem: Problem, ways: Ints) -> Ints:
@@ -100,8 +88,6 @@ def home_from(problem: Problem, ways: Ints) -> Ints:
 # Moves over parts that may be out, as the sweep needs them.
 
 HOME = -1
-UNLAWFUL = 1 << 48
-"""What an unlawful move costs: more than any plan, and sums of it still fit."""
 
 
 def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, travel: Ints) -> CrossingAlternatives:
@@ -214,8 +200,7 @@ def stretch_problem(
     matrix[:-1, :-1] = problem.travel(sites, sites)
     matrix[-1, :-1] = np.minimum(enter, FAR)
     matrix[:-1, -1][np.searchsorted(sites, leave)] = onward
-    number = {c: k for k, c in enumerate(group)}
-    lags = (lag for lag in problem.lags if lag.first in number and lag.second in number)
+    home = np.append(group, problem.n)
     return replace(
         problem,
         n=len(group),
@@ -230,11 +215,12 @@ def stretch_problem(
         block=np.unique(problem.block[list(group)], return_inverse=True)[1],
         conditions=(),
         soft_groups=(),
-        lags=tuple(replace(lag, first=number[lag.first], second=number[lag.second]) for lag in lags),
+        lags=(),
         general=(),
         ids=tuple(problem.ids[c] for c in group),
         crossings=Crossings(),
         links=Links(),
+        moves=MovePrices(barred=problem.moves.barred.only(home)),
         matrix=matrix,
         orders=b"",
     )

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.problem.moves import UNLAWFUL
 
 from .conditions import lean_on_sites, literals_unmet, pieces_begun, too_close_within, too_soon, unmet
 from .exchanges import PER_TRIAL, swap_towards, three_opt
@@ -122,7 +123,10 @@ def span_price(
     last = legs.m if lo == 0 else site[order[lo - 1]]
     for p in range(lo, hi + 1):
         s = legs.m if p == legs.n else site[order[p]]
-        cost += leg(legs, last, s)
+        move = leg(legs, last, s)
+        if move >= UNLAWFUL:
+            move, broken = move - UNLAWFUL, broken + 1
+        cost += move
         if crossable:
             cell = cell_of(crossed, last * (legs.n + 1) + legs.contour[s])
             if cell >= 0:

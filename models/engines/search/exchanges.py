@@ -14,6 +14,7 @@ from .route_state import (
     LENGTH,
     NO,
     ONE,
+    PRICE,
     TRADED,
     TRADES,
     WORK,
@@ -29,7 +30,7 @@ from .route_state import (
     swap_places,
     take_up,
 )
-from .travel import gap_cost, leg
+from .travel import fare, gap_cost
 
 # Swapping two adjacent stretches so that two near contours follow each other (SOP 3-exchange).
 #
@@ -70,7 +71,7 @@ def _leg_between(tables: SearchTables, state: State, p: int, q: int) -> int:
     legs = tables.legs
     a = state.site[state.order[p]] if p >= 0 else legs.m
     b = state.site[state.order[q]] if q < legs.n else legs.m
-    return leg(legs, a, b)
+    return fare(legs, a, b, state.number[PRICE])
 
 
 @compiled

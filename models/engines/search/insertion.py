@@ -5,7 +5,7 @@ from __future__ import annotations
 from .conditions import met_at, pieces_begun, too_close, unmet
 from .jit_tools import compiled, draw_share
 from .route_state import LENGTH, NOWHERE, PRICE, START, WORK, SearchTables, State, inside_block, put_in, window
-from .travel import cell_of, crossing, least_enter, least_leave, leg
+from .travel import cell_of, crossing, fare, least_enter, least_leave
 
 # What it costs to put a contour in at a place, travel aside.
 
@@ -51,7 +51,7 @@ FAR = 1 << 58  # more than any route costs, µm
 def move_cost(tables: SearchTables, state: State, a: int, b: int, at: int) -> int:
     """Travel from site a to site b just before position `at`, and what it crosses."""
     legs, crossed = tables.legs, tables.crossed
-    cost = leg(legs, a, b)
+    cost = fare(legs, a, b, state.number[PRICE])
     if len(crossed.over) > 0:
         c = legs.contour[b]
         cell = cell_of(crossed, a * (legs.n + 1) + c)
@@ -109,7 +109,7 @@ def _extend(tables: SearchTables, state: State, t: int, start: int, stop: int, a
     if len(crossed.over) > 0:
         cell = cell_of(crossed, t * (legs.n + 1) + legs.contour[start])
     for s in range(start, stop):
-        total = so_far + leg(legs, t, s)
+        total = so_far + fare(legs, t, s, state.number[PRICE])
         if cell >= 0:
             cost, broken = crossing(crossed, cell + s - start, state.position, at)
             total += cost + broken * state.number[PRICE]

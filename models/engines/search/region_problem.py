@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints, concat_ranges
-from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings, in_order
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.precedence import transitive
 from kerfwise.models.problem.problem import Durations, Links, Problem
 from kerfwise.rules.statements import About
@@ -35,7 +35,6 @@ class Contractor:
         self._sooner, self._later = orders.covers, np.repeat(np.arange(problem.n), np.diff(orders.covers_first))
         self._asked = RegionConditions(fields.demands)
         self._crossed = CrossedBy(problem)
-        self._lagged = LaggedBy(problem)
 
     def region(self, route: Ints, free: Bools, starts: bool = False, ends: bool = False) -> Region:
         """The region of the contours that are `free` (n,), whole blocks, on a lawful route.
@@ -46,7 +45,6 @@ class Contractor:
         pieces = Pieces.of(problem, route, free)
         before = self._orders(pieces, starts, ends)
         matrix = problem.travel(np.append(pieces.tails, problem.m), np.append(pieces.heads, problem.m))
-        self._lagged.add_to(matrix, pieces)
         site_cost = np.where(pieces.alone[pieces.site_piece], problem.site_cost[pieces.heads], 0)
         conditions = self._asked.of(pieces, before, site_cost)
         conditions += self._crossed.within(pieces, before)
@@ -70,6 +68,7 @@ class Contractor:
             crossings=self._crossed.between(pieces),
             pace=Durations(),
             links=Links(),
+            moves=MovePrices(),
             matrix=matrix,
         )
         return Region(smaller, pieces.sites, pieces.heads, pieces.route)
@@ -276,29 +275,3 @@ class CrossedBy:
             Condition(p, (q,), (-1,), 0, ABOUT, cost=None if c == FORBIDDEN else c)
             for p, q, c in zip(here[unsure].tolist(), other[unsure].tolist(), cost[unsure].tolist(), strict=True)
         ]
-
-
-# Contours that should not follow each other, as prices of moves between pieces.
-
-UNLAWFUL = 1 << 44
-"""More than any plan costs, µm; sums of a few thousand are whole numbers of 8 bytes still."""
-
-
-class LaggedBy:
-    """The lags of one problem, of one cut each."""
-
-    def __init__(self, problem: Problem) -> None:
-        lags = [lag for lag in problem.lags if lag.cuts > 0]
-        self._pair = np.array([(lag.first, lag.second) for lag in lags], dtype=np.int64).reshape(-1, 2)
-        self._cost = np.array([UNLAWFUL if lag.weight is None else cost_um(lag.weight) for lag in lags], dtype=np.int64)
-
-    def add_to(self, matrix: Ints, pieces: Pieces) -> None:
-        """Add what it costs that the last contour of a piece is followed by the first of another."""
-        is_first, is_last = (np.zeros(len(pieces.of_contour), dtype=np.bool_) for _ in range(2))
-        is_first[pieces.leader], is_last[pieces.closer] = True, True
-        for leave, reach in (self._pair.T, self._pair.T[::-1]):
-            a, b = pieces.of_contour[leave], pieces.of_contour[reach]
-            for k in np.flatnonzero(is_last[leave] & is_first[reach] & (a != b)).tolist():
-                rows = slice(pieces.first[a[k]], pieces.first[a[k] + 1])
-                columns = slice(pieces.first[b[k]], pieces.first[b[k] + 1])
-                matrix[rows, columns] += self._cost[k]

@@ -11,6 +11,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.precedence import transitive
 from kerfwise.models.problem.problem import Links, Problem
 
@@ -210,6 +211,7 @@ def _smaller(problem: Problem, pieces: list[Ints], first: Ints, heads: Ints, tai
         ids=tuple(problem.ids[problem.site_contour[piece[0]]] for piece in pieces),
         matrix=problem.travel(np.append(tails, problem.m), np.append(heads, problem.m)),
         links=Links(),
+        moves=MovePrices(),
     )
 
 

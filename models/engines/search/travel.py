@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Int32s, Ints, unique
 from kerfwise.models.problem.crossings import FORBIDDEN, in_order
+from kerfwise.models.problem.moves import UNLAWFUL
 from kerfwise.models.problem.problem import Problem
 
 from .jit_tools import compiled
@@ -30,6 +31,10 @@ class Legs(NamedTuple):
     Links from site a are the rows `link_from[a]` … `link_from[a + 1] - 1`, sorted by the site `link_to` that they lead
     to; each costs `link_cost`, and the cut there takes `link_ms` more. `link_into[c]` is what the cheapest link to a
     site of contour c costs, `link_at[b]` the cheapest to site b, `NO_LINK` where there is none.
+
+    Where legs are computed, prices of moves from site a are the rows `price_from[r]` … `price_from[r + 1] - 1`, with
+    r = `price_row[a]`, sorted by `price_at`, which is `price_column[b]` of the sites b that they lead to. What is not
+    lawful costs `UNLAWFUL`, in `travel` as well; `leave` and `enter` leave that out.
     """
 
     n: int
@@ -51,19 +56,26 @@ class Legs(NamedTuple):
     link_ms: Ints
     link_into: Ints
     link_at: Ints
+    price_row: Ints
+    price_column: Ints
+    price_from: Ints
+    price_at: Ints
+    price: Ints
 
 
 def make_legs(problem: Problem) -> Legs:
     """The legs of a problem."""
     n, m = problem.n, problem.m
+    prices = problem.moves.price
     if problem.matrix is None and m > MATRIX_SITES:
         travel = leave = enter = np.zeros((0, 0), dtype=np.int64)
     else:
         travel = problem.travel(np.arange(m + 1), np.arange(m + 1))
         from_site, to_site, cost = always_crossed(problem)
         np.add.at(travel, (from_site, to_site), cost)
-        leave = _least(travel[:, :m], problem.first)
-        enter = _least(travel[:m].T, problem.first)
+        lawful = np.where(travel >= UNLAWFUL, travel - UNLAWFUL, travel)
+        leave = _least(lawful[:, :m], problem.first)
+        enter = _least(lawful[:m].T, problem.first)
     return Legs(
         n=n,
         m=m,
@@ -84,6 +96,11 @@ def make_legs(problem: Problem) -> Legs:
         link_ms=problem.links.ms,
         link_into=_cheapest(problem, np.append(problem.site_contour, n)[problem.links.reach], n),
         link_at=_cheapest(problem, problem.links.reach, m),
+        price_row=prices.row,
+        price_column=prices.column,
+        price_from=np.searchsorted(prices.key, np.arange(int(prices.row.max(initial=-1)) + 2) * prices.width),
+        price_at=prices.key % prices.width,
+        price=prices.value,
     )
 
 
@@ -113,29 +130,47 @@ def _circles(points: Ints, first: Ints) -> Floats:
 
 @compiled
 def leg(legs: Legs, a: int, b: int) -> int:
-    """The move from the end of site a to the pierce of site b, whole µm."""
+    """The move from the end of site a to the pierce of site b, whole µm, `UNLAWFUL` more where it is not lawful."""
     if legs.travel.shape[0] > 0:
         return int(legs.travel[a, b])
+    price = 0
+    if len(legs.price) > 0:
+        row = legs.price_row[a]
+        at = _found(legs.price_at, legs.price_from[row], legs.price_from[row + 1], legs.price_column[b])
+        if at >= 0:
+            price = legs.price[at]
     link = link_of(legs, a, b)
     if link >= 0:
-        return int(legs.link_cost[link])
+        return int(legs.link_cost[link] + price)
     dx = legs.end[a, 0] - legs.pierce[b, 0]
     dy = legs.end[a, 1] - legs.pierce[b, 1]
-    return int(np.rint(legs.weight * np.sqrt(dx * dx + dy * dy)))
+    return int(np.rint(legs.weight * np.sqrt(dx * dx + dy * dy))) + price
+
+
+@compiled
+def fare(legs: Legs, a: int, b: int, unlawful: int) -> int:
+    """The same, with that price in place of `UNLAWFUL`."""
+    cost = leg(legs, a, b)
+    return cost if cost < UNLAWFUL else cost - UNLAWFUL + unlawful
 
 
 @compiled
 def link_of(legs: Legs, a: int, b: int) -> int:
     """The link from site a to site b, -1 if there is none."""
-    low, high = legs.link_from[a], legs.link_from[a + 1]
+    return _found(legs.link_to, legs.link_from[a], legs.link_from[a + 1], b)
+
+
+@compiled
+def _found(sorted_: Ints, low: int, high: int, wanted: int) -> int:
+    """Where between `low` and `high` a number is among those sorted, -1 if it is not."""
     stop = high
     while low < high:
         middle = (low + high) >> 1
-        if legs.link_to[middle] < b:
+        if sorted_[middle] < wanted:
             low = middle + 1
         else:
             high = middle
-    return int(low) if low < stop and legs.link_to[low] == b else -1
+    return int(low) if low < stop and sorted_[low] == wanted else -1
 
 
 @compiled

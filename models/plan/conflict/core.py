@@ -27,6 +27,7 @@ from kerfwise.rules.statements import (
     Forbid,
     Lag,
     Literal,
+    Move,
     NoGood,
     Pick,
     Precede,
@@ -247,10 +248,24 @@ class Way:
                 return abs(self.place[i] - self.place[j]) > s.cuts
             case NoGood(out, left):
                 return any(self.place[k] < max((self.place[m] for m in out), default=0) for k in left)
+            case Move():
+                return not self._goes_straight_on(s)
             case Crossing():
                 return True
             case _:
                 assert_never(s)
+
+    def _goes_straight_on(self, s: Move) -> bool:
+        """Whether one of its contours surely follows another as it forbids."""
+        reached = {self.place[j]: j for j in s.reach}
+        straight = ((i, reached[self.place[i] + 1]) for i in s.leave if self.place[i] + 1 in reached)
+        return any(self._picked_of(i, s.leaving) and self._picked_of(j, s.reaching) for i, j in straight)
+
+    def _picked_of(self, contour: int, some: frozenset[int] | None) -> bool:
+        """Whether a contour is surely cut by some of these candidates; None are all."""
+        return some is None or (
+            contour in self.entered and any(self.contour_of[c] == contour for c in self.picked & some)
+        )
 
     def _span(self, literals: Sequence[Literal], weights: Sequence[int]) -> tuple[int, int]:
         """The least and the most that the literals which are true may weigh."""

@@ -20,6 +20,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Precede,
     Statement,
@@ -31,7 +32,7 @@ from kerfwise.rules.stating.feasible_order import ends_of
 
 # Hard statements as a planner sees them: those with the same rule, contours and sentence are one.
 
-CanClash = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
+CanClash = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood | Move
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
     found: dict[About, list[CanClash]] = {}
     for s in statements:
         match s:
-            case Precede() | Forbid() | AtLeast() | Contiguous() | Crossing() | Lag() | NoGood():
+            case Precede() | Forbid() | AtLeast() | Contiguous() | Crossing() | Lag() | NoGood() | Move():
                 if s.weight is None:
                     found.setdefault(s.about, []).append(s)
             case IdleTravel() | Link():

@@ -13,7 +13,7 @@ from typing import assert_never
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.graphs import Link, components, contracted, path
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, NoGood, Precede
+from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, Move, NoGood, Precede
 from kerfwise.rules.stating.feasible_order import ends_of, likely_order
 
 from .groups import Group, drop_unneeded_rules, shrink
@@ -175,7 +175,7 @@ def _of_group(facts: Facts, group: Group, contour_of: Sequence[int]) -> Orders:
                 else:
                     for link, _ in must:
                         asking[link].add(s.when)
-            case Forbid() | Lag() | NoGood() | Crossing():
+            case Forbid() | Lag() | NoGood() | Crossing() | Move():
                 whole = False
             case _:
                 assert_never(s)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import assert_never
 
 from ortools.sat.python.cp_model import (
@@ -34,6 +35,7 @@ from kerfwise.rules.statements import (
     Forbid,
     Lag,
     Literal,
+    Move,
     NoGood,
     Pick,
     Precede,
@@ -87,6 +89,17 @@ class OrderModel:
             self.model.add_exactly_one(self.pick[k] for k in span)
         return self.pick[c]
 
+    def cut_by(self, contour: int, some: frozenset[int] | None) -> list[IntVar] | None:
+        """Literal: some of these candidates is used for the contour; none where all are, None where it has none."""
+        if some is None:
+            return []
+        own = [self.candidate(c) for c in self.facts.candidates_of(contour) if c in some]
+        if not own:
+            return None
+        literal = self.model.new_bool_var("")
+        self.model.add(sum(own) == literal)
+        return [literal]
+
 
 def build_order_model(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     """The model in which each group may be switched on by its literal in `holds`."""
@@ -94,7 +107,8 @@ def build_order_model(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     ends = _ends(groups, facts.n)
     rest = [replace(group, statements=tuple(s for s in group.statements if id(s) not in ends)) for group in groups]
     mentioned = {k for group in rest for k in contours_of(group, contour_of)} | {k for k, _ in ends.values()}
-    counts_all = bool(ends or by_kind(s for group in groups for s in group.statements).lag)
+    kinds = by_kind(s for group in groups for s in group.statements)
+    counts_all = bool(ends or kinds.lag or kinds.move)
     if not counts_all:
         mentioned -= _loose(groups)
     places = facts.n if counts_all else len(mentioned)
@@ -134,6 +148,8 @@ def _loose(groups: Sequence[Group]) -> set[int]:
                 firm |= set(contours)
             case NoGood(out, left):
                 firm |= out | left
+            case Move():
+                firm |= {*s.leave, *s.reach}
             case Forbid() | Crossing():
                 pass  # neither is about a contour's place
             case _:
@@ -192,6 +208,11 @@ def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
                 model.add(at[other] - at[one] > statement.cuts).only_enforce_if(holds, literal)
         case NoGood(out, left):
             model.add_bool_or(*(built.before(b, a) for a in sorted(out) for b in sorted(left)), holds.negated())
+        case Move():
+            for i, j in product(statement.leave, statement.reach):
+                ways = built.cut_by(i, statement.leaving), built.cut_by(j, statement.reaching)
+                if i != j and ways[0] is not None and ways[1] is not None:
+                    model.add(at[j] != at[i] + 1).only_enforce_if([holds, *ways[0], *ways[1]])
         case Crossing():
             pass  # `whole` asks it
         case _:

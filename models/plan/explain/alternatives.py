@@ -25,6 +25,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Precede,
     Statement,
@@ -32,7 +33,7 @@ from kerfwise.rules.statements import (
 )
 from kerfwise.rules.stating.lazy_statements import forbids_later, lazy_statements
 
-from .context import PlanContext, Stuck, costs_here, resite
+from .context import PlanContext, Stuck, costs_here, lawful_travel, resite
 
 # What a plan costs with one place of its order changed: from the best ways to that place, and on from it.
 #
@@ -142,7 +143,7 @@ class PositionCosts:
     def _step(self, leave: int, reach: int, k: int, place: Ints) -> Floats:
         """What the moves from the sites of one contour (or home) to those of another cost as step k of an order."""
         problem = self.setting.problem
-        table = problem.travel(self._sites(leave), self._sites(reach)).astype(np.float64)
+        table = lawful_travel(problem, self._sites(leave), self._sites(reach))
         key = leave * (problem.n + 1) + reach
         low, high = np.searchsorted(self._keys, [key, key + 1]).tolist()
         if low < high:
@@ -226,13 +227,16 @@ def _holds(statement: Statement, place: NDArray[np.int64]) -> bool:
             return bool(place[sorted(out)].max() > place[sorted(left)].min())
         case Lag(i, j):
             return bool(abs(place[i] - place[j]) > statement.cuts)
+        case Move(leave, reach) if statement.leaving is None and statement.reaching is None:
+            after = place[list(leave)] + 1
+            return not np.isin(place[list(reach)], after).any()
         case AtLeast():
             if statement.when is not None:
                 return True
             pairs = [lit for lit in statement.literals if isinstance(lit, Before)]
             true = sum(w for lit, w in zip(pairs, statement.weights, strict=False) if place[lit.i] < place[lit.j])
             return len(pairs) < len(statement.literals) or true >= statement.bound
-        case Precede() | Forbid() | Crossing() | IdleTravel() | Link():
+        case Precede() | Forbid() | Crossing() | IdleTravel() | Link() | Move():
             return True  # `_broken` looks at orders, `resite` and `broken` at entries and moves
         case _:
             assert_never(statement)
@@ -449,6 +453,8 @@ def other_statements(setting: PlanContext, contour: int, asked: Sequence[Stateme
                 mine = contour in out or contour in left
             case Lag(i, j):
                 mine = contour in (i, j)
+            case Move(leave, reach):
+                mine = contour in leave or contour in reach
             case Precede() | Forbid() | AtLeast() | Crossing() | IdleTravel() | Link():
                 mine = False  # orders are `blocking_orders`; entries, sums and moves are told elsewhere
             case _:

@@ -24,6 +24,7 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.moves import UNLAWFUL
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Precede, by_kind
@@ -215,20 +216,21 @@ def resite(setting: PlanContext, order: Sequence[int], pinned: Mapping[int, int]
     for k, contour in enumerate(order):
         sites = [pinned[contour]] if contour in pinned else list(problem.sites(contour))
         here, against = costs_here(setting, contour, sites, already)
-        step = best[:, None] + problem.travel(leave, sites) + here[None, :]
+        step = best[:, None] + lawful_travel(problem, leave, sites) + here[None, :]
         _add_crossed(step, over.get(k, ()), layers[-1] if layers else [problem.m], sites)
         choice = step.argmin(axis=0)
         best = step[choice, np.arange(len(sites))]
         if not np.isfinite(best).any():
-            return Stuck(contour, tuple(dict.fromkeys(against)) or (_no_way(setting, contour),))
+            before = order[k - 1] if k else None
+            return Stuck(contour, tuple(dict.fromkeys(against)) or _no_way(setting, before, contour))
         layers.append(sites)
         came_from.append(choice)
         leave = sites
         already.add(contour)
-    last = best[:, None] + problem.travel(leave, [problem.m])
+    last = best[:, None] + lawful_travel(problem, leave, [problem.m])
     _add_crossed(last, over.get(len(order), ()), layers[-1] if layers else [problem.m], [problem.m])
     if not np.isfinite(last).any():
-        return Stuck(order[-1], (_no_way(setting, order[-1]),))
+        return Stuck(order[-1], _no_way(setting, None, order[-1]))
     route: list[int] = []
     at = int(last[:, 0].argmin())
     for sites, choice in zip(reversed(layers), reversed(came_from), strict=True):
@@ -238,11 +240,22 @@ def resite(setting: PlanContext, order: Sequence[int], pinned: Mapping[int, int]
     return Incumbent(found, route_cost(problem, found))
 
 
-def _no_way(setting: PlanContext, contour: int) -> About:
-    """Moves over parts that are out: all that can forbid sites which are lawful by themselves."""
+def lawful_travel(problem: Problem, leave: Sequence[int], reach: Sequence[int]) -> Floats:
+    """`Problem.travel`, infinite where a move is not lawful."""
+    table = problem.travel(leave, reach).astype(np.float64)
+    table[table >= UNLAWFUL] = np.inf
+    return table
+
+
+def _no_way(setting: PlanContext, before: int | None, contour: int) -> tuple[About, ...]:
+    """What forbids sites which are lawful by themselves: moves from the contour before, or over parts that are out."""
+    moves = () if before is None else setting.problem.moves.statements
+    banned = [s.about for s in moves if s.weight is None and before in s.leave and contour in s.reach]
+    if banned:
+        return tuple(dict.fromkeys(banned))
     name = setting.name(contour)
     sentence = f"every idle move to or from {name} would cross a part that is already out"
-    return About(" or ".join(setting.over_parts), (name,), sentence)
+    return (About(" or ".join(setting.over_parts), (name,), sentence),)
 
 
 def costs_here(

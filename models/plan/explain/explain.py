@@ -29,6 +29,7 @@ from kerfwise.rules.statements import (
     IdleTravel,
     Lag,
     Link,
+    Move,
     NoGood,
     Precede,
     Statement,
@@ -367,7 +368,7 @@ def _kept(setting: PlanContext, statement: Statement, contour: int) -> bool | No
                 return None
             true = (w for x, w in zip(orders, statement.weights, strict=True) if place[x.i] < place[x.j])
             return sum(true) >= statement.bound
-        case Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel() | Link():
+        case Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel() | Link() | Move():
             return None  # no price of heat is one of them
         case _:
             assert_never(statement)

@@ -19,6 +19,7 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import general_holds, missing_ms, times_ms
+from kerfwise.models.problem.moves import statements_by_leave
 from kerfwise.rules.statements import About, Contiguous, Lag, by_kind
 
 from .context import PlanContext
@@ -71,13 +72,13 @@ class OtherPlaces:
         self.home = n
         self.site = np.empty(n + 1, dtype=np.int64)
         self.site[self.order], self.site[n] = setting.route, problem.m
-        self.leg = problem.travel(self.site, self.site)
+        self.leg = problem.travel(self.site, self.site) - problem.moves.price.between(self.site, self.site)
         self.at = np.empty(n + 1, dtype=np.int64)
         self.at[self.order], self.at[n] = np.arange(n), n
         self._orders()
         self._conditions()
         self._neighbours()
-        self._far = [lag for lag in problem.lags if lag.cuts > 1 or lag.seconds > 0]
+        self._far = problem.lags
         self.whole_now = self._whole(self.order) if self._far or problem.general else {}
         self.crossed = CrossedMoves(problem, by_kind(setting.stated.statements).crossing, self.site, self.order)
         self._paid = _Paid(self)
@@ -159,7 +160,7 @@ class OtherPlaces:
 
     def _turned_near(self, order: Sequence[int], start: int, length: int) -> Iterator[tuple[About, int | None]]:
         """What follows what at once along a stretch, before and after it was turned round."""
-        if not self.lags and not self.groups:
+        if not self.moves and not self.groups:
             return
         for along, way in ((self.order, -1), (order, 1)):
             stretch = [self.home, *along, self.home][start : start + length + 2]
@@ -239,16 +240,16 @@ class OtherPlaces:
             members = frozenset(group.contours)
             for contour in members:
                 self.groups[contour].append((members, group.cost, group.about))
-        self.lags: dict[tuple[int, int], list[tuple[About, int | None]]] = defaultdict(list)
-        for lag in problem.lags:
-            if lag.cuts == 1 and not lag.seconds:
-                price = None if lag.weight is None else cost_um(lag.weight)
-                for pair in ((lag.first, lag.second), (lag.second, lag.first)):
-                    self.lags[pair].append((lag.about, price))
+        self.moves = statements_by_leave(problem.moves.statements)
+        self._asked_of: dict[tuple[int, int], list[tuple[About, int | None]]] = {}
+        self.way = np.append(problem.site_candidate[self.site[:-1]], -1).tolist()
 
     def near(self, a: int, b: int) -> Iterator[tuple[About, int | None]]:
         """What it costs, or breaks, that b is cut right after a; either may be home."""
-        yield from self.lags.get((a, b), ())
+        if (a, b) not in self._asked_of:
+            broken = (s for s in self.moves.get(a, ()) if s.covers(a, b, self.way[a], self.way[b]))
+            self._asked_of[a, b] = [(s.about, None if s.weight is None else cost_um(s.weight)) for s in broken]
+        yield from self._asked_of[a, b]
         for members, cost, about in self.groups.get(b, ()):
             if a not in members:
                 yield about, cost
@@ -256,7 +257,7 @@ class OtherPlaces:
     def _near_changes(
         self, moved: tuple[int, ...], rest: Sequence[int], slot: int, start: int
     ) -> Iterator[tuple[About, int | None]]:
-        if not self.lags and not self.groups:
+        if not self.moves and not self.groups:
             return
         now, then = (self._ends(moved, rest, k) for k in (start, slot))
         for (a, b, c, d), sign in ((now, -1), (then, 1)):

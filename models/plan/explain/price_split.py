@@ -10,7 +10,15 @@ import numpy as np
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um
 from kerfwise.models.plan.plan import Prices
 from kerfwise.models.problem.crossings import FORBIDDEN
-from kerfwise.models.problem.evaluate import broken_conditions, general_holds, missing_ms, pieces, route_cost, times_ms
+from kerfwise.models.problem.evaluate import (
+    broken_conditions,
+    general_holds,
+    missing_ms,
+    moves_paid,
+    pieces,
+    route_cost,
+    times_ms,
+)
 from kerfwise.rules.statements import About, by_kind
 
 from .context import PlanContext
@@ -42,6 +50,9 @@ def _paid(setting: PlanContext) -> Iterator[tuple[About, int]]:
         if forbid.weight is not None and forbid.candidate in setting.candidates:
             yield forbid.about, cost_um(forbid.weight)
     for cost, about in broken_conditions(problem, route):
+        if cost is not None:
+            yield about, cost
+    for about, cost in moves_paid(problem, route):
         if cost is not None:
             yield about, cost
     for group in problem.soft_groups:

@@ -25,7 +25,7 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Lag
-from kerfwise.tests.models.problems import ABOUT, scattered
+from kerfwise.tests.models.problems import ABOUT, scattered, with_lags
 
 
 def lags(seed: int, contours: int) -> Problem:
@@ -35,7 +35,7 @@ def lags(seed: int, contours: int) -> Problem:
         first, second = rng.choice(contours, 2, replace=False).tolist()
         cuts = int(rng.integers(2, 4))
         drawn.append(Lag(first, second, ABOUT, cuts=cuts, weight=float(rng.integers(1, 50))))
-    return replace(scattered(seed, contours, 2, pairs=4), lags=tuple(drawn))
+    return with_lags(scattered(seed, contours, 2, pairs=4), drawn)
 
 
 def sums_of_orders(seed: int, contours: int) -> Problem:

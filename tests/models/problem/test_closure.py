@@ -6,6 +6,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kerfwise.models import jit
+from kerfwise.models.problem.moves import PairTable
 from kerfwise.models.problem.precedence import close, columns_packed, immediate, lawful_followers, unpacked
 
 
@@ -61,20 +62,21 @@ def test_who_may_follow_whom_is_told_pair_by_pair(
     n, pairs, block = given
     before = plainly(n, pairs, block)
     apart = [(i, j) for i, j in far if i < n and j < n]
+    barred = PairTable.of(n + 1, [(np.array([i]), np.array([j]), 1) for i, j in apart[:1]])
     alike = [[k for k in range(n) if block[k] == block[i]] for i in range(n)]
 
     def between(i: int, j: int) -> bool:
         return any(before[i, k] and before[k, j] for k in range(n))
 
     def follows(i: int, j: int) -> bool:
-        if i == j or before[j, i] or (before[i, j] and between(i, j)) or (i, j) in apart or (j, i) in apart:
+        if i == j or before[j, i] or (before[i, j] and between(i, j)) or (i, j) in apart or (j, i) in apart[1:]:
             return False
         left_last = not any(before[i, k] for k in alike[i])
         return block[i] == block[j] or (left_last and not any(before[k, j] for k in alike[j]))
 
     expected = [[follows(i, j) for j in range(n)] + [not before[i].any()] for i in range(n)]
     expected.append([not before[:, j].any() for j in range(n)] + [False])
-    followers = lawful_followers(before, np.array(block), apart)
+    followers = lawful_followers(before, np.array(block), apart[1:], barred)
     assert followers.whole().tolist() == expected
     assert [followers[i].tolist() for i in range(n + 1)] == expected
     assert np.array([followers.ahead_of(j) for j in range(n + 1)]).T.tolist() == expected

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ import shapely
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.jobs.request import Request, facts_of, make_request
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.moves import MovePrices, PairTable
+from kerfwise.models.problem.problem import Durations, Links, Problem
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Crossing, Forbid, IdleTravel, NoGood, Precede, Statement
@@ -49,11 +52,14 @@ def asked() -> Request:
 
 def assert_alike(one: Problem, other: Problem) -> None:
     for name in (field.name for field in fields(Problem) if field.name != "told"):
-        a, b = getattr(one, name), getattr(other, name)
-        if name in ("crossings", "links", "pace"):
-            assert all(np.array_equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(a)), name
-        else:
-            assert np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b, name
+        assert alike(getattr(one, name), getattr(other, name)), name
+
+
+def alike(a: Any, b: Any) -> bool:
+    """Tables are compared field by field."""
+    if isinstance(a, Crossings | Links | Durations | MovePrices | PairTable):
+        return all(alike(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+    return np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b)
 
 
 @pytest.mark.parametrize("first", FIRST)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from hypothesis import given
 
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.precedence import lawful_followers
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
@@ -40,8 +41,8 @@ def test_scattered_problems_are_the_same_each_time() -> None:
 @given(problems())
 @examples(20)
 def test_who_may_follow_whom_is_the_same_however_often_it_is_asked(drawn: Problem) -> None:
-    plainly = lawful_followers(drawn.before, drawn.block, drawn.apart()).whole()
-    other = replace(drawn, lags=())
+    plainly = lawful_followers(drawn.before, drawn.block, drawn.apart(), drawn.moves.barred).whole()
+    other = replace(drawn, lags=(), moves=MovePrices())
     for asked in (drawn, drawn, other, drawn):
         wanted = lawful_followers(other.before, other.block).whole() if asked is other else plainly
         assert (asked.successors() == wanted).all()

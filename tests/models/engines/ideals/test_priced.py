@@ -24,7 +24,7 @@ from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.engines.ideals.test_ahead import in_zones
-from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered, with_lags
 from kerfwise.tests.tools.amount import examples
 
 PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package has a function of that name
@@ -229,7 +229,7 @@ def two_zones() -> tuple[Problem, Incumbent]:
     before[:5, 5:] = True
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=30_000) for k in (0, 2, 6)]
     lags = [Lag(0, 1, ABOUT, cuts=1), Lag(4, 5, ABOUT, cuts=1, weight=400.0), Lag(7, 8, ABOUT, cuts=1, weight=90.0)]
-    given = replace(bare, before=before, conditions=tuple(held), lags=tuple(lags))
+    given = with_lags(replace(bare, before=before, conditions=tuple(held)), lags)
     far = prove(replace(given, home_um=given.home_um + 9_000_000), None, Deadline(1.0))
     assert far is not None
     assert far.incumbent is not None

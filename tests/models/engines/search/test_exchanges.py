@@ -12,7 +12,7 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
-from kerfwise.tests.models.problems import ABOUT, scattered
+from kerfwise.tests.models.problems import ABOUT, scattered, with_lags
 
 
 def _tabled(seed: int, contours: int, pairs: int, even: bool) -> Problem:
@@ -71,7 +71,7 @@ def test_only_orders_and_arcs_are_plain() -> None:
     others = (
         scattered(1, contours=10, sites=2),
         scattered(1, contours=10, sites=1, blocks=[range(3)]),
-        replace(plate, lags=(Lag(0, 1, ABOUT, cuts=1),)),
+        with_lags(plate, [Lag(0, 1, ABOUT, cuts=1)]),
         replace(plate, matrix=np.full((11, 11), 1 << 40)),
     )
     assert [make_arcs(other, make_legs(other)).plain for other in others] == [0, 0, 0, 0]

@@ -18,7 +18,7 @@ from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
-from kerfwise.tests.models.problems import ABOUT, scattered
+from kerfwise.tests.models.problems import ABOUT, scattered, with_lags
 
 CONTOURS = 60
 BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
@@ -42,7 +42,7 @@ def plate(seed: int) -> Problem:
         weight = int(random.choice([-1, 1]))
         conditions.append(Condition(contour, (member,), (weight,), (weight + 1) // 2, ABOUT, when, 20_000))
     near = [Lag(c, c + 1, ABOUT, cuts=1, weight=30.0) for c in range(0, CONTOURS - 1, 4)]
-    return replace(bare, conditions=tuple(conditions), lags=tuple(near))
+    return with_lags(replace(bare, conditions=tuple(conditions)), near)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -52,7 +52,7 @@ def test_smaller_routes_are_whole_ones_less_their_stretches(seed: int) -> None:
 def test_only_orders_may_say_who_stands_where() -> None:
     assert mergeable(scattered(1, contours=5, sites=2, pairs=3))
     assert not mergeable(scattered(1, contours=6, sites=2, blocks=[range(3)]))
-    assert not mergeable(problem([[(1, 0)], [(2, 0)]], lags=[Lag(0, 1, ABOUT, cuts=1)]))
+    assert not mergeable(problem([[(1, 0)], [(2, 0)]], lags=[Lag(0, 1, ABOUT, cuts=2)]))
 
 
 def test_a_pool_holds_different_routes_the_cheapest_first() -> None:

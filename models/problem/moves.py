@@ -1,0 +1,195 @@
+"""Prices of moves: what it costs, or that it is unlawful, to go directly from one cut to another."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from kerfwise.arrays import Ints, concat_ranges
+from kerfwise.encoder.geometry.tolerances import cost_um
+from kerfwise.rules.statements import About, Lag, Move
+
+UNLAWFUL = 1 << 48
+"""µm: what an unlawful move costs, more than any plan; sums of it still fit."""
+
+# A number for each ordered pair of things, most of them 0: things that are alike share a row and a column.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PairTable:
+    """From thing x to thing y it has the number of row `row[x]`, column `column[y]`: 0 where nothing is kept.
+
+    There are `width` columns. `key` has row · width + column of what is kept, rising, `value` the numbers.
+
+    Examples
+    --------
+    >>> table = PairTable.of(4, [(np.array([0, 1]), np.array([2, 3]), 5), (np.array([1]), np.array([3]), 7)])
+    >>> table.between(np.arange(4), np.arange(4)).tolist()
+    [[0, 0, 5, 5], [0, 0, 5, 12], [0, 0, 0, 0], [0, 0, 0, 0]]
+    >>> table.only(np.array([1, 3])).each(np.array([0, 1]), np.array([1, 1])).tolist()
+    [12, 0]
+    """
+
+    row: Ints
+    column: Ints
+    width: int
+    key: Ints
+    value: Ints
+
+    @staticmethod
+    def of(size: int, groups: Iterable[tuple[Ints, Ints, int]]) -> PairTable:
+        """Of so many things: every group adds its number from each of the first things to each of the second.
+
+        `UNLAWFUL` is added once, however many groups say it.
+        """
+        known = [group for group in groups if group[2] and len(group[0]) and len(group[1])]
+        row, _ = _alike(size, [leave for leave, _, _ in known])
+        column, width = _alike(size, [reach for _, reach, _ in known])
+        keys, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        for leave, reach, value in known:
+            keys.append((np.unique(row[leave])[:, None] * width + np.unique(column[reach])[None, :]).ravel())
+            values.append(np.full(len(keys[-1]), value, dtype=np.int64))
+        number = np.concatenate(values)
+        key, which = np.unique(np.concatenate(keys), return_inverse=True)
+        total, unlawful = np.zeros(len(key), dtype=np.int64), np.zeros(len(key), dtype=np.bool_)
+        np.add.at(total, which, np.where(number < UNLAWFUL, number, 0))
+        unlawful[which[number >= UNLAWFUL]] = True
+        return PairTable(row, column, width, key, total + UNLAWFUL * unlawful)
+
+    def __len__(self) -> int:
+        return len(self.key)
+
+    def only(self, things: Ints) -> PairTable:
+        """The same of some of the things, in this order."""
+        return replace(self, row=self.row[things], column=self.column[things]) if len(self) else self
+
+    def between(self, leave: Ints, reach: Ints) -> Ints:
+        """From each of `leave` (k,) to each of `reach` (l,), (k, l)."""
+        if not len(self):
+            return np.zeros((len(leave), len(reach)), dtype=np.int64)
+        rows, of_row = np.unique(self.row[leave], return_inverse=True)
+        columns, of_column = np.unique(self.column[reach], return_inverse=True)
+        place = np.full(self.width, -1, dtype=np.int64)
+        place[columns] = np.arange(len(columns))
+        low, high = (np.searchsorted(self.key, (rows + more) * self.width) for more in (0, 1))
+        kept = concat_ranges(low, high - low)
+        here, there = np.repeat(np.arange(len(rows)), high - low), place[self.key[kept] % self.width]
+        small = np.zeros((len(rows), len(columns)), dtype=np.int64)
+        small[here[there >= 0], there[there >= 0]] = self.value[kept[there >= 0]]
+        return small[of_row.reshape(-1)][:, of_column.reshape(-1)]
+
+    def each(self, leave: Ints, reach: Ints) -> Ints:
+        """From `leave[k]` to `reach[k]`, (k,)."""
+        if not len(self):
+            return np.zeros(len(leave), dtype=np.int64)
+        asked = self.row[leave] * self.width + self.column[reach]
+        at = np.minimum(np.searchsorted(self.key, asked), len(self.key) - 1)
+        return np.where(self.key[at] == asked, self.value[at], 0)
+
+
+def _alike(size: int, groups: Sequence[Ints]) -> tuple[Ints, int]:
+    """A number for each thing, the same for those that are in the same groups; and how many numbers there are."""
+    if not groups:
+        return np.zeros(size, dtype=np.int64), 1
+    noise = np.random.default_rng(0).integers(1, 2**63, len(groups), dtype=np.uint64)
+    members = np.concatenate(groups)
+    told = np.zeros(size, dtype=np.uint64)
+    np.add.at(told, members, np.repeat(noise, [len(group) for group in groups]))
+    names, number = np.unique(told, return_inverse=True)
+    return number.astype(np.int64).reshape(-1), len(names)
+
+
+def nothing(size: int = 0) -> PairTable:
+    """Nothing kept of any pair."""
+    return PairTable.of(size, ())
+
+
+# What statements make moves cost.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MovePrices:
+    """What going directly from a cut to another costs beside travel.
+
+    `price` has it from site to site, home last, µm, and `UNLAWFUL` where it is not lawful. `barred` has it of contours,
+    home last: more than 0 where one may not follow the other by whatever sites. `statements` say so.
+    """
+
+    statements: tuple[Move, ...] = ()
+    price: PairTable = field(default_factory=nothing)
+    barred: PairTable = field(default_factory=nothing)
+
+    @staticmethod
+    def of(statements: Sequence[Move], site_contour: Ints, candidate_site: Ints, n: int) -> MovePrices:
+        """The prices of the moves of n contours; `site_contour` is the contour of each site."""
+        if not statements:
+            return MovePrices()
+        first = np.searchsorted(site_contour, np.arange(n + 1))
+        prices: list[tuple[Ints, Ints, int]] = []
+        barred: list[tuple[Ints, Ints, int]] = []
+        for s in statements:
+            cost = UNLAWFUL if s.weight is None else cost_um(s.weight)
+            ends = _sites(s.leave, s.leaving, first, candidate_site), _sites(s.reach, s.reaching, first, candidate_site)
+            prices.append((*ends, cost))
+            if s.weight is None and s.leaving is None and s.reaching is None:
+                barred.append((np.array(s.leave), np.array(s.reach), 1))
+        sites = len(site_contour) + 1
+        return MovePrices(tuple(statements), PairTable.of(sites, prices), PairTable.of(n + 1, barred))
+
+    def __bool__(self) -> bool:
+        return bool(self.statements)
+
+    def of_sites(self, sites: Ints) -> MovePrices:
+        """The same where these sites, home last, are left."""
+        return replace(self, price=self.price.only(sites))
+
+    def paid(self, problem_contour: Ints, candidate: Ints, route: Sequence[int]) -> Iterator[tuple[About, int | None]]:
+        """What the moves of a route (sites in order) cost, µm, each statement as often as it is broken; None if hard.
+
+        `problem_contour` and `candidate` are the contour of each site, and the candidate that it stands for.
+        """
+        if not self.statements or len(route) < 2:
+            return
+        asked = statements_by_leave(self.statements)
+        contours, ways = problem_contour[list(route)].tolist(), candidate[list(route)].tolist()
+        for k in range(len(route) - 1):
+            for s in asked.get(contours[k], ()):
+                if s.covers(contours[k], contours[k + 1], ways[k], ways[k + 1]):
+                    yield s.about, None if s.weight is None else cost_um(s.weight)
+
+
+def statements_by_leave(statements: Iterable[Move]) -> dict[int, list[Move]]:
+    """The statements about leaving each contour."""
+    found: dict[int, list[Move]] = defaultdict(list)
+    for s in statements:
+        for contour in dict.fromkeys(s.leave):
+            found[contour].append(s)
+    return found
+
+
+def _sites(contours: Sequence[int], by: frozenset[int] | None, first: Ints, candidate_site: Ints) -> Ints:
+    """The sites of contours, or those of them that stand for one of the candidates `by`."""
+    some = np.array(contours, dtype=np.int64)
+    all_ = concat_ranges(first[some], first[some + 1] - first[some])
+    if by is None:
+        return np.unique(all_)
+    chosen = candidate_site[sorted(by)]
+    return np.intersect1d(chosen[chosen >= 0], all_)
+
+
+def without_near_lags(lags: Iterable[Lag]) -> tuple[tuple[Lag, ...], list[Move]]:
+    """Lags without those of one cut, which are prices of moves: neither contour follows the other at once."""
+    left: list[Lag] = []
+    moves: list[Move] = []
+    for lag in lags:
+        if lag.cuts != 1:
+            left.append(lag)
+            continue
+        for one, other in ((lag.first, lag.second), (lag.second, lag.first)):
+            moves.append(Move((one,), (other,), lag.about, lag.weight))
+        if lag.seconds > 0:
+            left.append(replace(lag, cuts=0))
+    return tuple(left), moves
