@@ -8,7 +8,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.tolerances import cost_um
-from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Pick
+from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Move, Pick
 
 from .bitsets import ROWS_AT_ONCE
 from .conditions import Condition
@@ -74,13 +74,15 @@ def _unlawful_moves(problem: Problem, route: Sequence[int]) -> list[About]:
         return []
     if not (problem.legs(sites[:-1], sites[1:]) >= UNLAWFUL).any():
         return []
-    found = [about for about, cost in moves_paid(problem, route) if cost is None]
+    found = [s.about for s, _ in broken_moves(problem, route) if s.weight is None]
     return found or [About("move", (), "a move that is not lawful is made")]
 
 
-def moves_paid(problem: Problem, route: Sequence[int]) -> Iterator[tuple[About, int | None]]:
-    """The statements about moves that a route breaks, each time with its price, µm; None where it is hard."""
-    yield from problem.moves.paid(problem.site_contour, problem.site_candidate, route)
+def broken_moves(problem: Problem, route: Sequence[int]) -> Iterator[tuple[Move, int]]:
+    """The statements about moves that a route breaks, each time with the place of the cut that is left."""
+    sites = np.asarray(route, dtype=np.int64)
+    if problem.moves:
+        yield from problem.moves.broken_by(problem.site_contour[sites].tolist(), problem.site_candidate[sites].tolist())
 
 
 def broken_orders(problem: Problem, order: Sequence[int]) -> list[About]:

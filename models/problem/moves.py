@@ -10,7 +10,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints, concat_ranges
 from kerfwise.encoder.geometry.tolerances import cost_um
-from kerfwise.rules.statements import About, Lag, Move
+from kerfwise.rules.statements import Lag, Move
 
 UNLAWFUL = 1 << 48
 """µm: what an unlawful move costs, more than any plan; sums of it still fit."""
@@ -146,19 +146,16 @@ class MovePrices:
         """The same where these sites, home last, are left."""
         return replace(self, price=self.price.only(sites))
 
-    def paid(self, problem_contour: Ints, candidate: Ints, route: Sequence[int]) -> Iterator[tuple[About, int | None]]:
-        """What the moves of a route (sites in order) cost, µm, each statement as often as it is broken; None if hard.
+    def broken_by(self, contours: Sequence[int], ways: Sequence[int]) -> Iterator[tuple[Move, int]]:
+        """The statements that an order breaks, each time with the place of the contour that is left.
 
-        `problem_contour` and `candidate` are the contour of each site, and the candidate that it stands for.
+        `ways` are the candidates by which the contours are cut.
         """
-        if not self.statements or len(route) < 2:
-            return
         asked = statements_by_leave(self.statements)
-        contours, ways = problem_contour[list(route)].tolist(), candidate[list(route)].tolist()
-        for k in range(len(route) - 1):
+        for k in range(len(contours) - 1):
             for s in asked.get(contours[k], ()):
                 if s.covers(contours[k], contours[k + 1], ways[k], ways[k + 1]):
-                    yield s.about, None if s.weight is None else cost_um(s.weight)
+                    yield s, k
 
 
 def statements_by_leave(statements: Iterable[Move]) -> dict[int, list[Move]]:

@@ -100,6 +100,10 @@ class Constraint(ABC):
         """The further selectors it has."""
         return ()
 
+    def facts(self) -> set[str]:
+        """Names of the facts that it looks at, beside those of its selectors."""
+        return set()
+
     def pairs(self, chosen: Chosen) -> list[tuple[int, int]]:
         """Contour numbers (before, after) that it orders."""
         return []

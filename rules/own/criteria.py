@@ -53,7 +53,7 @@ class NumberSpan(Criterion):
     given: str = ""
 
     def met(self, value: object) -> bool:
-        number = _number(value)
+        number = number_of(value)
         return number is not None and self._holds(number)
 
     def surely_met(self, value: float, slack_mm: float) -> bool:
@@ -116,7 +116,7 @@ class AnyOf(Criterion):
         return [c.plain() for c in self.criteria]
 
 
-def _number(value: object) -> float | None:
+def number_of(value: object) -> float | None:
     """The number that a value is or spells, None for any other."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None

@@ -15,6 +15,7 @@ from kerfwise.rules.rule import USUAL, Ids, Plate, Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 from .constraint import Chosen, Constraint, DirectionConstraint, EntryConstraint
+from .next_cut import NextCut
 from .order_constraints import Apart, Ends, OneStays, OrderConstraint, Together, WithinTime
 from .selector import KnownFacts, Selector, facts_values, groups, measure_nest, nest_values
 
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
 PREFIX = "own:"
 """What the id of every own rule begins with."""
 
-ASKS: Mapping[str, type[Constraint]] = {
-    key: kind
-    for kind in (OrderConstraint, Ends, Together, Apart, WithinTime, OneStays, DirectionConstraint, EntryConstraint)
-    for key in kind.KEYS
-}
+KINDS: tuple[type[Constraint], ...] = (
+    *(OrderConstraint, Ends, Together, Apart, NextCut, WithinTime, OneStays),
+    *(DirectionConstraint, EntryConstraint),
+)
+ASKS: Mapping[str, type[Constraint]] = {key: kind for kind in KINDS for key in kind.KEYS}
 """Key in a profile → the kind of demand that stands under it."""
 
 
@@ -53,7 +54,7 @@ class OwnRule:
     def facts(self) -> set[str]:
         """Names of the facts that it looks at."""
         reach = {self.scope} - {"sheet"}
-        return set().union(reach, self.select.names(), *(s.names() for s in self.ask.selectors()))
+        return set().union(reach, self.select.names(), self.ask.facts(), *(s.names() for s in self.ask.selectors()))
 
     def chosen(self, known: KnownFacts) -> Chosen:
         """Which contours it is about on one nest."""

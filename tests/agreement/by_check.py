@@ -19,6 +19,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.rule import OrderRule, Violation
 from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.tests.agreement.cases import TURNS
 from kerfwise.tests.agreement.trial import Trial
 
 Order = tuple[int, ...]
@@ -75,6 +76,7 @@ class Judge:
         self.of_route = [rule for rule in self.rules if rule == "no-tip-travel" or (rule == "heat-lag" and timed)]
         if "pierce" in self.rules and trial.leads_near(self.rules["pierce"].options):
             self.of_route.append("pierce")
+        self.of_route += [TURNS] * (TURNS in self.rules)
         self.timed = timed
         special = {*OF_ONE_CUT, *self.of_route}
         self.of_order = [rule for rule in self.rules if rule not in special and not self._of_pairs(rule)]

@@ -22,6 +22,10 @@ from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.own import OwnRule
+from kerfwise.rules.own.criteria import Pattern
+from kerfwise.rules.own.next_cut import NextCut
+from kerfwise.rules.own.selector import Selector
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Common, Cuts, Links, RuleSetting
@@ -43,6 +47,41 @@ SCRAP_LAST = "scrap-last"
 """The rule that is always hard where there are scrap lines: without it the check fails for loose metal."""
 Kind = Literal["plain", "slits", "options", "links", "scrap", "common"]
 """What the nests of a run have besides tabs, and what is drawn for them."""
+
+
+NEXT = {
+    "part by part": NextCut("same", "part"),
+    "kinds alternate": NextCut("differs", "kind"),
+    "along rows": NextCut("same", "y_mm", within_mm=60.0),
+    "no outline after another": NextCut("never", other=Selector((("kind", Pattern("outer")),))),
+    "one way round": NextCut("same", "direction"),
+}
+"""Prices of moves and bans on them, by the names of the own rules that ask them."""
+TURNS = "own:one way round"
+"""The one of them that hangs on how contours are cut."""
+
+
+def with_moves(profile: Profile, seed: int) -> Profile:
+    """The profile with own rules about what directly follows what, in two of three nests."""
+    rng = np.random.default_rng([seed, 9])
+    if seed % 3 == 0:
+        return profile
+    chosen = rng.choice(sorted(NEXT), 1 + seed % 2, replace=False).tolist()
+    asked = []
+    for name in chosen:
+        hard = bool(rng.random() < 0.25)
+        price = None if hard else float(rng.choice([15.0, 60.0, 250.0]))
+        outer = Selector((("kind", Pattern("outer")),))
+        asked.append(
+            OwnRule(
+                name,
+                NEXT[name],
+                outer if NEXT[name].form == "never" else Selector(),
+                strength="hard" if hard else "soft",
+                weight=price,
+            )
+        )
+    return replace(profile, own_rules=tuple(asked))
 
 
 def judged_case(seed: int, kind: Kind = "plain") -> Case:
@@ -83,7 +122,7 @@ def _with_links(seed: int) -> Case:
     heat = rules["heat-lag"]
     rules["heat-lag"] = replace(heat, options=replace(heat.options, lag_s=0.0))  # type: ignore[type-var]
     machine = replace(profile.machine, pierce_time_s=2.0)
-    profile = replace(profile, rules=rules, machine=machine, cuts=Cuts(links=Links(longest_mm=90.0)))
+    profile = replace(with_moves(profile, seed), rules=rules, machine=machine, cuts=Cuts(links=Links(longest_mm=90.0)))
     made = _as_case(rng, drawn, profile, seed)
     return replace(made, facts=with_links(made.facts, profile.link_options()))
 
@@ -101,7 +140,8 @@ def _with_common(seed: int) -> Case:
     rules["no-islands"] = replace(rules["no-islands"], strength="off", weight=None)
     machine = replace(machine, pierce_time_s=2.0, pierce_dwell="program", kerf_start=bool(rng.random() < 0.7))
     cuts = Cuts(common=Common(shortest_mm=20.0, good_side="any"))
-    profile = replace(profile, rules=rules, machine=machine, cuts=cuts, leads=replace(profile.leads, entries=2))
+    profile = replace(with_moves(profile, seed), rules=rules, machine=machine, cuts=cuts)
+    profile = replace(profile, leads=replace(profile.leads, entries=2))
     options = replace(profile.lead_options(drawn), directions=dict.fromkeys(KINDS, ("cw",)))
     candidates = build_candidates(drawn, options)
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates, contour_heat_kj(drawn, candidates, profile))
@@ -116,7 +156,7 @@ def _with_scrap(seed: int) -> Case:
         lined = with_lines(rng, drawn, 1 + seed % 3, profile.material.kerf_mm)
         if lined is not None:
             rules = dict(profile.rules) | {rule: _hard(profile, rule) for rule in (SCRAP_LAST, PROMISED)}
-            return _as_case(rng, lined, replace(profile, rules=rules), seed)
+            return _as_case(rng, lined, replace(with_moves(profile, seed), rules=rules), seed)
 
 
 def _as_case(rng: np.random.Generator, drawn: Nest, profile: Profile, seed: int) -> Case:
@@ -138,7 +178,8 @@ def _with_slits_or_none(seed: int, slits: bool) -> Case:
             drawn = random_nest(rng, contours, contours)  # without a rectangle that could have a slot
         drawn = made
     profile = _visible(rng, random_profile(rng, drawn))
-    return _as_case(rng, drawn, replace(profile, cuts=Cuts("slit" if slits else "refuse")), seed)
+    profile = replace(with_moves(profile, seed), cuts=Cuts("slit" if slits else "refuse"))
+    return _as_case(rng, drawn, profile, seed)
 
 
 def _with_options(seed: int) -> Case:

@@ -12,14 +12,14 @@ from kerfwise.models.plan.plan import Prices
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import (
     broken_conditions,
+    broken_moves,
     general_holds,
     missing_ms,
-    moves_paid,
     pieces,
     route_cost,
     times_ms,
 )
-from kerfwise.rules.statements import About, by_kind
+from kerfwise.rules.statements import About, Move, by_kind
 
 from .context import PlanContext
 
@@ -52,9 +52,9 @@ def _paid(setting: PlanContext) -> Iterator[tuple[About, int]]:
     for cost, about in broken_conditions(problem, route):
         if cost is not None:
             yield about, cost
-    for about, cost in moves_paid(problem, route):
-        if cost is not None:
-            yield about, cost
+    for move, k in broken_moves(problem, route):
+        if move.weight is not None:
+            yield _of_move(setting, move, order[k], order[k + 1]), cost_um(move.weight)
     for group in problem.soft_groups:
         yield group.about, group.cost * (pieces(order, group.contours) - 1)
     place = {c: k for k, c in enumerate(order)}
@@ -77,3 +77,11 @@ def _paid(setting: PlanContext) -> Iterator[tuple[About, int]]:
             contour, cost = int(rows.over[k]), int(rows.cost[k])
             if taken is not None and place[contour] < taken and cost != FORBIDDEN:
                 yield over.get(contour) or over[None], cost  # what was out from the start is any contour that is cut
+
+
+def _of_move(setting: PlanContext, s: Move, leave: int, reach: int) -> About:
+    """What a statement about many moves says of one of them."""
+    if len(s.leave) == len(s.reach) == 1:
+        return s.about
+    ids = setting.name(leave), setting.name(reach)
+    return About(s.about.rule, ids, f"{ids[1]} directly follows {ids[0]}: {s.about.sentence}")

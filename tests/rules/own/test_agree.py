@@ -17,7 +17,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import circle, cut, nest, part, rect
 from kerfwise.rules.own import Thresholds, as_rule
 from kerfwise.rules.own.selector import NAMED_FACTS, facts_values, measure_nest, nest_values
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede, Statement
+from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, Move, NoGood, Precede, Statement
 from kerfwise.tests.rules.own.made import rules_of
 from kerfwise.tests.rules.test_statements_agree import sheets
 
@@ -46,6 +46,11 @@ RULES = [
     "- {name: r, select: {kind: outer}, apart: {cuts: 1, within: 40}}",
     "- {name: r, select: {kind: outer}, apart: {cuts: 2, from: {kind: hole}}, scope: attribute.rank}",
     "- {name: r, select: {id: ['C.*', 'G.*']}, one_stays_while: {kind: hole}}",
+    "- {name: r, next: {same: part}, select: {kind: [hole, outer]}, scope: zone}",
+    "- {name: r, select: {kind: outer}, next: {differs: attribute.rank, within: 1 mm}}",
+    "- {name: r, select: {kind: outer}, next: {same: y_mm, within: 30}}",
+    "- {name: r, select: {kind: hole}, next: {to: {kind: outer}}}",
+    "- {name: r, select: {part: [B, C]}, next: {never: {hosted: true}}}",
     "- {name: r, select: {part: C}, within_time: 40 %}",
     "- {name: r, select: {part: [B, C]}, within_time: 20 s}",
     "- {name: r, select: {weight_kg: '> 0.2', kind: outer}, last: true}",
@@ -104,6 +109,8 @@ def holds(s: Statement, at: dict[int, int]) -> bool:
             return abs(at[s.first] - at[s.second]) > s.cuts
         case NoGood():
             return max(at[c] for c in s.out) > min(at[c] for c in s.left)
+        case Move():
+            return not any(at[j] == at[i] + 1 for i in s.leave for j in s.reach)
     raise AssertionError(s)
 
 

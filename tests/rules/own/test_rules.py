@@ -94,6 +94,10 @@ VIOLATIONS = {
     "apart: {cuts: 2}, select: {part: [P0, P2]}": (
         "between P0.outer (cut 1) and P2.outer (cut 3) lie 1 cuts, not at least 2 cuts"
     ),
+    "next: {never: {part: P1}}, select: {part: P0}": "P1.outer (cut 2) must not directly follow P0.outer (cut 1)",
+    "next: {differs: direction}, select: {part: [P1, P2]}": (
+        "P2.outer (cut 3) must not directly follow P1.outer (cut 2), cw and then cw"
+    ),
     "one_stays_while: {part: P3}, select: {part: [P0, P1]}": (
         "P0.outer, P1.outer are all cut (cut 2) while P3.outer are still in"
     ),
