@@ -31,7 +31,7 @@ GROUPS = {
         "FactOptions", "LeadOptions", "TemperatureLimit", "InputError",
     ),
     "What it states": (
-        "Precede", "Forbid", "AtLeast", "Contiguous", "Lag", "NoGood", "Crossing", "Statement", "Before", "Pick",
+        "Precede", "Forbid", "AtLeast", "Contiguous", "Lag", "Move", "NoGood", "Crossing", "Statement", "Before", "Pick",
         "Enough", "About",
     ),
     "What it may read": (

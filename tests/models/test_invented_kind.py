@@ -215,12 +215,12 @@ def test_the_page_names_files_that_are_there() -> None:
 
 
 def test_every_match_over_kinds_is_exhaustive() -> None:
-    open_ended = [f"{file}:{node.lineno}" for file, tree in sources() for node in matches(tree) if not exhaustive(node)]
+    open_ended = [f"{file}:{node.lineno}" for file, tree in telling() for node in matches(tree) if not exhaustive(node)]
     assert open_ended == [], "a match over kinds ends in `case _: assert_never(…)`"
 
 
 def test_nobody_tells_kinds_apart_in_another_way() -> None:
-    found = [f"{file}:{line}" for file, tree in sources() for line in other_ways(tree)]
+    found = [f"{file}:{line}" for file, tree in telling() for line in other_ways(tree)]
     assert found == [], "use by_kind or an exhaustive match"
 
 
@@ -260,6 +260,14 @@ def sources() -> tuple[tuple[str, ast.Module], ...]:
     return tuple((file, ast.parse(text)) for file, text in texts if any(word in text for word in WORDS))
 
 
+def telling() -> Iterator[tuple[str, ast.Module]]:
+    """Those that know kinds by name: a `Move` of a program or of a drawing is none."""
+    for file, tree in sources():
+        modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+        if file == "rules/statements.py" or any((module or "").endswith("rules.statements") for module in modules):
+            yield file, tree
+
+
 def names(node: ast.AST) -> set[str]:
     """Names and attributes anywhere below."""
     found = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
@@ -297,7 +305,7 @@ def other_ways(tree: ast.AST) -> Iterator[int]:
 
 def matching() -> set[str]:
     """Files with a match over kinds."""
-    return {file for file, tree in sources() if any(matches(tree))}
+    return {file for file, tree in telling() if any(matches(tree))}
 
 
 def sorting() -> set[str]:
