@@ -21,7 +21,7 @@ from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.moves import UNLAWFUL
+from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.rules.profile.profile import Profile
@@ -67,7 +67,7 @@ class Walk:
         ready = self._ready()
         sites = self.problem.sites_of(ready)
         if self.route:
-            sites = sites[self.problem.travel(self.route[-1:], sites)[0] < UNLAWFUL]
+            sites = sites[self.problem.travel(self.route[-1:], sites)[0] <= LAWFUL_MOST]
         for contour in ready:
             for site in sites[self.problem.site_contour[sites] == contour].tolist():
                 unmet = [c for c in self._of[contour] if c.when in (None, site) and not c.met(self._done)]

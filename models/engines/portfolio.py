@@ -29,7 +29,7 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import without_wishes
 
-from . import Member, bounds, cpsat, ideals, shared_state, solution
+from . import Member, bounds, cpsat, first_plan, ideals, shared_state, solution
 from .deadline import Deadline, Progress
 from .shared_state import SharedState
 
@@ -65,6 +65,8 @@ def run_portfolio(
     run = Run(problem, options, listener, found)
     if start is not None:
         run.offer(Incumbent(start, route_cost(problem, start)), "search")
+    elif first_plan.wants_early(problem):
+        run.offer(first_plan.plan_from_its_end(problem), "search")
     if earlier is not None:
         run.known.priced = earlier.priced
         run.known.take_bound(earlier)

@@ -13,7 +13,7 @@ from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Move,
 from .bitsets import ROWS_AT_ONCE
 from .conditions import Condition
 from .crossings import FORBIDDEN
-from .moves import UNLAWFUL
+from .moves import LAWFUL_MOST, UNLAWFUL
 from .precedence import known_immediate_pairs
 from .problem import Problem
 
@@ -23,7 +23,7 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     sites = np.asarray(route, dtype=np.int64)
     legs = problem.legs(np.append(problem.m, sites), np.append(sites, problem.m))
     order = [int(problem.site_contour[s]) for s in route]
-    total = int(np.where(legs >= UNLAWFUL, legs - UNLAWFUL, legs).sum()) + int(problem.site_cost[sites].sum())
+    total = int(np.where(legs > LAWFUL_MOST, legs - UNLAWFUL, legs).sum()) + int(problem.site_cost[sites].sum())
     total += sum(cost for cost, _ in broken_conditions(problem, route) if cost is not None)
     total += order_cost(problem, order)
     position = {c: k for k, c in enumerate(order)}
@@ -72,7 +72,7 @@ def _unlawful_moves(problem: Problem, route: Sequence[int]) -> list[About]:
     sites = np.asarray(route, dtype=np.int64)
     if not len(problem.moves.price) and problem.matrix is None:
         return []
-    if not (problem.legs(sites[:-1], sites[1:]) >= UNLAWFUL).any():
+    if not (problem.legs(sites[:-1], sites[1:]) > LAWFUL_MOST).any():
         return []
     found = [s.about for s, _ in broken_moves(problem, route) if s.weight is None]
     return found or [About("move", (), "a move that is not lawful is made")]

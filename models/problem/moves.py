@@ -14,6 +14,9 @@ from kerfwise.rules.statements import Lag, Move
 
 UNLAWFUL = 1 << 48
 """µm: what an unlawful move costs, more than any plan; sums of it still fit."""
+LAWFUL_MOST = 1 << 47
+"""µm: what costs more is no lawful move, and no lawful plan, for such cost less than half of it. A link may cost less
+than nothing, so that an unlawful one costs somewhat less than `UNLAWFUL`."""
 
 # A number for each ordered pair of things, most of them 0: things that are alike share a row and a column.
 

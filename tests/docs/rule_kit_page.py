@@ -31,8 +31,8 @@ GROUPS = {
         "FactOptions", "LeadOptions", "TemperatureLimit", "InputError",
     ),
     "What it states": (
-        "Precede", "Forbid", "AtLeast", "Contiguous", "Lag", "Move", "NoGood", "Crossing", "Statement", "Before", "Pick",
-        "Enough", "About",
+        "Precede", "Forbid", "AtLeast", "Contiguous", "Lag", "Move", "NoGood", "Crossing", "Statement", "Before",
+        "Pick", "Enough", "About",
     ),
     "What it may read": (
         "Nest", "Sheet", "Part", "Contour", "Kind", "Curve", "Point", "Facts", "Candidate", "Cut", "CutSequence",

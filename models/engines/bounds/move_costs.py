@@ -15,7 +15,7 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.jit import cores
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
-from kerfwise.models.problem.moves import UNLAWFUL
+from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 
 # What every move of a network costs: a table that is worked out some rows at a time, narrow where it is large.
@@ -152,7 +152,7 @@ class Moves:
         """From each site in `leave` (k,) to each in `reach` (l,), (k, l); home is site m."""
         travel = self._problem.travel(leave, reach)
         move: Floats = travel + self._extra[np.ix_(self._owner[leave], self._owner[reach])]
-        move[travel >= UNLAWFUL] = np.inf
+        move[travel > LAWFUL_MOST] = np.inf
         if self._charged is not None:
             move += self._charged[leave][:, reach].toarray()
         return move

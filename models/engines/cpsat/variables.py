@@ -14,7 +14,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.problem.crossings import FORBIDDEN
-from kerfwise.models.problem.moves import UNLAWFUL
+from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before, plain
 
@@ -348,7 +348,7 @@ def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints
     arc = arc_of_move(problem.m, tail, head, rows.leave, rows.reach)
     paid = always & (arc >= 0) & (rows.cost != FORBIDDEN)
     np.add.at(cost, arc[paid], rows.cost[paid])
-    kept = cost < UNLAWFUL
+    kept = cost <= LAWFUL_MOST
     kept[arc[always & (arc >= 0) & (rows.cost == FORBIDDEN)]] = False
     left = np.add.reduceat(kept, np.cumsum(sizes) - sizes, dtype=np.int64)
     first = np.concatenate([[0], np.cumsum(left[left > 0])])

@@ -12,7 +12,7 @@ from kerfwise.arrays import Ints
 from kerfwise.models.problem.bitsets import words
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
-from kerfwise.models.problem.moves import UNLAWFUL, MovePrices
+from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL, MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .kernels import Costs, MoveTable
@@ -28,10 +28,10 @@ LANES = 8
 def dearest(problem: Problem) -> int:
     """What no lawful plan costs more than; what is less than unlawful where that takes many words."""
     if len(problem.crossings) or problem.soft_groups:
-        return UNLAWFUL - 1
+        return LAWFUL_MOST
     everywhere = np.arange(problem.m + 1)
     tables = (problem.travel(everywhere[at : at + 256], everywhere) for at in range(0, problem.m + 1, 256))
-    blocks = (table[table < UNLAWFUL].max(initial=0) for table in tables)
+    blocks = (table[table <= LAWFUL_MOST].max(initial=0) for table in tables)
     total = (problem.n + 1) * int(max(blocks)) + problem.n * int(problem.site_cost.max(initial=0))
     return total + sum(condition.cost or 0 for condition in problem.conditions)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
-from kerfwise.models.problem.moves import UNLAWFUL
+from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
 
 from .conditions import lean_on_sites, literals_unmet, pieces_begun, too_close_within, too_soon, unmet
 from .exchanges import PER_TRIAL, swap_towards, three_opt
@@ -124,7 +124,7 @@ def span_price(
     for p in range(lo, hi + 1):
         s = legs.m if p == legs.n else site[order[p]]
         move = leg(legs, last, s)
-        if move >= UNLAWFUL:
+        if move > LAWFUL_MOST:
             move, broken = move - UNLAWFUL, broken + 1
         cost += move
         if crossable:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Int32s, Ints, unique
 from kerfwise.models.problem.crossings import FORBIDDEN, in_order
-from kerfwise.models.problem.moves import UNLAWFUL
+from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
 from kerfwise.models.problem.problem import Problem
 
 from .jit_tools import compiled
@@ -73,7 +73,7 @@ def make_legs(problem: Problem) -> Legs:
         travel = problem.travel(np.arange(m + 1), np.arange(m + 1))
         from_site, to_site, cost = always_crossed(problem)
         np.add.at(travel, (from_site, to_site), cost)
-        lawful = np.where(travel >= UNLAWFUL, travel - UNLAWFUL, travel)
+        lawful = np.where(travel > LAWFUL_MOST, travel - UNLAWFUL, travel)
         leave = _least(lawful[:, :m], problem.first)
         enter = _least(lawful[:m].T, problem.first)
     return Legs(
@@ -151,7 +151,7 @@ def leg(legs: Legs, a: int, b: int) -> int:
 def fare(legs: Legs, a: int, b: int, unlawful: int) -> int:
     """The same, with that price in place of `UNLAWFUL`."""
     cost = leg(legs, a, b)
-    return cost if cost < UNLAWFUL else cost - UNLAWFUL + unlawful
+    return cost if cost <= LAWFUL_MOST else cost - UNLAWFUL + unlawful
 
 
 @compiled

@@ -24,7 +24,7 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.moves import UNLAWFUL
+from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Precede, by_kind
@@ -243,7 +243,7 @@ def resite(setting: PlanContext, order: Sequence[int], pinned: Mapping[int, int]
 def lawful_travel(problem: Problem, leave: Sequence[int], reach: Sequence[int]) -> Floats:
     """`Problem.travel`, infinite where a move is not lawful."""
     table = problem.travel(leave, reach).astype(np.float64)
-    table[table >= UNLAWFUL] = np.inf
+    table[table > LAWFUL_MOST] = np.inf
     return table
 
 

@@ -1,0 +1,95 @@
+"""A first plan where sums want contours out early, or late: laid out from its end.
+
+Of contours that must be out while no more than so much else is, one that may come last of all that is left can be put
+there without a loss: whatever else comes before it has as much time as before (Lawler 1973, for jobs with deadlines and
+orders). So a plan is found at once where a search, which repairs one sum and breaks another, finds none. Runs and sums
+that want something out first may lead it into a dead end; then there is no answer, and nothing is lost.
+"""
+
+from __future__ import annotations
+
+from itertools import chain
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.moves import LAWFUL_MOST
+from kerfwise.models.problem.problem import Problem
+
+from .solution import Incumbent
+
+LONG = 12
+"""Contours that a hard sum is about, at the least: what shorter ones ask the search finds by itself."""
+
+
+def wants_early(problem: Problem) -> bool:
+    """Whether hard sums want contours out before much else is."""
+    hard = (c for c in problem.conditions if c.cost is None and len(c.members) > LONG)
+    return any(sum(weight < 0 for weight in c.weights) > LONG for c in hard)
+
+
+def plan_from_its_end(problem: Problem) -> Incumbent | None:
+    """A lawful plan, each contour as near to the one after it as may be; None where it comes to a dead end."""
+    n, m = problem.n, problem.m
+    sums = _Sums(problem)
+    to_come = problem.before.sum(axis=1)  # contours that come after each and have no place yet
+    left = np.ones(n, dtype=np.bool_)
+    block_left = np.bincount(problem.block, minlength=n)
+    backwards: list[int] = []
+    last = m
+    for _ in range(n):
+        ready = left & (to_come == 0)
+        if backwards and block_left[block := problem.block[problem.site_contour[last]]]:
+            ready &= problem.block == block
+        cost = problem.travel(np.arange(m), np.array([last]))[:, 0].astype(np.float64)
+        cost[cost > LAWFUL_MOST] = np.inf
+        cost += problem.site_cost + sums.unmet()
+        cost[~ready[problem.site_contour]] = np.inf
+        last = int(np.argmin(cost))
+        if not np.isfinite(cost[last]):
+            return None
+        contour = int(problem.site_contour[last])
+        left[contour] = False
+        block_left[problem.block[contour]] -= 1
+        to_come -= problem.before[:, contour]
+        sums.put_last(contour)
+        backwards.append(last)
+    route = tuple(reversed(backwards))
+    return None if broken(problem, route) else Incumbent(route, route_cost(problem, route))
+
+
+class _Sums:
+    """What the conditions come to while all contours that are left are out."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem, given = problem, problem.conditions
+        self._of = np.array([c.contour for c in given], dtype=np.int64)
+        self._site = np.array([-1 if c.when is None else c.when for c in given], dtype=np.int64)
+        self._price = np.array([np.inf if c.cost is None else float(c.cost) for c in given])
+        self._bound = np.array([c.bound for c in given], dtype=np.int64)
+        sizes = [len(c.members) for c in given]
+        member: Ints = np.fromiter(chain.from_iterable(c.members for c in given), dtype=np.int64)
+        weight: Ints = np.fromiter(chain.from_iterable(c.weights for c in given), dtype=np.int64)
+        row = np.repeat(np.arange(len(given)), sizes)
+        weight = np.where(member == self._of[row] if len(row) else False, 0, weight)
+        self._value = np.zeros(len(given), dtype=np.int64)
+        np.add.at(self._value, row, weight)
+        by_member = np.argsort(member, kind="stable")
+        self._row, self._weight = row[by_member], weight[by_member]
+        self._first = np.searchsorted(member[by_member], np.arange(problem.n + 1))
+
+    def unmet(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """What each site costs, (m,), if its contour comes last of all that is left."""
+        problem, unmet = self._problem, self._value < self._bound
+        of_contour, of_site = np.zeros(problem.n), np.zeros(problem.m)
+        whole = unmet & (self._site < 0)
+        np.add.at(of_contour, self._of[whole], self._price[whole])
+        sited = unmet & (self._site >= 0)
+        np.add.at(of_site, self._site[sited], self._price[sited])
+        return of_site + of_contour[problem.site_contour]
+
+    def put_last(self, contour: int) -> None:
+        """A contour is no longer among those that are left."""
+        mine = slice(self._first[contour], self._first[contour + 1])
+        np.subtract.at(self._value, self._row[mine], self._weight[mine])
