@@ -18,7 +18,7 @@ from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nesting.find_nests import Watching
 from kerfwise.rules.profile.load import DEFAULT
 
-from .shared_options import AMOUNT_OVER_ZERO, ANSWER, SET, TRUST, length_or_zero, print_note
+from .shared_options import AMOUNT_OVER_ZERO, ANSWER, LANGUAGE, SET, TRUST, length_or_zero, print_note
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
@@ -307,7 +307,8 @@ def _new_list(output: str | None) -> int:
     is_flag=True,
     help="Also print work sheets and labels: sheets.pdf and labels.pdf in each folder.",
 )
-def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool, **options: Any) -> int:
+@LANGUAGE
+def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool, language: str, **options: Any) -> int:
     """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
     from kerfwise.jobs.nesting.nest_list import plant_of_sheet, write_list
     from kerfwise.jobs.nesting.programs import labels_of, make_programs, work_sheets_of
@@ -328,7 +329,9 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
             options["skip_bad"],
         )
         programs.append(made)
-        pages = {"sheets.pdf": work_sheets_of(made), "labels.pdf": labels_of(made)} if papers else {}
+        pages = (
+            {"sheets.pdf": work_sheets_of(made, language), "labels.pdf": labels_of(made, language)} if papers else {}
+        )
         files.append((one, made.nested, {**made.files(dxf, picture), **pages}))
         if made.interrupted:
             break

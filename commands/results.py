@@ -16,6 +16,7 @@ from kerfwise.encoder.text import escape_text
 from .shared_options import (
     FEED,
     KERF,
+    LANGUAGE,
     draw_seen,
     input_options,
     print_note,
@@ -278,6 +279,7 @@ def _draw_broken(broken: BrokenNest, output: str) -> None:
     "--about", multiple=True, metavar="NAME=TEXT", help="Additional line to print, such as order=4711; repeatable."
 )
 @click.option("--labels", metavar="LABELS.pdf", help="Also print a label with a QR code for each part.")
+@LANGUAGE
 def sheet_command(
     plan: str,
     output: str | None,
@@ -285,6 +287,7 @@ def sheet_command(
     date: str,
     about: tuple[str, ...],
     labels: str | None,
+    language: str,
     **options: Any,
 ) -> None:
     """Print PLAN.json of NEST as a work sheet: picture, settings, times, boxes to tick, cuts in order, program's hash.
@@ -293,6 +296,7 @@ def sheet_command(
     """
     from kerfwise.jobs.sheet_parts import labels_pdf, sheet_number
     from kerfwise.jobs.work_sheet import about_of_job, sheets_pdf, work_sheet
+    from kerfwise.languages.catalogue import texts
     from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.output_files import expect_outputs, write_files
 
@@ -307,12 +311,13 @@ def sheet_command(
     protect(given, options["nest"], outputs, plan, program)
     for text in given.profile.time_and_price_notes():
         print_note(text)
-    number = sheet_number(options["nest"])
-    facts = ({"number": number} if number else {}) | about_of_job(given.job) | facts
-    made = work_sheet(given, read_plan(plan), program, about=facts, tell=print_note)
+    say = texts(language)
+    number = sheet_number(options["nest"], say)
+    facts = ({"number": number} if number else {}) | about_of_job(given.job, say) | facts
+    made = work_sheet(given, read_plan(plan), program, about=facts, tell=print_note, language=language)
     files = {path: sheets_pdf([made], date)}
     if labels:
-        files[Path(labels)] = labels_pdf([(given.nest, given.profile)])
+        files[Path(labels)] = labels_pdf([(given.nest, given.profile)], language)
     write_files(files)
     click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
 

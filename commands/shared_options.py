@@ -18,6 +18,7 @@ from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Inputs, common_cuts_not_made, drawn_nest, plant_of, reading, silent, tabs_not_left
 from kerfwise.jobs.nest_job.job import job_beside
+from kerfwise.languages.catalogue import ENGLISH, LANGUAGES
 from kerfwise.models.engines import ENGINES, OLD_NAMES, Engine
 from kerfwise.rules.profile.load import DEFAULT, files_of
 from kerfwise.rules.profile.plant_sections import ORIGINS, Origin
@@ -472,3 +473,13 @@ def _asked(question: Question) -> str:
         click.echo(f"\nnot answered, nothing is written: {question.flag(question.choices[0])} answers it", err=True)
         raise
     return value
+
+
+LANGUAGE = click.option(
+    "--language",
+    type=click.Choice(LANGUAGES),
+    default=ENGLISH,
+    show_default=True,
+    help="Language of work sheets and labels.",
+)
+"""What is printed for the shop; the terminal stays English."""

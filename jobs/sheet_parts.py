@@ -12,6 +12,7 @@ from typing import Any
 from kerfwise.encoder.files import is_file, read_limited
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.text import escape_text
+from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.nesting.fill import largest_rectangle
 from kerfwise.nesting.layout import OF
 from kerfwise.postproc.report.paper import Paper, qr_items, shortened
@@ -71,7 +72,7 @@ _TABLE = "nests.json"
 _NUMBER = re.compile(r"sheet(\d+)")
 
 
-def sheet_number(nest: str | Path) -> str:
+def sheet_number(nest: str | Path, say: Texts = ENGLISH_TEXTS) -> str:
     """Which sheet of a list a nest is, such as `sheet 2 of 3`, by the table beside its file; "" where none says it."""
     path, table = Path(nest), Path(nest).parent / _TABLE
     found = _NUMBER.fullmatch(path.stem)
@@ -82,7 +83,12 @@ def sheet_number(nest: str | Path) -> str:
         count = len(data["sheets"])
     except (OSError, ValueError, KeyError, TypeError):
         return ""
-    return f"sheet {int(found[1])} of {count}" if 1 <= int(found[1]) <= count else ""
+    return sheet_of(int(found[1]), count, say) if 1 <= int(found[1]) <= count else ""
+
+
+def sheet_of(number: int, count: int, say: Texts = ENGLISH_TEXTS) -> str:
+    """Which of so many sheets."""
+    return say.tr("sheet {number} of {count}").format(number=number, count=count)
 
 
 # Labels: one for each copy, 3 × 8 on a sheet of A4, with a code that names part, order and sheet.
@@ -92,9 +98,9 @@ _EDGE = 14.0
 _CODE = 62.0
 
 
-def labels_pdf(nests: Sequence[tuple[Nest, Profile]]) -> bytes:
+def labels_pdf(nests: Sequence[tuple[Nest, Profile]], language: str = ENGLISH) -> bytes:
     """A label for each part of each nest, in one PDF; the same nests give the same bytes."""
-    labels = [label for nest, profile in nests for label in _labels(nest, profile)]
+    labels = [label for nest, profile in nests for label in _labels(nest, profile, texts(language))]
     pages = [
         _page(labels[first : first + _COLUMNS * _ROWS]) for first in range(0, max(len(labels), 1), _COLUMNS * _ROWS)
     ]
@@ -108,18 +114,18 @@ class _Label:
     code: str
 
 
-def _labels(nest: Nest, profile: Profile) -> Iterator[_Label]:
-    material = profile.material
+def _labels(nest: Nest, profile: Profile, say: Texts) -> Iterator[_Label]:
+    material, tr = profile.material, say.tr
     weights = {(row.name, row.order, row.due): row.weight_kg for row in part_kinds(nest, profile)}
     sheet = Path(nest.file or "nest").name
     for part in (nest.drawn or nest).parts:
         order, due = _said(part, "order"), _said(part, "due")
         weight_kg = weights[kind_of(part), order, due]
         lines = (
-            f"order {order}" if order else "",
-            f"due {due}" if due else "",
+            tr("order {order}").format(order=order) if order else "",
+            tr("due {due}").format(due=due) if due else "",
             f"{material.name}, {material.thickness_mm:g} mm",
-            f"{weight_kg:.3g} kg",
+            tr("{weight} kg").format(weight=f"{weight_kg:.3g}"),
             sheet,
         )
         code = ";".join((part.id, order, due, material.name, f"{material.thickness_mm:g}", sheet))
@@ -161,7 +167,7 @@ def zero_sketch(nest: Nest, zero: tuple[float, float], x: float, y: float, size:
         yield Shape((dot,), Style(fill=INK))
 
 
-def zero_words(nest: Nest, zero: tuple[float, float]) -> str:
+def zero_words(nest: Nest, zero: tuple[float, float], say: Texts = ENGLISH_TEXTS) -> str:
     """Where the zero lies on the sheet, in words: `lower left corner of the sheet`, or how far from it.
 
     Examples
@@ -173,11 +179,17 @@ def zero_words(nest: Nest, zero: tuple[float, float]) -> str:
     """
     x0, y0, x1, y1 = nest.sheet.bounds
     right, upper = zero[0] > (x0 + x1) / 2, zero[1] > (y0 + y1) / 2
-    corner = f"{'upper' if upper else 'lower'} {'right' if right else 'left'} corner of the sheet"
+    tr = say.tr
+    if upper:
+        corner = tr("upper right corner of the sheet") if right else tr("upper left corner of the sheet")
+    else:
+        corner = tr("lower right corner of the sheet") if right else tr("lower left corner of the sheet")
     dx, dy = zero[0] - (x1 if right else x0), zero[1] - (y1 if upper else y0)
-    off = [f"{abs(dx):g} mm {'right of' if dx > 0 else 'left of'}"] if abs(dx) > _SAME_MM else []
-    off += [f"{abs(dy):g} mm {'above' if dy > 0 else 'below'}"] if abs(dy) > _SAME_MM else []
-    return f"{' and '.join(off)} the {corner}" if off else corner
+    aside = tr("{mm} mm right of") if dx > 0 else tr("{mm} mm left of")
+    upwards = tr("{mm} mm above") if dy > 0 else tr("{mm} mm below")
+    off = [aside.format(mm=f"{abs(dx):g}")] if abs(dx) > _SAME_MM else []
+    off += [upwards.format(mm=f"{abs(dy):g}")] if abs(dy) > _SAME_MM else []
+    return tr("{off} the {corner}").format(off=tr(" and ").join(off), corner=corner) if off else corner
 
 
 _SAME_MM = 0.01

@@ -12,9 +12,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nest_job.job import Job
 from kerfwise.jobs.resequence.result import clock_text
+from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.report.legend import counted, duration
+from kerfwise.postproc.report.legend import duration
 from kerfwise.postproc.report.paper import BOX, MARGIN, ROOM, WIDTH, Paper, qr_items, shortened
 from kerfwise.postproc.report.picture import bare_picture
 from kerfwise.postproc.report.plot import pdf_bytes
@@ -50,6 +51,8 @@ class WorkSheet:
         More to say at the top, such as an order and when it is due: names and values.
     changed
         What is not as it was when the plan was made, a sentence each: the settings above may be others than its own.
+    language
+        That the sheet speaks; sentences that the plan and its rules say stay English.
     """
 
     nest: Nest
@@ -61,6 +64,12 @@ class WorkSheet:
     state: PlanState
     about: Mapping[str, str] = field(default_factory=dict)
     changed: tuple[str, ...] = ()
+    language: str = ENGLISH
+
+    @property
+    def say(self) -> Texts:
+        """How the sheet says things."""
+        return texts(self.language)
 
     @property
     def program_sha256(self) -> str:
@@ -81,6 +90,7 @@ def work_sheet(
     name: str = "",
     about: Mapping[str, str] | None = None,
     tell: Tell = silent,
+    language: str = ENGLISH,
 ) -> WorkSheet:
     """The work sheet of a plan.
 
@@ -98,6 +108,8 @@ def work_sheet(
         More to say at the top.
     tell
         Told what is not as it was when the plan was made; it stands on the sheet, too.
+    language
+        That it speaks: one of `LANGUAGES`.
 
     Raises
     ------
@@ -125,7 +137,7 @@ def work_sheet(
             wrong = ", ".join(followed.broken())
             raise RulesConflict(f"{program}: the program does not follow the plan, or breaks rules: {wrong}")
     shown = escape_text(file)
-    return WorkSheet(given.nest, given.profile, plan, times, text, shown, verdict.state, about or {}, changed)
+    return WorkSheet(given.nest, given.profile, plan, times, text, shown, verdict.state, about or {}, changed, language)
 
 
 def _not_kept(plan: Plan) -> Iterator[str]:
@@ -140,7 +152,6 @@ def _not_kept(plan: Plan) -> Iterator[str]:
 
 # The facts at the top of a work sheet, and what the operator ticks.
 
-_UNKNOWN = "as the machine has it"
 _MOST_PLACES = 12
 
 
@@ -148,82 +159,118 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     """Names and values: stock, machine, feeds, settings, gas, time, lengths, cost."""
     plan, totals, report = sheet.plan, sheet.plan.totals, sheet.times.report
     machine, material = sheet.profile.machine, sheet.profile.material
-    feeds = (("cut", machine.cut_feed_mm_s), ("mark", machine.mark_feed_mm_s), ("travel", machine.travel_mm_s))
+    tr, trn = sheet.say
+    feeds = (
+        (tr("cut"), machine.cut_feed_mm_s), (tr("mark"), machine.mark_feed_mm_s), (tr("travel"), machine.travel_mm_s)
+    )  # fmt: skip
     told = ", ".join(f"{name} {mm_s * 60:g}" for name, mm_s in feeds)
     spent = (
-        ("cutting", report.cut_s),
-        ("travelling", report.idle_s),
-        ("piercing", report.pierce_s),
-        *([("waiting", report.dwell_s)] if report.dwell_s else []),
+        (tr("cutting"), report.cut_s),
+        (tr("travelling"), report.idle_s),
+        (tr("piercing"), report.pierce_s),
+        *([(tr("waiting"), report.dwell_s)] if report.dwell_s else []),
     )
     shares = ", ".join(f"{name} {clock_text(seconds)}" for name, seconds in spent)
-    yield "state", escape_text(sheet.state.for_operator())
-    yield "sheet", f"{_stock(sheet)}, {_parts(sheet)}"
+    yield tr("state"), escape_text(_state(sheet))
+    yield tr("sheet"), f"{_stock(sheet)}, {_parts(sheet)}"
     if sheet.nest.reading is not None and sheet.nest.reading.taken:
-        yield "drawing", sheet.nest.reading.short()
+        yield tr("drawing"), sheet.nest.reading.short()
     if across := [(c.cut.contour, at) for c in plan.cuts for at in c.across]:
-        places = "; ".join(f"{name} at ({x:.1f}, {y:.1f})" for name, (x, y) in across[:_MOST_PLACES])
-        more = f"; and {len(across) - _MOST_PLACES} more" if len(across) > _MOST_PLACES else ""
-        yield (
-            "not cut",
-            f"{counted(len(across), 'slot')} narrower than the kerf (crosses): {places}{more}",
+        places = "; ".join(
+            tr("{name} at ({x}, {y})").format(name=name, x=f"{x:.1f}", y=f"{y:.1f}")
+            for name, (x, y) in across[:_MOST_PLACES]
         )
+        more = f"; {tr('and {n} more').format(n=len(across) - _MOST_PLACES)}" if len(across) > _MOST_PLACES else ""
+        slots = trn(
+            "{n} slot narrower than the kerf (crosses)", "{n} slots narrower than the kerf (crosses)", len(across)
+        )
+        yield tr("not cut"), f"{slots.format(n=len(across))}: {places}{more}"
     left = left_of(sheet.nest, sheet.profile.material.kerf_mm)
     if min(left) > 0:
-        yield "left over", f"at most {left[0]:.0f} × {left[1]:.0f} mm in one piece, beside the parts"
+        yield (
+            tr("left over"),
+            tr("at most {size} mm in one piece, beside the parts").format(size=f"{left[0]:.0f} × {left[1]:.0f}"),
+        )
     dues = sorted({row.due for row in part_kinds(sheet.nest, sheet.profile) if row.due})
     if dues and "due" not in sheet.about:
-        yield "due", dues[0]
-    yield "machine", f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
-    yield "feeds", f"{told} mm/min; kerf {material.kerf_mm:g} mm, pierce {machine.pierce_time_s:g} s"
-    yield "settings", _settings(sheet)
-    yield "gas", material.gas or _UNKNOWN
-    yield "time", f"{duration(report.total_s)} ({shares}; {report.model})"
-    lengths = f"torch on {totals.cut_mm / 1000:.2f} m, idle {totals.idle_mm / 1000:.2f} m"
-    passes = ", all of a zone or of the sheet first" if plan.pierces else ""
-    yield "path", f"{lengths}, {counted(totals.pierces, 'pierce')}{passes}"
+        yield tr("due"), dues[0]
+    yield tr("machine"), f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
+    widths = {"kerf": f"{material.kerf_mm:g}", "s": f"{machine.pierce_time_s:g}"}
+    yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=told, **widths)
+    yield tr("settings"), _settings(sheet)
+    yield tr("gas"), material.gas or _unknown(sheet.say)
+    yield tr("time"), f"{duration(report.total_s, sheet.say)} ({shares}; {report.model})"
+    lengths = tr("torch on {on} m, idle {idle} m")
+    lengths = lengths.format(on=f"{totals.cut_mm / 1000:.2f}", idle=f"{totals.idle_mm / 1000:.2f}")
+    passes = f", {tr('all of a zone or of the sheet first')}" if plan.pierces else ""
+    pierces = trn("{n} pierce", "{n} pierces", totals.pierces).format(n=totals.pierces)
+    yield tr("path"), f"{lengths}, {pierces}{passes}"
     if sheet.times.cost is not None:
-        yield "cost", str(sheet.times.cost)
+        yield tr("cost"), str(sheet.times.cost)
     if plan.already:
-        again = "; the last is cut again" if plan.broken_off is not None else ""
-        yield "goes on", f"after cut {plan.resumed_after}{again}"
+        again = f"; {tr('the last is cut again')}" if plan.broken_off is not None else ""
+        yield tr("goes on"), f"{tr('after cut {number}').format(number=plan.resumed_after)}{again}"
 
 
 def checklist(sheet: WorkSheet) -> Iterator[str]:
     """What is looked at before the program starts, and after it ends."""
-    yield f"sheet on the table: {_stock(sheet)}"
-    yield f"zero set: {_zero(sheet)}"
-    yield f"program loaded: {sheet.program_name}; its SHA-256 is that of the code above"
-    yield f"settings: {_settings(sheet)}; gas: {sheet.profile.material.gas or _UNKNOWN}"
-    yield f"{_parts(sheet)} counted and good; scrap: ______"
+    tr = sheet.say.tr
+    yield tr("sheet on the table: {stock}").format(stock=_stock(sheet))
+    yield tr("zero set: {zero}").format(zero=_zero(sheet))
+    yield tr("program loaded: {name}; its SHA-256 is that of the code above").format(name=sheet.program_name)
+    gas = sheet.profile.material.gas or _unknown(sheet.say)
+    yield tr("settings: {settings}; gas: {gas}").format(settings=_settings(sheet), gas=gas)
+    yield tr("{parts} counted and good; scrap: ______").format(parts=_parts(sheet))
+
+
+def _unknown(say: Texts) -> str:
+    return say.tr("as the machine has it")
+
+
+def _state(sheet: WorkSheet) -> str:
+    """What the state means to whoever stands at the machine."""
+    state, (tr, trn) = sheet.state, sheet.say
+    if state.kind == "kept":
+        return tr("kept: every hard rule holds, cut it as the program says")
+    if state.kind == "broken":
+        return tr("broken: do not cut this sheet")
+    told = trn(
+        "kept but for {n} place: metal may move or tip there, stand by when these are cut: {places}",
+        "kept but for {n} places: metal may move or tip there, stand by when these are cut: {places}",
+        state.count,
+    )
+    return told.format(n=state.count, places=state.named())
 
 
 def _settings(sheet: WorkSheet) -> str:
-    material = sheet.profile.material
+    material, tr = sheet.profile.material, sheet.say.tr
     known = (
-        ("{:g} A", material.amps),
-        ("{:g} V", material.volts),
-        ("power {:g} %", material.power),
-        ("pierce power {:g} %", material.pierce_power),
-        ("mark power {:g} %", material.mark_power),
-        ("pierce height {:g} mm", material.pierce_height_mm),
-        ("cut height {:g} mm", material.cut_height_mm),
+        ("{value} A", material.amps),
+        ("{value} V", material.volts),
+        (tr("power {value} %"), material.power),
+        (tr("pierce power {value} %"), material.pierce_power),
+        (tr("mark power {value} %"), material.mark_power),
+        (tr("pierce height {value} mm"), material.pierce_height_mm),
+        (tr("cut height {value} mm"), material.cut_height_mm),
     )
-    return ", ".join(text.format(value) for text, value in known if value is not None) or _UNKNOWN
+    told = (text.format(value=f"{value:g}") for text, value in known if value is not None)
+    return ", ".join(told) or _unknown(sheet.say)
 
 
 def _stock(sheet: WorkSheet) -> str:
     material, (left, bottom, right, top) = sheet.profile.material, sheet.nest.sheet.bounds
-    assumed = " assumed" if sheet.nest.reading is not None and sheet.nest.reading.assumed else ""
+    assumed = f" {sheet.say.tr('(assumed)')}" if sheet.nest.reading is not None and sheet.nest.reading.assumed else ""
     return f"{material.name}, {material.thickness_mm:g} mm, {right - left:g} × {top - bottom:g} mm{assumed}"
 
 
 def _parts(sheet: WorkSheet) -> str:
-    return counted(len({planned.part for planned in sheet.plan.cuts if planned.kind == "outer"}), "part")
+    count = len({planned.part for planned in sheet.plan.cuts if planned.kind == "outer"})
+    return sheet.say.trn("{n} part", "{n} parts", count).format(n=count)
 
 
 def _zero(sheet: WorkSheet) -> str:
-    return f"the machine's zero is the {zero_words(sheet.nest, sheet.plan.zero)}"
+    corner = zero_words(sheet.nest, sheet.plan.zero, sheet.say)
+    return sheet.say.tr("the machine's zero is the {corner}").format(corner=corner)
 
 
 # Work sheets as pages of A4: head, facts, picture, boxes to tick, what is not kept, locks, and the table of cuts.
@@ -232,9 +279,6 @@ _QR = 78.0
 _MANY = 60
 """Cuts from which on the picture gets more of the first page, so that its numbers can be read."""
 _HIGH = {False: 290.0, True: 470.0}
-_KEY = "bold numbers: outer contours, in cutting order; grey: parts; red dots: pierces; dashed: idle travel"
-_HEAD = ("", "#", "contour", "way", "mm", "begins", "note")
-_PARTS_HEAD = ("", "part", "count", "order", "due", "size, mm", "kg each", "kg")
 _PARTS_WIDTHS = (11, 120, 30, 70, 60, 70, 40, 40)
 _WIDTHS = (11, 19, 78, 22, 30, 36, 58)
 
@@ -250,37 +294,42 @@ def sheets_pdf(sheets: Sequence[WorkSheet], date: str = "") -> bytes:
 
 def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     """The pages of one work sheet."""
-    paper = Paper(f"{_title(sheet)} · {sheet.program_name} · sha256 {sheet.program_sha256[:16]}…")
+    tr = sheet.say.tr
+    paper = Paper(f"{_title(sheet)} · {sheet.program_name} · sha256 {sheet.program_sha256[:16]}…", sheet.say)
     _head(paper, sheet, date)
     home = sheet.profile.at_origin(sheet.plan.origin).home_on(sheet.nest)
     most_high = _HIGH[len(sheet.plan.cuts) > _MANY]
     paper.picture(bare_picture(sheet.nest, sheet.plan, home, ROOM, most_high))
     paper.skip(10.0)
-    paper.lines([_KEY], 6.5)
-    paper.heading("Before and after")
+    key = tr("bold numbers: outer contours, in cutting order; grey: parts; red dots: pierces; dashed: idle travel")
+    paper.lines([key], 6.5)
+    paper.heading(tr("Before and after"))
     paper.lines(checklist(sheet), 8.0, BOX)
-    _signed(paper)
-    paper.heading("Parts")
+    _signed(paper, sheet.say)
+    paper.heading(tr("Parts"))
     kinds = part_kinds(sheet.nest, sheet.profile)
     if any(row.order or row.due or row.count > 1 for row in kinds):
-        paper.table(_PARTS_HEAD, [_part_row(row) for row in kinds], _PARTS_WIDTHS)
+        head = ("", tr("part"), tr("count"), tr("order"), tr("due"), tr("size, mm"), tr("kg each"), tr("kg"))
+        paper.table(head, [_part_row(row) for row in kinds], _PARTS_WIDTHS)
     else:
         bare = [(BOX, escape_text(row.name), *_part_row(row)[-3:-1]) for row in kinds]
-        paper.table(("", "part", "size, mm", "kg"), bare, (11, 120, 50, 30), blocks=3)
+        paper.table(("", tr("part"), tr("size, mm"), tr("kg")), bare, (11, 120, 50, 30), blocks=3)
     paper.skip(6.0)
-    for heading, texts in (
-        ("Not as it was when the plan was made", [escape_text(text) for text in sheet.changed]),
-        ("Take care", sheet.not_kept),
-        ("Locks", [escape_text(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
-        ("Metal lost", [escape_text(loss.sentence()) for loss in sheet.plan.losses]),
-        ("Not cut", [f"{escape_text(left.contour)}: {left.why}" for left in sheet.plan.left_out]),
+    for heading, lines in (
+        (tr("Not as it was when the plan was made"), [escape_text(text) for text in sheet.changed]),
+        (tr("Take care"), sheet.not_kept),
+        (tr("Locks"), [escape_text(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
+        (tr("Metal lost"), [escape_text(loss.sentence()) for loss in sheet.plan.losses]),
+        (tr("Not cut"), [f"{escape_text(left.contour)}: {left.why}" for left in sheet.plan.left_out]),
     ):
-        if texts:
+        if lines:
             paper.heading(heading)
-            paper.lines(texts, 7.5, "–")
-    paper.heading(f"{counted(len(sheet.plan.cuts), 'cut')}, in order")
-    rows = [_row(k, planned) for k, planned in enumerate(sheet.plan.cuts, sheet.plan.resumed_after + 1)]
-    paper.table(_HEAD, rows, _WIDTHS, blocks=2)
+            paper.lines(lines, 7.5, "–")
+    cuts = len(sheet.plan.cuts)
+    paper.heading(sheet.say.trn("{n} cut, in order", "{n} cuts, in order", cuts).format(n=cuts))
+    rows = [_row(k, planned, sheet.say) for k, planned in enumerate(sheet.plan.cuts, sheet.plan.resumed_after + 1)]
+    cut_head = ("", "#", tr("contour"), tr("way"), "mm", tr("begins"), tr("note"))
+    paper.table(cut_head, rows, _WIDTHS, blocks=2)
     return paper.scenes()
 
 
@@ -299,7 +348,7 @@ def _head(paper: Paper, sheet: WorkSheet, date: str) -> None:
     right, sha256 = WIDTH - MARGIN, sheet.program_sha256
     paper.put(qr_items(f"SHA256 {sha256}".upper(), right - _QR, MARGIN, _QR))
     paper.put(zero_sketch(sheet.nest, sheet.plan.zero, right - _QR - 62, MARGIN + 4, 46.0))
-    paper.put([TextLine(right - _QR - 39, MARGIN + 58, "zero", 6.0, FAINT)])
+    paper.put([TextLine(right - _QR - 39, MARGIN + 58, sheet.say.tr("zero"), 6.0, FAINT)])
     for k in range(4):
         text = sha256[16 * k : 16 * k + 16]
         paper.put([TextLine(right - _QR / 2, MARGIN + _QR + 8 + 7.5 * k, text, 6.0, FAINT)])
@@ -307,32 +356,41 @@ def _head(paper: Paper, sheet: WorkSheet, date: str) -> None:
     title = shortened(_title(sheet), 15.0, 0.85 * room)
     paper.put([TextLine(MARGIN, paper.y + 8, title, 15.0, INK, "start", bold=True)])
     paper.skip(25.0)
-    line = " · ".join(text for text in (f"program {sheet.program_name}", f"profile {sheet.profile.name}", date) if text)
+    tr = sheet.say.tr
+    program = tr("program {name}").format(name=sheet.program_name)
+    line = " · ".join(filter(None, (program, tr("profile {name}").format(name=sheet.profile.name), date)))
     paper.put([TextLine(MARGIN, paper.y, shortened(escape_text(line), 9.0, room), 9.0, INK, "start")])
     paper.skip(12.0)
-    paper.pairs(
-        [*((escape_text(name), escape_text(text)) for name, text in sheet.about.items()), *facts_of_sheet(sheet)], room
-    )
+    paper.pairs([*_about(sheet), *facts_of_sheet(sheet)], room)
     paper.y = max(paper.y, MARGIN + _QR + 40) + 4
 
 
-def _signed(paper: Paper) -> None:
+def _about(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
+    """What more is said at the top; names that kerfwise gives are said in the sheet's language."""
+    tr = sheet.say.tr
+    known = {"order": tr("order"), "due": tr("due"), "sheets": tr("sheets"), "number": tr("number")}
+    for name, text in sheet.about.items():
+        yield known.get(name, escape_text(name)), escape_text(text)
+
+
+def _signed(paper: Paper, say: Texts) -> None:
     """Lines to write on."""
     paper.room_for(18.0)
     paper.skip(6.0)
-    for k, name in enumerate(("operator", "machine", "date, time")):
+    for k, name in enumerate((say.tr("operator"), say.tr("machine"), say.tr("date, time"))):
         paper.put([TextLine(MARGIN + 180 * k, paper.y + 4, f"{name} ____________________", 8.0, INK, "start")])
     paper.skip(12.0)
 
 
-def _row(order: int, planned: PlannedCut) -> tuple[str, ...]:
-    cut = planned.cut
+def _row(order: int, planned: PlannedCut, say: Texts) -> tuple[str, ...]:
+    cut, (tr, trn) = planned.cut, say
+    kinds = {"mark": tr("mark"), "slit": tr("slit"), "scrap": tr("scrap line")}
     notes = [
-        *([planned.kind] if planned.kind not in ("outer", "hole") else []),
-        *(["linked"] if cut.linked else []),
-        *([f"waits {planned.dwell_s:.1f} s"] if planned.dwell_s else []),
-        *([counted(len(cut.tabs), "tab")] if cut.tabs else []),
-        *(["take care"] if cut.excused else []),
+        *([kinds[planned.kind]] if planned.kind in kinds else []),
+        *([tr("linked")] if cut.linked else []),
+        *([tr("waits {s} s").format(s=f"{planned.dwell_s:.1f}")] if planned.dwell_s else []),
+        *([trn("{n} tab", "{n} tabs", len(cut.tabs)).format(n=len(cut.tabs))] if cut.tabs else []),
+        *([tr("take care")] if cut.excused else []),
     ]
     begins = clock_text(cut.start_s)
     return (
@@ -349,7 +407,7 @@ def _row(order: int, planned: PlannedCut) -> tuple[str, ...]:
 # What a work sheet says of the job that a nest belongs to.
 
 
-def about_of_job(job: Job | None) -> dict[str, str]:
+def about_of_job(job: Job | None, say: Texts = ENGLISH_TEXTS) -> dict[str, str]:
     """Names and values for the top of the sheet: order, due date, how many sheets; nothing where there is no job.
 
     Examples
@@ -360,5 +418,5 @@ def about_of_job(job: Job | None) -> dict[str, str]:
     if job is None:
         return {}
     about = {"order": job.order or "", "due": "" if job.due is None else job.due.isoformat()}
-    about["sheets"] = f"{job.quantity} of the same" if job.quantity > 1 else ""
+    about["sheets"] = say.tr("{n} of the same").format(n=job.quantity) if job.quantity > 1 else ""
     return {name: text for name, text in about.items() if text}

@@ -93,8 +93,11 @@ class PlanState:
             return "kept: every hard rule holds, cut it as the program says"
         if self.kind == "broken":
             return "broken: do not cut this sheet"
-        first = _first([f"{' and '.join(place.contours)} ({place.rule})" for place in self.places])
-        return f"{self.short()}: metal may move or tip there, stand by when these are cut: {first}"
+        return f"{self.short()}: metal may move or tip there, stand by when these are cut: {self.named()}"
+
+    def named(self) -> str:
+        """The first places, each with its contours and the rule."""
+        return _first([f"{' and '.join(place.contours)} ({place.rule})" for place in self.places])
 
     def as_json(self) -> dict[str, Any]:
         """As a plan states it."""

@@ -29,8 +29,8 @@ from kerfwise.models.plan.explain import as_text
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
 from kerfwise.postproc.report import draw
-from kerfwise.postproc.report.page import page_of
-from kerfwise.postproc.report.simple_pictures import reading_picture
+from kerfwise.postproc.report.page import nest_data, page_of
+from kerfwise.postproc.report.simple_pictures import reading_picture, thumbnail
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of
 
@@ -115,14 +115,27 @@ class Desk:
     def changed(self, wanted: PlanRequest, changes: Sequence[str]) -> dict[str, Any]:
         """The nest with parts dropped, moved, added and so on: its text, its parts, and those off another sheet.
 
-        What the wanted plan has cut already stays. Files of parts are those of the nest's folder.
+        `drawing` is the nest as page data. What the wanted plan has cut already stays. Files of parts are those of the
+        nest's folder.
         """
         if outside := next((one for one in changes if one.startswith("add ") and re.search(r"[/\\\\]", one)), None):
             raise InputError(f"{outside!r}: parts are added from files in the folder of the nest")
         given = self._read(wanted).given
         cut = already_of(wanted, given).contours
         made = editing(given.nest, given.profile, cut=cut).do(*changes)
-        return {"text": made.text(), "parts": [part.id for part in made.nest.parts], "off": list(made.off)}
+        parts = [part.id for part in made.nest.parts]
+        return {"text": made.text(), "parts": parts, "off": list(made.off), "drawing": nest_data(made.nest)}
+
+    def room(self, wanted: PlanRequest) -> dict[str, Any]:
+        """How far parts keep from each other and from the edge of the sheet, mm, and which are cut already."""
+        given = self._read(wanted).given
+        now = editing(given.nest, given.profile, cut=already_of(wanted, given).contours)
+        return {"gap_mm": now.spacing.gap_mm, "edge_mm": now.spacing.edge_mm, "cut": sorted(now.cut)}
+
+    def thumbnail(self, wanted: PlanRequest) -> str:
+        """A small picture of a nest, as the address of an image."""
+        picture = thumbnail(self._read(wanted).given.nest)
+        return f"data:image/svg+xml;base64,{base64.b64encode(picture.encode()).decode('ascii')}"
 
     def edited(self, wanted: PlanRequest, changes: Sequence[dict[str, Any]]) -> dict[str, Any]:
         """The job file with changes made in it, and what gave way; refused whole where one of them cannot be."""
@@ -273,20 +286,11 @@ def _rule(given: Inputs, name: str) -> dict[str, Any]:
 def desk(asking: Questions) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    names = (
-        "ready",
-        "prepared",
-        "opened",
-        "preview",
-        "picture",
-        "edited",
-        "changed",
-        "page",
-        "compared",
-        "heat",
-        "why",
-    )
-    return {**{name: getattr(made, name) for name in (*names, "move")}, **profile_answers()}
+    own = (
+        made.ready, made.prepared, made.opened, made.preview, made.picture, made.thumbnail, made.edited, made.changed, made.room,
+        made.page, made.compared, made.heat, made.why, made.move,
+    )  # fmt: skip
+    return {**{answer.__name__: answer for answer in own}, **profile_answers()}
 
 
 # The last few things that were worked out, for who asks again.

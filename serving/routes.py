@@ -17,8 +17,9 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
+from kerfwise.languages.catalogue import page_texts
 from kerfwise.postproc import report
-from kerfwise.postproc.report.page import page_and_policy
+from kerfwise.postproc.report.page import as_script_data, page_and_policy
 
 from .guard import Answer, changes_in, gone, said_in, session_of, whole
 from .nest_folder import NestFile, is_readable
@@ -45,6 +46,7 @@ class Reading:
             "/files/{name:path}": self.file,
             "/nest/{id}": self.nest,
             "/api/nests": self.nests,
+            "/api/thumbnail": self.thumbnail,
             "/api/events": self.all_events,
             "/api/{id}/page": self.page,
             "/api/{id}/heat": self.heat,
@@ -52,6 +54,7 @@ class Reading:
             "/api/{id}/why": self.why,
             "/api/{id}/move": self.move,
             "/api/{id}/profile": self.profile,
+            "/api/{id}/room": self.room,
             "/api/{id}/rule": self.rule,
             "/api/{id}/program": self.program,
             "/api/{id}/events": self.events,
@@ -102,6 +105,15 @@ class Reading:
         plans = self._server.kept.plans_kept(key) if session is None else len(session.alternatives)
         state = self._server.kept.state_of(key) if session is None else "" if current is None else current.state
         return {"name": nest.name, "size": nest.size, "changed": nest.changed, "plans": plans, "state": state}
+
+    async def thumbnail(self, request: Request) -> Response:
+        """`?nest=plate.dxf`: a small picture of it, as a data URL; "" for one that cannot be read as it is."""
+        path = self._server.folder.nest(request.query_params.get("nest", ""))
+        return JSONResponse({"picture": await self._server.thumbnail(path)})
+
+    async def room(self, request: Request) -> Response:
+        """How far parts keep from each other and from the edge, and which are cut already."""
+        return JSONResponse(await self._server.asked("room", wanted=self._session(request).wanted))
 
     async def page(self, request: Request) -> Response:
         """What the page shows (`kerfwise-page/1`), of `?plan=2` or the shown plan; of two with `?plan=1&with=2`."""
@@ -377,14 +389,22 @@ _KINDS = {".js": "text/javascript", ".css": "text/css"}
 
 def list_page() -> str:
     """The page that lists the nests of the folder, and takes drawings that are dropped on it."""
-    return files(__package__).joinpath("hands", "frame.html").read_text(encoding="utf-8")
+    frame = files(__package__).joinpath("hands", "frame.html").read_text(encoding="utf-8")
+    return frame.replace("@texts", as_script_data(_texts()))
 
 
 def worked_page(name: str) -> Response:
     """The viewer of one nest; it requests all that it shows. Its policy names its own script by hash."""
-    html, policy = page_and_policy({"title": name}, ENTRY, connect=True, more=_hands())
+    html, policy = page_and_policy({"title": name}, ENTRY, connect=True, more=_hands(), said=_texts())
     headers = {"content-security-policy": f"{policy}; frame-ancestors 'none'"}
     return HTMLResponse(html.encode("utf-8", "surrogatepass"), headers=headers)
+
+
+@cache
+def _texts() -> dict[str, dict[str, Any]]:
+    """What the viewer says, in every language: the texts of each page, and its own."""
+    page, viewer = page_texts(), page_texts("viewer")
+    return {language: {**texts, **viewer[language]} for language, texts in page.items()}
 
 
 @cache

@@ -38,6 +38,7 @@ ANSWERED_S, SLOW_S = 120.0, 900.0
 SLOW = ("heat", "compared", "prepared")
 MOST_ASKERS = 20
 """So many questions wait at a time: who asks something else waits for none of them."""
+MOST_THUMBNAILS = 500
 NONE: Mapping[str, str] = {}
 """No answers to questions of a drawing."""
 
@@ -76,6 +77,7 @@ class Server:
         self.folder, self.profile, self._trust = folder, profile, trust
         self.kept, self.nests = KeptSessions(state, folder.path, trust), NestList(folder)
         self.sessions: dict[str, Session] = {}
+        self._thumbnails: dict[tuple[Path, int], str] = {}
         self._dropped = Path(tempfile.mkdtemp(prefix="kerfwise-")).resolve()  # drawings that nobody has read yet
         installed = [Path(kerfwise.__file__).parent, *map(Path, {get_path("purelib"), get_path("platlib")})]
         readable = [folder.path, *(one.resolve() for one in also), self._dropped, *installed]
@@ -198,6 +200,19 @@ class Server:
         """The address of a picture of how a nest is understood with some answers; nothing is written."""
         disk = self.text_beside(path)
         return str(await self.asked("preview", wanted=self._with_answers(path, disk, repair, answers)))
+
+    async def thumbnail(self, path: Path) -> str:
+        """The address of a small picture of a nest, kept for as long as its file stays; "" for one that is not read."""
+        key = path, path.stat().st_mtime_ns
+        if key not in self._thumbnails:
+            wanted = PlanRequest(str(path), self.text_beside(path), trust=self._trust)
+            if len(self._thumbnails) >= MOST_THUMBNAILS:
+                self._thumbnails.clear()
+            try:
+                self._thumbnails[key] = str(await self.asked("thumbnail", wanted=wanted))
+            except (Refused, Died, InputError):
+                self._thumbnails[key] = ""
+        return self._thumbnails[key]
 
     async def preview_of_drop(self, name: str, drawing: bytes, repair: bool, answers: Mapping[str, str]) -> str:
         """The same of a drawing that was dropped on the page, and is not in the folder yet."""

@@ -18,6 +18,7 @@ from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener, Listeners
 from kerfwise.jobs.request import options_for
+from kerfwise.languages.catalogue import ENGLISH, texts
 from kerfwise.nesting.demand import Stock
 from kerfwise.nesting.fill import LEFT, Taste
 from kerfwise.nesting.layout import OF, Sheetful, refill_sheet
@@ -134,24 +135,31 @@ def program_files(name: str, done: FinishedPlan, picture: str = "svg") -> dict[s
     return files | {path.name: text for path, text in remnant_files(f"{name}.nc", nest, profile).items()}
 
 
-def work_sheets_of(made: Programs) -> bytes:
+def work_sheets_of(made: Programs, language: str = ENGLISH) -> bytes:
     """The work sheets of all programs, as one PDF."""
+    from kerfwise.jobs.sheet_parts import sheet_of
     from kerfwise.jobs.work_sheet import sheets_pdf, work_sheet
 
     count = len(made.nested.names)
     return sheets_pdf(
         [
-            work_sheet(done.given, done.made.plan, name=f"{name}.nc", about={"number": f"sheet {k} of {count}"})
+            work_sheet(
+                done.given,
+                done.made.plan,
+                name=f"{name}.nc",
+                about={"number": sheet_of(k, count, texts(language))},
+                language=language,
+            )
             for k, name, done in made.finished
         ]
     )
 
 
-def labels_of(made: Programs) -> bytes:
+def labels_of(made: Programs, language: str = ENGLISH) -> bytes:
     """A label for each part of all sheets, as one PDF."""
     from kerfwise.jobs.sheet_parts import labels_pdf
 
-    return labels_pdf([(done.given.nest, done.given.profile) for _, _, done in made.finished])
+    return labels_pdf([(done.given.nest, done.given.profile) for _, _, done in made.finished], language)
 
 
 def plan_text(name: str, done: FinishedPlan, stock: Stock) -> str:

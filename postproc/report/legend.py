@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from kerfwise.encoder.nest import Nest
+from kerfwise.languages.catalogue import ENGLISH_TEXTS, Texts
 from kerfwise.models.plan.plan import Plan
 
 from . import scene
@@ -135,20 +136,20 @@ def counted(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
-def duration(seconds: float) -> str:
-    """Seconds for people.
+def duration(seconds: float, say: Texts = ENGLISH_TEXTS) -> str:
+    """Seconds for people, in the units of a language.
 
     Examples
     --------
     >>> duration(42.4), duration(754), duration(8000)
     ('42 s', '12 min 34 s', '2 h 13 min')
     """
-    whole = round(seconds)
+    whole, tr = round(seconds), say.tr
     if whole < 60:
-        return f"{whole} s"
+        return tr("{s} s").format(s=whole)
     if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
+        return tr("{m} min {s} s").format(m=whole // 60, s=whole % 60)
+    return tr("{h} h {m} min").format(h=whole // 3600, m=whole % 3600 // 60)
 
 
 def footer_layer(view: View, clock: Clock | None, kinds: frozenset[str]) -> SceneLayer:

@@ -19,11 +19,11 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest, Source
 from kerfwise.encoder.text import escape_text
+from kerfwise.languages.catalogue import page_texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.models.plan.read_plan import expect_plan_of
 from kerfwise.rules.plan_state import PlanState
 
-from .language import page_texts
 from .legend import nest_name
 
 _IMPORT = re.compile(r'^import\s+(?:\{[^}]*\}\s+from\s+)?"\./(?P<name>[\w/.-]+\.js)";[ \t]*\n', re.MULTILINE)
@@ -53,6 +53,7 @@ def page_and_policy(
     connect: bool = False,
     more: Mapping[str, str] = MappingProxyType({}),
     noscript: str = "",
+    said: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Page:
     """The page of such data, as one HTML file, and its policy.
 
@@ -68,6 +69,8 @@ def page_and_policy(
         Texts of further modules by name, which `entry` and others may import, and of further style sheets.
     noscript
         HTML for browsers without JavaScript; "" for a picture of the data's nest.
+    said
+        The message catalogues by language; None for those of every page.
     """
     frame = _text("page.html")
     style = "\n".join([_text("page.css"), *(text for name, text in more.items() if name.endswith(".css"))])
@@ -87,7 +90,7 @@ def page_and_policy(
         "@title": escape(str(data.get("title", "kerfwise"))),
         "@style": style,
         "@noscript": noscript or _without_script(data),
-        "@texts": as_script_data(page_texts()),
+        "@texts": as_script_data(page_texts() if said is None else said),
         "@data": as_script_data(data),
         "@script": script,
     }

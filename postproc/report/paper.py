@@ -9,6 +9,8 @@ from itertools import groupby
 
 import numpy as np
 
+from kerfwise.languages.catalogue import ENGLISH_TEXTS, Texts
+
 from .plot import A4
 from .scene import FAINT, INK, Item, Scene, SceneLayer, Shape, Style, TextLine, text_width
 
@@ -25,8 +27,8 @@ BOX = "\N{BALLOT BOX}"
 class Paper:
     """Pages that are filled from the top; lengths are points, y counts down."""
 
-    def __init__(self, title: str) -> None:
-        self.title = title
+    def __init__(self, title: str, say: Texts = ENGLISH_TEXTS) -> None:
+        self.title, self._say = title, say
         self._pages: list[list[Item]] = [[]]
         self.y = MARGIN
 
@@ -133,7 +135,9 @@ class Paper:
     def _foot(self, page: int, count: int) -> Iterator[Item]:
         y = HEIGHT - FOOT / 2 - 2
         yield TextLine(MARGIN, y, shortened(self.title, 7.0, ROOM - 60), 7.0, FAINT, "start")
-        yield TextLine(WIDTH - MARGIN, y, f"page {page} of {count}", 7.0, FAINT, "end")
+        yield TextLine(
+            WIDTH - MARGIN, y, self._say.tr("page {page} of {count}").format(page=page, count=count), 7.0, FAINT, "end"
+        )
 
 
 def _cell(text: str, x: float, middle: float, size: float, width: float, colour: str = INK) -> Iterator[Item]:

@@ -113,7 +113,7 @@ class Scene:
 
 
 _NARROW = frozenset(" .,:;'|!()[]fijlrtI-·")
-_WIDE = frozenset("mwMW@%—→")
+_WIDE = frozenset("mwMW@%—→ЖМФШЩЫЮжмфшщыю")
 
 
 def text_width(text: str, size: float, bold: bool = False) -> float:

@@ -1,3 +1,5 @@
+import { tr } from "./say.js";
+
 /**
  * The server's answer; one that is none is thrown, with what was told as `told`.
  *
@@ -15,7 +17,7 @@ async function reach(path, asked) {
     return await fetch(path, asked);
   } catch (error) {
     if (/** @type {Error} */ (error).name === "AbortError") throw error;
-    throw new Error("the server does not answer: is kerfwise serve still running?");
+    throw new Error(tr("the server does not answer: is kerfwise serve still running?"));
   }
 }
 

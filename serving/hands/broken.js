@@ -2,6 +2,7 @@
 import { make } from "./elements.js";
 import { listen } from "./gestures.js";
 import { Outlines } from "./outlines.js";
+import { tr } from "./say.js";
 import { Stage } from "./stage.js";
 import { Store } from "./store.js";
 
@@ -27,8 +28,8 @@ export function brokenDrawing(problems, repair) {
   const stage = new Stage(page, 0, store, new Outlines(page.nest));
   const numbers = new Map(page.nest.contours.map((contour, k) => [contour.id, k]));
   const mending = (/** @type {Problem} */ one) => one.mends
-    ? make("button", { type: "button", class: "repair", onclick: repair, title: "mends all that repair can mend, and opens the drawing" }, "repair") : null;
-  const marks = lines.map((one, k) => one.at && make("button", { type: "button", class: one.mends ? "mark mends" : "mark", "aria-label": `problem ${k + 1}: ${one.text}`, onclick: () => choose(k) }, `${k + 1}`));
+    ? make("button", { type: "button", class: "repair", onclick: repair, title: tr("mends all that repair can mend, and opens the drawing") }, tr("repair")) : null;
+  const marks = lines.map((one, k) => one.at && make("button", { type: "button", class: one.mends ? "mark mends" : "mark", "aria-label": tr("problem {k}: {text}", { k: k + 1, text: one.text }), onclick: () => choose(k) }, `${k + 1}`));
   const rows = lines.map((one, k) => make("li", {}, make("button", { type: "button", class: "link", onclick: () => choose(k, true) }, one.text), " ", mending(one)));
   const bubble = make("div", { class: "bubble", role: "status", hidden: true });
   let chosen = -1;
@@ -55,7 +56,7 @@ export function brokenDrawing(problems, repair) {
   stage.layers.push(place);
   stage.canvas.setAttribute("tabindex", "0");
   stage.canvas.setAttribute("role", "img");
-  stage.canvas.setAttribute("aria-label", "The drawing with its problems; the list names them.");
+  stage.canvas.setAttribute("aria-label", tr("The drawing with its problems; the list names them."));
   stage.canvas.addEventListener("keydown", event => {
     const by = /** @type {Record<string, number>} */ ({ "+": 1.3, "-": 1 / 1.3 })[event.key];
     if (by) stage.camera.zoom(by, stage.size.wide / 2, stage.size.high / 2);
@@ -79,10 +80,10 @@ export function brokenDrawing(problems, repair) {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => stage.recolour());
   const mends = lines.filter(one => one.mends).length;
   return make("section", { id: "broken" },
-    make("h2", {}, "This drawing cannot be cut as it is drawn"),
-    make("p", {}, problems.said, mends ? ` — repair mends ${mends === lines.length ? "all of it" : `${mends} of ${lines.length}`}, all at once.` : ""),
+    make("h2", {}, tr("This drawing cannot be cut as it is drawn")),
+    make("p", {}, problems.said, mends ? ` — ${mends === lines.length ? tr("repair mends all of it at once.") : tr("repair mends {n} of {all}, all at once.", { n: mends, all: lines.length })}` : ""),
     figure,
-    make("p", {}, make("button", { type: "button", onclick: whole }, "whole drawing")),
+    make("p", {}, make("button", { type: "button", onclick: whole }, tr("whole drawing"))),
     make("ol", {}, ...rows));
 }
 

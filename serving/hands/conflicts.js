@@ -2,6 +2,7 @@
 import { sendServer } from "./asking.js";
 import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
+import { tr, trn } from "./say.js";
 
 /**
  * Where the rules contradict each other: the few that do, and what each way out would bring.
@@ -10,7 +11,7 @@ import { lockAndPlan } from "./locking.js";
  * @param {Work} work
  */
 export function conflictPanel(app, work) {
-  const place = make("section", { id: "hands-conflict", hidden: true, "aria-label": "rules that contradict each other" });
+  const place = make("section", { id: "hands-conflict", hidden: true, "aria-label": tr("rules that contradict each other") });
   app.slots.side.append(place);
   let drawn = "null", trying = new AbortController();
   work.on(() => {
@@ -40,23 +41,23 @@ function drawConflict(app, work, place, conflict) {
   };
   const rows = conflict.clash.map((/** @type {any} */ one) => make("li", {},
     make("button", { type: "button", class: "said", onclick: () => { app.set({ marked: numbersOf(app, one.contours) }); } }, `${one.rule}: ${one.text}`),
-    one.undo.length ? way(`undo: ${one.undo.map((/** @type {any} */ change) => change.unlock).join(", ")}`, one.undo) : null,
-    one.soften.length ? way(`make ${one.rule} soft for this nest`, one.soften) : null));
+    one.undo.length ? way(tr("undo: {locks}", { locks: one.undo.map((/** @type {any} */ change) => change.unlock).join(", ") }), one.undo) : null,
+    one.soften.length ? way(tr("make {rule} soft for this nest", { rule: one.rule }), one.soften) : null));
   place.replaceChildren(
-    make("h2", {}, conflict.clash.length ? "These cannot all hold" : "There is no plan"),
+    make("h2", {}, conflict.clash.length ? tr("These cannot all hold") : tr("There is no plan")),
     conflict.clash.length ? make("p", {}, saidOf(conflict)) : "",
     conflict.clash.length ? make("ul", {}, ...rows) : make("pre", {}, conflict.text),
-    conflict.relax ? way(`relax ${conflict.relax.length} statement${conflict.relax.length > 1 ? "s" : ""}, ${conflict.compared ? "the cheapest" : "a"} way out`, [], true) : conflict.stuck || "");
+    conflict.relax ? way(conflict.compared ? trn("relax {n} statement, the cheapest way out", "relax {n} statements, the cheapest way out", conflict.relax.length) : trn("relax {n} statement, a way out", "relax {n} statements, a way out", conflict.relax.length), [], true) : conflict.stuck || "");
   app.set({ marked: numbersOf(app, conflict.clash.flatMap((/** @type {any} */ one) => one.contours)) });
   return ways;
 }
 
 /** @type {(conflict: any) => string} what a planner is to make of the sentences */
 function saidOf(conflict) {
-  const { alone, minimal, more } = conflict, rest = more ? ` (${more} more are not listed)` : "";
-  return alone ? `No plan can keep any of these${rest}. They are marked in the drawing.`
-    : minimal ? `Without any one of these the others can${rest}. They are marked in the drawing. Take one of the ways out:`
-    : `Some of these may have no part in it: that was not shown in the time${rest}. They are marked in the drawing.`;
+  const { alone, minimal, more } = conflict, rest = more ? ` ${tr("({n} more are not listed)", { n: more })}` : "", marked = tr("They are marked in the drawing.");
+  return alone ? `${tr("No plan can keep any of these.")}${rest} ${marked}`
+    : minimal ? `${tr("Without any one of these the others can hold.")}${rest} ${marked} ${tr("Take one of the ways out:")}`
+    : `${tr("Some of these may have no part in it: that was not shown in the time.")}${rest} ${marked}`;
 }
 
 /** Asks what each way would bring, one after the other, where somebody looks: tabs in the back would ask the same. */
@@ -67,8 +68,8 @@ async function tryWays(work, ways, signal) {
     if (signal.aborted) return;
     try {
       const told = await sendServer(work.path("try"), said, signal);
-      place.textContent = `${told.works ? "brings " : ""}${told.text}`;
-      place.className = told.works ? "good" : "bad";
+      place.textContent = told.works ? tr("brings {text}", { text: told.text }) : told.text;
+      place.className = `said ${told.works ? "good" : "bad"}`;
     } catch (error) {
       place.textContent = signal.aborted ? "" : /** @type {Error} */ (error).message;
     }

@@ -1,4 +1,5 @@
 import { make } from "./elements.js";
+import { tr } from "./say.js";
 import { metres, provenShort } from "./words.js";
 
 /**
@@ -10,25 +11,25 @@ import { metres, provenShort } from "./words.js";
  */
 export function effectTable({ before, after, text }, changes) {
   const rows = [
-    ["idle travel", travelled(before, "idle_mm"), travelled(after, "idle_mm")],
-    ["cost", travelled(before, "objective_mm"), travelled(after, "objective_mm")],
-    ["excused", countOf(before?.excuses), countOf(after?.excuses)],
-    ["dropped orders", countOf(before?.dropped), countOf(after?.dropped)],
-    ["time", lasting(before), lasting(after)],
-    ["proven", provenOf(before), provenOf(after)],
-    ...brokenRules(before, after).map(rule => [`breaches of ${rule}`, countOf(before && (before.breaches[rule] ?? 0)), countOf(after && (after.breaches[rule] ?? 0))]),
+    [tr("idle travel"), travelled(before, "idle_mm"), travelled(after, "idle_mm")],
+    [tr("cost"), travelled(before, "objective_mm"), travelled(after, "objective_mm")],
+    [tr("not kept"), countOf(before?.excuses), countOf(after?.excuses)],
+    [tr("dropped orders"), countOf(before?.dropped), countOf(after?.dropped)],
+    [tr("time"), lasting(before), lasting(after)],
+    [tr("proven"), provenOf(before), provenOf(after)],
+    ...brokenRules(before, after).map(rule => [tr("breaches of {rule}", { rule }), countOf(before && (before.breaches[rule] ?? 0)), countOf(after && (after.breaches[rule] ?? 0))]),
   ];
   return make("div", {},
     make("table", {},
       make("caption", {}, changes.map(one => `${one.rule}.${one.key}: ${one.to}`).join(", ")),
-      make("tr", {}, make("th", {}, ""), make("th", {}, "now"), make("th", {}, "then")),
+      make("tr", {}, make("th", {}, ""), make("th", {}, tr("now")), make("th", {}, tr("then"))),
       ...rows.map(([name, a, b]) => make("tr", { class: a === b ? null : "differs" }, make("th", {}, name), make("td", {}, a), make("td", {}, b)))),
     text ? make("p", {}, text) : null,
-    make("p", { class: "hint" }, "Two first plans of equal work; breaches are counted by the rules as they are now."));
+    make("p", { class: "hint" }, tr("Two first plans of equal work; breaches are counted by the rules as they are now.")));
 }
 
 /** @type {(figures: any, key: string) => string} */
-function travelled(figures, key) { return figures ? metres(figures[key]) : "no plan"; }
+function travelled(figures, key) { return figures ? metres(figures[key]) : tr("no plan"); }
 
 /** @type {(count: number | undefined | null) => string} */
 function countOf(count) { return count === undefined || count === null ? "–" : String(count); }
@@ -39,7 +40,7 @@ function lasting(figures) { return figures ? `${Math.round(figures.time_s)} s` :
 /** @type {(figures: any) => string} */
 function provenOf(figures) {
   if (!figures) return "–";
-  return figures.status === "optimal" ? "yes" : provenShort(figures);
+  return figures.status === "optimal" ? tr("yes") : provenShort(figures);
 }
 
 /** @type {(before: any, after: any) => string[]} */

@@ -2,8 +2,11 @@
 import { askServer } from "./asking.js";
 import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
+import { tr, trn } from "./say.js";
 
 const LOOK_MS = 150, BESIDE_PX = 14, UNDER_PX = 18, OVER_FINGER_PX = 40, RIM_PX = 4;
+/** How the answer looks: it goes, others have to move, a hard rule yields, it cannot be. */
+const KINDS_OF_MOVES = /** @type {Record<string, string>} */ ({ goes: "good", "others move": "", "gives way": "warn", no: "bad" });
 
 /** @typedef {{names: string[], to: number, plan: number}} Move contours, the number that the first of them is to have, and in which plan */
 
@@ -25,7 +28,7 @@ export class Judge {
     if (this.wanted && query(this.wanted, false) === query(move, false)) return;
     this.wanted = move;
     this.place.className = "";
-    this.place.textContent = `${move.names.join(", ")} as number ${move.to} …`;
+    this.place.textContent = tr("{names} as number {to} …", { names: move.names.join(", "), to: move.to });
     if (!this.asking) void this.#ask();
   }
 
@@ -73,14 +76,21 @@ export class Judge {
     if (this.wanted !== move) return null;
     if (told instanceof Error) {
       this.place.textContent = told.message;
-      this.place.className = "bad";
+      this.place.className = "said bad";
       return null;
     }
-    const gives = told.gives_way.length ? `locked there, ${told.gives_way.join(" and ")} gives way` : "";
-    this.place.className = told.lawful ? "good" : gives ? "gives" : "bad";
-    this.place.replaceChildren(told.text, gives ? make("small", {}, ` ${gives}`) : "");
+    this.place.className = `said ${KINDS_OF_MOVES[told.how] ?? ""}`;
+    this.place.replaceChildren(make("b", {}, headOf(told)), make("span", {}, told.text),
+      told.undone.length ? make("span", { class: "replaces" }, tr("takes the place of the lock: {locks}", { locks: told.undone.join("; ") })) : "");
     return told;
   }
+}
+
+/** What a drop would come to, in few words. */
+/** @type {(told: any) => string} */
+function headOf({ how, gives_way }) {
+  if (how === "gives way") return trn("A rule gives way: {rules}", "Rules give way: {rules}", gives_way.length, { rules: gives_way.join(", ") });
+  return how === "goes" ? tr("It goes there") : how === "others move" ? tr("Others will move: it is planned anew around this place") : tr("Will not go there");
 }
 
 /** @type {(move: Move, look: boolean) => string} */
@@ -96,7 +106,7 @@ function query({ names, to, plan }, look) {
  * @returns {Promise<void>}
  */
 export async function dropThere(work, move) {
-  const told = await askServer(`${work.path("move")}?${query(move, false)}`).catch(error => { work.say(error.message); return null; });
+  const told = await askServer(`${work.path("move")}?${query(move, false)}`).catch(error => { work.say(error.message, "bad"); return null; });
   if (!told) return;
   work.say(told.text);
   await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))], move.plan);

@@ -1,34 +1,28 @@
-// The nests of the folder: one is opened by a click, a drawing by dropping it.
+/** The nests of the folder: with a picture, how far each is planned, its size and date; a drawing is opened or dropped. */
 import { askServer, sendServer } from "./asking.js";
 import { brokenDrawing } from "./broken.js";
+import { byId, make } from "./elements.js";
 import { drawingQuestions } from "./questions.js";
+import { figure, language, languageChoice, speak, tr, trn } from "./say.js";
 
-const main = document.getElementById("main");
+/** @typedef {{name: string, size?: number, changed?: number, plans?: number, state?: string}} NestRow */
+/** @typedef {Record<string, string>} Given answers by question */
 
-function element(name, text = "") {
-  const made = document.createElement(name);
-  made.textContent = text;
-  return made;
-}
+const AGAIN_MS = 400, FILTER_MS = 200;
 
-function go(state) {
-  location.href = `/nest/${state.id}`;
-}
+/** How a nest's state looks, and what it says; the number by which it is sorted. */
+/** @type {Record<string, [string, () => string, number]>} */
+const STATES = {
+  refused: ["bad", () => tr("the check refuses its plan"), 0],
+  amber: ["warn", () => tr("planned, places not kept"), 1],
+  kept: ["good", () => tr("planned, every hard rule holds"), 3],
+  "": ["", () => tr("not planned"), 2],
+};
 
-// What stands above the list, where something could not be opened: `again` tries once more, `picture` shows how it would
-// be understood with some answers.
-function problems({ told, message }, answers, again, picture) {
-  main.querySelector("section")?.remove();
-  let box = element("section");
-  if (told?.questions) box = drawingQuestions(told.questions, answers, picture, (all) => again(undefined, all));
-  else if (told?.problems) box = brokenDrawing(told.problems, () => again(true, answers));
-  else box.append(element("h2", "This cannot be opened"), element("p", message));
-  main.prepend(box);
-  scrollTo(0, 0);
-}
-
+/** Opens a nest, and shows what stands against it: `again` tries once more, `picture` how it would be understood. */
+/** @type {(nest: string, repair?: boolean, answers?: Given) => Promise<void>} */
 async function open(nest, repair = false, answers = {}) {
-  const picture = async (all) => (await sendServer("/api/preview", { nest, repair, answers: all })).picture;
+  const picture = async (/** @type {Given} */ all) => (await sendServer("/api/preview", { nest, repair, answers: all })).picture;
   try {
     go(await sendServer("/api/open", { nest, repair, answers }));
   } catch (error) {
@@ -36,33 +30,129 @@ async function open(nest, repair = false, answers = {}) {
   }
 }
 
-async function drop(file, repair = false, answers = {}) {
-  const query = (all, more = {}) => new URLSearchParams({ name: file.name, repair: repair ? "1" : "0", answers: JSON.stringify(all), ...more });
-  const picture = async (all) => (await sendServer(`/api/drop?${query(all, { preview: "1" })}`, file)).picture;
+/** @type {(file: File, repair?: boolean, answers?: Given) => Promise<void>} */
+async function take(file, repair = false, answers = {}) {
+  const query = (/** @type {Given} */ all, more = {}) => new URLSearchParams({ name: file.name, repair: repair ? "1" : "0", answers: JSON.stringify(all), ...more });
+  const picture = async (/** @type {Given} */ all) => (await sendServer(`/api/drop?${query(all, { preview: "1" })}`, file)).picture;
+  tell(tr("reading {name} …", { name: file.name }), "");
   try {
     go(await sendServer(`/api/drop?${query(answers)}`, file));
   } catch (error) {
-    problems(error, answers, (mend, all) => drop(file, mend ?? repair, all), picture);
+    problems(error, answers, (mend, all) => take(file, mend ?? repair, all), picture);
   }
 }
 
-addEventListener("dragover", (event) => event.preventDefault());
-addEventListener("drop", (event) => {
-  event.preventDefault();
-  const file = event.dataTransfer?.files[0];
-  if (file) drop(file);
-});
-
-const told = await askServer("/api/nests");
-if (told.first && location.search !== "?list") await open(told.first);
-main.append(element("h1", "Nests"), element("p", "Click a nest to open it, or drop a drawing here."));
-const list = element("ul");
-for (const nest of told.nests) {
-  const button = element("button", nest);
-  button.addEventListener("click", () => open(nest));
-  const item = element("li");
-  item.append(button);
-  list.append(item);
+/** @param {{id: string}} state */
+function go(state) {
+  location.href = `/nest/${state.id}`;
 }
-main.append(list);
-if (told.unreadable.length) main.append(element("p", `Not to be opened, for their names are no UTF-8 (give them other names): ${told.unreadable.join(", ")}`));
+
+/** @type {(error: any, answers: Given, again: (repair: boolean | undefined, answers: Given) => void, picture: (answers: Given) => Promise<string>) => void} */
+function problems({ told, message }, answers, again, picture) {
+  const box = told?.questions ? drawingQuestions(told.questions, answers, picture, all => again(undefined, all))
+    : told?.problems ? brokenDrawing(told.problems, () => again(true, answers)) : null;
+  byId("problem").replaceChildren(box ?? "");
+  tell(box ? "" : `${tr("This cannot be opened")}: ${message}`, "bad");
+  scrollTo(0, 0);
+}
+
+/** @type {(text: string, kind: string) => void} */
+function tell(text, kind) {
+  const place = byId("said");
+  place.textContent = text;
+  place.className = `said ${kind}`;
+  place.setAttribute("role", kind === "bad" ? "alert" : "status");
+}
+
+/** @type {(row: NestRow) => HTMLElement} */
+function card(row) {
+  const [look, said] = STATES[row.state ?? ""] ?? STATES[""], parts = row.name.split("/"), name = parts.pop();
+  const facts = [row.size === undefined ? "" : sizeText(row.size), row.changed ? dateText(row.changed) : "", row.plans ? trn("{n} plan kept", "{n} plans kept", row.plans) : ""];
+  const picture = make("span", { class: "picture", "data-nest": row.name }, make("small", {}, "…"));
+  pictures.observe(picture);
+  return make("li", {}, make("button", { type: "button", "aria-label": row.name, onclick: () => open(row.name) }, picture,
+    make("span", { class: "name" }, parts.length ? make("small", {}, `${parts.join("/")}/`) : null, make("b", {}, name)),
+    make("span", { class: `chip ${look}` }, said()),
+    make("small", { class: "facts" }, facts.filter(Boolean).join(" · "))));
+}
+
+/** @type {(bytes: number) => string} */
+function sizeText(bytes) {
+  return bytes < 1e6 ? `${figure(bytes / 1e3, bytes < 1e4 ? 1 : 0)} kB` : `${figure(bytes / 1e6, 1)} MB`;
+}
+
+/** @type {(changed_s: number) => string} */
+function dateText(changed_s) {
+  return new Date(1000 * changed_s).toLocaleString(language(), { dateStyle: "medium", timeStyle: "short" });
+}
+
+/** Pictures are made one after the other, of the nests that are seen. */
+let turn = Promise.resolve();
+const pictures = new IntersectionObserver(seen => {
+  for (const { isIntersecting, target } of seen) {
+    if (!isIntersecting) continue;
+    pictures.unobserve(target);
+    turn = turn.then(() => draw(/** @type {HTMLElement} */ (target)));
+  }
+}, { rootMargin: "100px" });
+
+/** @type {(place: HTMLElement) => Promise<void>} */
+async function draw(place) {
+  if (!place.isConnected) return;
+  const query = new URLSearchParams({ nest: place.dataset.nest ?? "" });
+  const told = await askServer(`/api/thumbnail?${query}`).catch(() => null);
+  place.replaceChildren(told?.picture ? make("img", { alt: "", src: told.picture }) : make("small", {}, tr("no picture: open it to see why")));
+}
+
+/** @type {NestRow[]} */
+let rows = [];
+let asked = 0;
+
+/** The rows in the order that is chosen: names as people count, so that 2 comes before 10. */
+function show() {
+  const by = /** @type {HTMLSelectElement} */ (byId("sort")).value, names = new Intl.Collator(language(), { numeric: true });
+  const weight = { name: () => 0, changed: (/** @type {NestRow} */ row) => -(row.changed ?? 0), size: (/** @type {NestRow} */ row) => -(row.size ?? 0),
+    state: (/** @type {NestRow} */ row) => (STATES[row.state ?? ""] ?? STATES[""])[2] }[by] ?? (() => 0);
+  byId("nests").replaceChildren(...[...rows].sort((a, b) => weight(a) - weight(b) || names.compare(a.name, b.name)).map(card));
+}
+
+/** Asks for the nests whose names have a text in them, until all are found. */
+/** @type {(find: string) => Promise<any>} */
+async function look(find) {
+  const mine = ++asked;
+  for (;;) {
+    const told = await askServer(`/api/nests?${new URLSearchParams({ find })}`).catch(error => { tell(error.message, "bad"); return null; });
+    if (!told || mine !== asked) return null;
+    const names = /** @type {string[]} */ (told.nests).filter(name => name.toLowerCase().includes(find.toLowerCase()));
+    rows = told.rows ?? names.map(name => ({ name }));
+    show();
+    const left = [told.left ? trn("{n} more: filter by name to see it", "{n} more: filter by name to see them", told.left) : "",
+      told.complete === false ? tr("still looking …") : rows.length ? "" : find ? tr("no nest has this in its name") : tr("there is no nest in this folder yet"),
+      told.unreadable?.length ? tr("Not to be opened, for their names are no UTF-8 (give them other names): {names}", { names: told.unreadable.join(", ") }) : ""];
+    byId("more").textContent = left.filter(Boolean).join(" · ");
+    if (told.complete !== false) return told;
+    await new Promise(done => setTimeout(done, AGAIN_MS));
+    if (mine !== asked) return null;
+  }
+}
+
+speak(JSON.parse(byId("texts").textContent || "{}"));
+languageChoice(/** @type {HTMLSelectElement} */ (byId("language")));
+addEventListener("dragover", event => { event.preventDefault(); document.body.classList.add("dropping"); });
+addEventListener("dragleave", event => { if (!event.relatedTarget) document.body.classList.remove("dropping"); });
+addEventListener("drop", event => {
+  event.preventDefault();
+  document.body.classList.remove("dropping");
+  const file = event.dataTransfer?.files[0];
+  if (file) void take(file);
+});
+const file = /** @type {HTMLInputElement} */ (byId("file")), filter = /** @type {HTMLInputElement} */ (byId("filter"));
+file.addEventListener("change", () => { if (file.files?.[0]) void take(file.files[0]); file.value = ""; });
+let waits = 0;
+filter.addEventListener("input", () => {
+  clearTimeout(waits);
+  waits = setTimeout(() => void look(filter.value.trim()), FILTER_MS);
+});
+byId("sort").addEventListener("change", show);
+const first = await look("");
+if (first?.first && location.search !== "?list") void open(first.first);

@@ -1,5 +1,6 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
+import { tr } from "./say.js";
 
 /**
  * A panel of what is locked, and under *Why* the buttons that lock the chosen contour.
@@ -9,19 +10,19 @@ import { make } from "./elements.js";
  * @param {(contour: number) => void} drawTab begins to draw a tab on a contour
  */
 export function lockPanel(app, work, drawTab) {
-  const panel = app.panel("locks", "Locks");
+  const panel = app.panel("locks", tr("Locks"));
   const list = make("ul", { id: "hands-locks" });
-  const line = /** @type {HTMLInputElement} */ (make("input", { id: "hands-lock-line", placeholder: "P2 before P3", "aria-label": "a lock in words" }));
-  const form = make("form", { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); addLine(); } }, line, make("button", {}, "Lock"));
+  const line = /** @type {HTMLInputElement} */ (make("input", { id: "hands-lock-line", placeholder: "P2 before P3", "aria-label": tr("a lock in words") }));
+  const form = make("form", { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); addLine(); } }, line, make("button", {}, tr("Lock")));
   const values = make("ul", { id: "hands-values" });
-  panel.append(make("p", { class: "hint" }, "Drag a row or a part to lock its place. Click × to unlock."), list, form, values);
+  panel.append(make("p", { class: "hint" }, tr("Drag a row or a part to lock its place. Click × to unlock.")), list, form, values);
   const addLine = async () => { if (line.value && await work.edit([{ lock: line.value }])) line.value = ""; };
   const drawLocks = () => {
     const { locked, settings } = work.state;
     list.replaceChildren(...locked.map((/** @type {string} */ said) => make("li", {}, said,
-      make("button", { type: "button", "aria-label": `unlock ${said}`, title: "unlock", onclick: () => work.edit([{ unlock: said }]) }, "×"))));
+      make("button", { type: "button", "aria-label": tr("unlock {lock}", { lock: said }), title: tr("unlock"), onclick: () => work.edit([{ unlock: said }]) }, "×"))));
     values.replaceChildren(...Object.entries(settings).map(([key, value]) => make("li", {}, `${key}: ${value}`,
-      make("button", { type: "button", "aria-label": `as the profile has ${key}`, onclick: () => work.edit([{ unset: key }]) }, "×"))));
+      make("button", { type: "button", "aria-label": tr("as the profile has {key}", { key }), onclick: () => work.edit([{ unset: key }]) }, "×"))));
   };
   work.on((_, what) => { if (what === "state") drawLocks(); });
   const place = make("div", { id: "hands-chosen", hidden: true });
@@ -43,17 +44,17 @@ function chosenButtons(app, work, place, drawTab) {
   const both = (/** @type {string} */ said) => lockAndPlan(work, [{ lock: said }], work.state.shown);
   const buttons = [
     make("b", {}, contour.id),
-    make("button", { type: "button", onclick: () => both(`${quoted(part)} first`) }, "start here"),
-    make("button", { type: "button", onclick: () => both(`${quoted(part)} last`) }, "end here"),
-    number ? make("button", { type: "button", onclick: () => both(`${name} position ${number}`) }, `pin as ${number}`) : null,
-    cut ? make("button", { type: "button", onclick: () => both(`${name} entry (${cut.entry.join(", ")})`) }, "pin the entry") : null,
-    cut ? make("button", { type: "button", onclick: () => both(`${name} ${cut.direction === "cw" ? "ccw" : "cw"}`) }, "other way round") : null,
-    make("button", { type: "button", onclick: () => both(`no link ${name}`) }, "no link"),
-    contour.kind === "outer" ? make("button", { type: "button", onclick: () => drawTab(app.state.selected) }, "draw a tab") : null,
-    contour.kind === "outer" ? make("button", { type: "button", onclick: () => both(`no tab ${name}`) }, "no tab") : null,
-    number ? make("button", { type: "button", onclick: () => work.change("cut", { upto: number }) }, `cut up to here (${number})`) : null,
-    work.state.upto ? make("button", { type: "button", onclick: () => work.change("cut", { upto: 0 }) }, "nothing is cut yet") : null,
-    ...locks.map((/** @type {string} */ said) => make("button", { type: "button", onclick: () => lockAndPlan(work, [{ unlock: said }]) }, `unlock: ${said}`)),
+    make("button", { type: "button", onclick: () => both(`${quoted(part)} first`) }, tr("start here")),
+    make("button", { type: "button", onclick: () => both(`${quoted(part)} last`) }, tr("end here")),
+    number ? make("button", { type: "button", onclick: () => both(`${name} position ${number}`) }, tr("pin as {number}", { number })) : null,
+    cut ? make("button", { type: "button", onclick: () => both(`${name} entry (${cut.entry.join(", ")})`) }, tr("pin the entry")) : null,
+    cut ? make("button", { type: "button", onclick: () => both(`${name} ${cut.direction === "cw" ? "ccw" : "cw"}`) }, tr("other way round")) : null,
+    make("button", { type: "button", onclick: () => both(`no link ${name}`) }, tr("no link")),
+    contour.kind === "outer" ? make("button", { type: "button", onclick: () => drawTab(app.state.selected) }, tr("draw a tab")) : null,
+    contour.kind === "outer" ? make("button", { type: "button", onclick: () => both(`no tab ${name}`) }, tr("no tab")) : null,
+    number ? make("button", { type: "button", onclick: () => work.change("cut", { upto: number }) }, tr("cut up to here ({number})", { number })) : null,
+    work.state.upto ? make("button", { type: "button", onclick: () => work.change("cut", { upto: 0 }) }, tr("nothing is cut yet")) : null,
+    ...locks.map((/** @type {string} */ said) => make("button", { type: "button", onclick: () => lockAndPlan(work, [{ unlock: said }]) }, tr("unlock: {lock}", { lock: said }))),
   ];
   place.replaceChildren(...buttons.filter(one => one !== null));
 }

@@ -2,6 +2,7 @@
 /** @import { Judge, Move } from "./judge.js" */
 import { onCanvas } from "./gestures.js";
 import { dropThere } from "./judge.js";
+import { tr } from "./say.js";
 
 const HELD_MS = 450, HELD_STILL_PX = 8;
 
@@ -30,8 +31,12 @@ export function partDrags(app, work, judge) {
   let finger = null;
   /** @type {(event: PointerEvent, stage: any) => boolean} */
   const take = (event, stage) => {
-    const [x, y] = onCanvas(event, stage), k = work.free && app.data.sides[0] ? stage.pick(x, y) : -1;
+    const [x, y] = onCanvas(event, stage), k = app.data.sides[0] ? stage.pick(x, y) : -1;
     if (k < 0) return false;
+    if (work.whyNot) {
+      work.say(work.whyNot, "warn");
+      return false;
+    }
     drag = { pointer: event.pointerId, names: partOf(app, app.data.nest.contours[k]), contour: k, over: -1, x, y };
     if (!stage.canvas.hasPointerCapture(event.pointerId)) stage.canvas.setPointerCapture(event.pointerId);
     stage.draw();
@@ -55,7 +60,7 @@ export function partDrags(app, work, judge) {
     }
     const timer = setTimeout(() => {
       finger = null;
-      if (take(event, stage)) judge.say(`${drag?.names.at(-1)} is held: drag it onto the part that it is to be cut before`, event);
+      if (take(event, stage)) judge.say(tr("{name} is held: drag it onto the part that it is to be cut before", { name: drag?.names.at(-1) }), event);
     }, HELD_MS);
     finger = { pointer: event.pointerId, x: event.clientX, y: event.clientY, timer };
     return false;

@@ -1,35 +1,54 @@
+/** @import { History } from "./history.js" */
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
+import { figure, tr } from "./say.js";
+import { metres, percent, provenShort } from "./words.js";
 
 const METRE_MM = 1000, CLOCK_MS = 1000;
 
 /**
- * In the bar on top: plan, cancel, undo and save, with what the engines have reached.
+ * In the bar on top: plan, cancel, undo, redo and save, with what the planning has reached. One of them stands out: what
+ * is to be done next.
  *
  * @param {any} app
  * @param {Work} work
+ * @param {History} history
  */
-export function planBar(app, work) {
-  const plan = make("button", { type: "button", id: "hands-plan", title: "plan what is wanted (Enter)", onclick: () => work.solve() }, "Plan");
-  const cancel = make("button", { type: "button", id: "hands-cancel", hidden: true, onclick: () => cancelNow(work) }, "Cancel");
-  const undo = make("button", { type: "button", id: "hands-undo", title: "back to the plan before (u)", onclick: () => undoLast(work) }, "Undo");
-  const save = make("button", { type: "button", id: "hands-save", title: "write the program, the plan and the job file", onclick: () => saveAll(work) }, "Save");
-  const said = make("span", { id: "hands-said" });
+export function planBar(app, work, history) {
+  const button = (/** @type {string} */ id, /** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ onclick) =>
+    make("button", { type: "button", id, title, onclick }, text);
+  const plan = button("hands-plan", tr("Plan"), tr("plan what is wanted (Enter)"), () => work.solve());
+  const cancel = button("hands-cancel", tr("Cancel"), tr("end with the best plan so far"), () => cancelNow(work));
+  const undo = button("hands-undo", tr("Undo"), tr("undo the last change (Ctrl+Z)"), () => void history.step(-1));
+  const redo = button("hands-redo", tr("Redo"), tr("do it again (Ctrl+Y)"), () => void history.step(1));
+  const save = button("hands-save", tr("Save"), tr("write the program, the plan and the job file"), () => saveAll(work));
+  const said = make("span", { id: "hands-said", class: "said", role: "status" });
   const reached = make("span", { id: "hands-reached" });
-  app.slots.tools.append(make("a", { href: "/?list", title: "the nests of the folder" }, "Nests"), plan, cancel, undo, save, reached, said);
-  app.key("Enter", () => work.solve(), "plan what is wanted");
-  app.key("u", () => undoLast(work), "back to the plan before");
+  app.slots.tools.append(make("a", { href: "/?list", title: tr("the nests of the folder") }, tr("Nests")), plan, cancel, undo, redo, save, reached, said);
+  app.key("Enter", () => work.solve(), tr("plan what is wanted"));
+  app.key("Ctrl+z", () => void history.step(-1), tr("undo the last change"));
+  app.key("Ctrl+y", () => void history.step(1), tr("do it again"));
+  app.key("Ctrl+Shift+z", () => void history.step(1), "");
   let wasSolving = false;
   setInterval(() => { if (work.state?.solving) work.hear("clock"); }, CLOCK_MS);
   work.on(() => {
-    const { solving, fits, problem, upto } = work.state, clock = solving ? clockOf(solving) : "";
+    const { solving, fits, problem, upto, shown, saved } = work.state, isSaved = saved?.number === shown;
     plan.hidden = Boolean(solving);
-    plan.classList.toggle("wanted", !fits);
+    plan.classList.toggle("primary", !fits);
     cancel.hidden = !solving;
-    undo.toggleAttribute("disabled", !beforeShown(work));
-    save.toggleAttribute("disabled", !work.plan?.ok || work.lost);
-    reached.textContent = solving ? `${reachedText(solving, work)} ${clock}` : `${upto && !fits ? `cuts 1 to ${upto} are made; ` : ""}${stillText(work)}`;
-    if (wasSolving && !solving) work.say(problem || (work.state.conflict ? "the rules contradict each other" : plannedText(work)));
+    undo.toggleAttribute("disabled", !history.can(-1));
+    redo.toggleAttribute("disabled", !history.can(1));
+    const notSaved = work.lost ? tr("the connection is lost") : !work.plan ? tr("there is no plan yet") : work.plan.ok ? "" : tr("the check refuses this plan");
+    save.toggleAttribute("disabled", Boolean(notSaved));
+    save.title = notSaved || tr("write the program, the plan and the job file");
+    save.classList.toggle("primary", !notSaved && fits && !isSaved);
+    reached.textContent = solving ? `${reachedText(solving, work)} ${clockOf(solving)}` : `${upto && !fits ? `${tr("cuts 1 to {upto} are made", { upto })}; ` : ""}${stillText(work)}`;
+    if (said.textContent && said.dataset.of !== work.saidOf) said.textContent = ""; // it was said of another plan
+    app.set({ stale: !fits && Boolean(work.plan) });
+    if (wasSolving && !solving) {
+      if (problem || work.state.conflict) work.say(problem || tr("the rules contradict each other"), "bad");
+      else work.say(plannedText(work), work.plan?.ok ? "good" : "bad");
+    }
     wasSolving = Boolean(solving);
   });
 }
@@ -37,29 +56,15 @@ export function planBar(app, work) {
 /** @type {(work: Work) => string} what is to be said of a plan that is not what is wanted; "" of one that is */
 function stillText({ state, plan }) {
   if (state.fits) return "";
-  if (state.conflict) return plan ? "no plan keeps all that is wanted; shown is the one before:" : "no plan:";
-  return plan ? "not planned yet; shown is the plan before" : "not planned yet: press Plan";
+  if (state.conflict) return plan ? tr("no plan keeps all that is wanted; shown is the one before") : tr("there is no plan");
+  return plan ? tr("not planned yet; shown is the plan before") : tr("not planned yet: press Plan");
 }
 
 /** @type {(work: Work) => void} */
 function cancelNow(work) {
   const again = work.state.solving?.ending;
   work.cancel(Boolean(again));
-  work.say(again ? "ended without a plan" : "ending with the best plan so far; once more ends it at once");
-}
-
-/** What the list of plans has before the shown one. */
-/** @type {(work: Work) => number} */
-function beforeShown(work) {
-  const { alternatives, shown, fits } = work.state;
-  const at = alternatives.findIndex((/** @type {any} */ one) => one.number === shown);
-  return fits ? alternatives[at - 1]?.number ?? 0 : shown;
-}
-
-/** @type {(work: Work) => void} */
-function undoLast(work) {
-  const to = beforeShown(work);
-  if (to) work.change("back", { to });
+  work.say(again ? tr("ended without a plan") : tr("ending with the best plan so far; once more ends it at once"));
 }
 
 /** @type {(work: Work) => Promise<void>} */
@@ -67,30 +72,31 @@ async function saveAll(work) {
   const told = await work.change("save", {});
   if (!told) return;
   const { files, command, same_bytes } = told.saved;
-  const same = same_bytes ? `the same by: ${command}` : `it was cancelled: ${command} may find a better one`;
-  work.say(`saved ${files.join(", ")}; ${same}`);
+  const names = files.join(", ");
+  work.say(same_bytes ? tr("saved {names}; the same by: {command}", { names, command })
+    : tr("saved {names}; it was cancelled: {command} may find a better one", { names, command }), "good");
 }
 
 /** What is being done, as a planner says it, by what the server calls it. */
-/** @type {Record<string, string>} */
+/** @type {Record<string, () => string>} */
 const PHASES = {
-  waits: "waits for its turn",
-  "getting ready": "getting ready the first time (some 20 s)",
-  reading: "reading",
-  "first plan": "looking for a first plan",
-  improving: "looking for a better plan",
-  proving: "proving",
-  finishing: "checking the plan",
+  waits: () => tr("waits for its turn"),
+  "getting ready": () => tr("getting ready the first time (some 20 s)"),
+  reading: () => tr("reading"),
+  "first plan": () => tr("looking for a first plan"),
+  improving: () => tr("looking for a better plan"),
+  proving: () => tr("proving"),
+  finishing: () => tr("checking the plan"),
 };
 
 /** @type {(solving: any, work: Work) => string} */
 function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { planner, state }) {
-  if (waits && planner) return `waits: ${planner} is being planned`;
+  if (waits && planner) return tr("waits: {planner} is being planned", { planner });
   const shown = state.alternatives.find((/** @type {any} */ one) => one.number === plan);
   const told = [
-    shown && (shown.stage === "first" ? "first plan" : `better by ${(gained_mm / METRE_MM).toFixed(1)} m`),
-    ending ? "ending" : PHASES[phase] ?? phase,
-    gap !== null && `at most ${(100 * gap).toFixed(1)} % from the best`,
+    shown && (shown.stage === "first" ? tr("first plan") : tr("better by {mm} m", { mm: figure(gained_mm / METRE_MM, 1) })),
+    ending ? tr("ending") : PHASES[phase]?.() ?? phase,
+    gap !== null && tr("at most {share} from the best", { share: percent(gap) }),
   ];
   return `${told.filter(Boolean).join("; ")} …`;
 }
@@ -104,6 +110,6 @@ function clockOf(solving) {
 
 /** @type {(work: Work) => string} */
 function plannedText(work) {
-  const { figures } = work.plan ?? { figures: null };
-  return figures ? `plan ${work.state.shown}: idle ${(figures.idle_mm / METRE_MM).toFixed(3)} m, ${figures.status === "optimal" ? "proven" : "not proven"}` : "";
+  const { figures } = work.plan ?? { figures: null }, number = work.state.shown;
+  return figures ? tr("plan {number}: idle {idle}, {proof}", { number, idle: metres(figures.idle_mm), proof: provenShort(figures) }) : "";
 }

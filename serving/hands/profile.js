@@ -3,6 +3,7 @@ import { askServer, sendServer } from "./asking.js";
 import { effectTable } from "./effect.js";
 import { make } from "./elements.js";
 import { ruleForm } from "./ruleform.js";
+import { tr } from "./say.js";
 
 /**
  * What is to be changed in a profile: by rule and key.
@@ -17,7 +18,7 @@ import { ruleForm } from "./ruleform.js";
  * @param {Work} work
  */
 export function profilePanel(app, work) {
-  const panel = app.panel("profile", "Profile");
+  const panel = app.panel("profile", tr("Profile"));
   const editor = new ProfileEditor(panel, work);
   app.on((/** @type {any} */ _, /** @type {any} */ changes) => { if (changes.tab === "profile") editor.look(); });
   work.on((_, what) => {
@@ -41,12 +42,12 @@ class ProfileEditor {
     /** @type {AbortController | null} hangs up on what is being asked of the planner */
     this.asking = null;
     this.head = make("p", { class: "hint", id: "profile-head" });
-    this.said = make("p", { id: "profile-said", role: "alert", hidden: true });
+    this.said = make("p", { id: "profile-said", class: "said bad", role: "alert", hidden: true });
     this.effect = make("div", { id: "profile-effect", role: "status" });
-    this.write = make("button", { type: "button", id: "profile-write", onclick: () => this.save() }, "Write");
-    this.name = /** @type {HTMLInputElement} */ (make("input", { id: "profile-name", placeholder: "our-profile.yaml", "aria-label": "name of a new profile" }));
-    const as = make("button", { type: "button", id: "profile-as", onclick: () => this.save(this.name.value.trim() || " ") }, "Save as");
-    const drop = make("button", { type: "button", id: "profile-drop", onclick: () => this.forget() }, "Take back");
+    this.write = make("button", { type: "button", id: "profile-write", onclick: () => this.save() }, tr("Write"));
+    this.name = /** @type {HTMLInputElement} */ (make("input", { id: "profile-name", placeholder: "our-profile.yaml", "aria-label": tr("name of a new profile") }));
+    const as = make("button", { type: "button", id: "profile-as", onclick: () => this.save(this.name.value.trim() || " ") }, tr("Save as"));
+    const drop = make("button", { type: "button", id: "profile-drop", onclick: () => this.forget() }, tr("Take back"));
     this.bar = make("div", { id: "profile-bar", hidden: true }, this.effect, this.said, make("p", {}, this.write, " ", this.name, " ", as, " ", drop));
     this.rules = make("div", { id: "profile-rules" });
     panel.append(this.head, this.bar, this.rules);
@@ -64,8 +65,8 @@ class ProfileEditor {
     }
     const { name, file, why_not, for_this_nest } = this.profile;
     const set = Object.keys(for_this_nest).filter(key => key.startsWith("rules."));
-    const beside = set.length ? ` The job file has other values for this nest: ${set.join(", ")}.` : "";
-    this.head.textContent = (why_not || `${name}, in ${file}. What you change is written there.`) + beside;
+    const beside = set.length ? ` ${tr("The job file has other values for this nest: {keys}.", { keys: set.join(", ") })}` : "";
+    this.head.textContent = (why_not || tr("{name}, in {file}. What you change is written there.", { name, file })) + beside;
     this.write.toggleAttribute("disabled", !this.profile.writable);
     this.draw();
   }
@@ -112,8 +113,8 @@ class ProfileEditor {
   waits() {
     if (!this.asking) return;
     const { planner, state } = this.work, other = planner && planner !== state.nest;
-    this.effect.replaceChildren(other ? `waits: ${planner} is being planned ` : "planning with it and without … ",
-      make("button", { type: "button", id: "profile-cancel", onclick: () => { this.hangUp(); this.effect.textContent = "cancelled: not known what it would bring"; } }, "Cancel"));
+    this.effect.replaceChildren(other ? `${tr("waits: {planner} is being planned", { planner })} ` : `${tr("planning with it and without …")} `,
+      make("button", { type: "button", id: "profile-cancel", onclick: () => { this.hangUp(); this.effect.textContent = tr("cancelled: not known what it would bring"); } }, tr("Cancel")));
   }
 
   /** Nothing is asked any more. */
@@ -133,11 +134,11 @@ class ProfileEditor {
       this.work.take(told);
       this.stale = true;
       await this.look();
-      this.work.say(`written: ${told.written.file}`);
+      this.work.say(tr("written: {file}", { file: told.written.file }), "good");
     } catch (error) {
       const { told } = /** @type {any} */ (error);
       if (told?.kind === "stale") this.work.take(told);
-      this.refused(told?.kind === "stale" ? new Error("another tab was quicker: look at what is there now, and do it again") : error);
+      this.refused(told?.kind === "stale" ? new Error(tr("another tab was quicker: look at what is there now, and do it again")) : error);
       this.stale = true;
     }
   }

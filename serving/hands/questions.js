@@ -2,6 +2,7 @@
 import { sendServer } from "./asking.js";
 import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
+import { tr, trn } from "./say.js";
 
 /**
  * @typedef {{value: string, words: string, gives: string}} Choice
@@ -21,7 +22,7 @@ import { lockAndPlan } from "./locking.js";
 export function drawingQuestions(questions, given, preview, done) {
   /** @type {Answers} */
   const chosen = {};
-  const open = make("button", { type: "button", id: "answer-all", disabled: true, onclick: () => done({ ...given, ...chosen }) }, "open the drawing so");
+  const open = make("button", { type: "button", id: "answer-all", disabled: true, onclick: () => done({ ...given, ...chosen }) }, tr("open the drawing so"));
   const left = make("p", { id: "answers-left", role: "status" });
   const rows = questions.map(question => {
     const cards = question.choices.map((choice, k) => card(question, choice, k === 0));
@@ -31,9 +32,9 @@ export function drawingQuestions(questions, given, preview, done) {
 
   /** @type {(question: Question, choice: Choice, likeliest: boolean) => {choice: Choice, box: HTMLElement, picture: HTMLImageElement, button: HTMLElement}} */
   function card(question, choice, likeliest) {
-    const picture = /** @type {HTMLImageElement} */ (make("img", { alt: `the drawing, if this is answered: ${choice.words}`, hidden: true }));
+    const picture = /** @type {HTMLImageElement} */ (make("img", { alt: tr("the drawing, if this is answered: {words}", { words: choice.words }), hidden: true }));
     const button = make("button", { type: "button", "aria-pressed": "false", onclick: () => choose(question, choice) }, choice.words);
-    const box = make("div", { class: "choice" }, button, make("p", {}, likeliest ? make("em", {}, "the likeliest") : "", likeliest && choice.gives ? ": " : "", choice.gives), picture);
+    const box = make("div", { class: "choice" }, button, make("p", {}, likeliest ? make("em", {}, tr("the likeliest")) : "", likeliest && choice.gives ? ": " : "", choice.gives), picture);
     return { choice, box, picture, button };
   }
 
@@ -55,7 +56,7 @@ export function drawingQuestions(questions, given, preview, done) {
   function tell() {
     const missing = questions.length - Object.keys(chosen).length;
     /** @type {HTMLButtonElement} */ (open).disabled = missing > 0;
-    left.textContent = missing > 1 ? `${missing} questions are not answered yet.` : missing ? "One question is not answered yet." : "";
+    left.textContent = missing ? trn("{n} question is not answered yet.", "{n} questions are not answered yet.", missing) : "";
   }
 
   /**
@@ -81,8 +82,8 @@ export function drawingQuestions(questions, given, preview, done) {
   tell();
   draw();
   return make("section", { id: "questions" },
-    make("h2", {}, questions.length > 1 ? `This drawing raises ${questions.length} questions` : "This drawing raises a question"),
-    make("p", {}, "A wrong guess would be scrap. The answers are kept in the job file beside the drawing, so that nobody is asked again."),
+    make("h2", {}, trn("This drawing raises {n} question", "This drawing raises {n} questions", questions.length)),
+    make("p", {}, tr("A wrong guess would be scrap. The answers are kept in the job file beside the drawing, so that nobody is asked again.")),
     ...rows.map(row => row.box),
     left, open);
 }
@@ -95,7 +96,7 @@ export function drawingQuestions(questions, given, preview, done) {
  * @param {Work} work
  */
 export function planningQuestions(app, work) {
-  const place = make("section", { id: "hands-questions", hidden: true, "aria-label": "questions of the planning" });
+  const place = make("section", { id: "hands-questions", hidden: true, "aria-label": tr("questions of the planning") });
   app.slots.side.append(place);
   let drawn = "[]";
   work.on(() => {
@@ -103,17 +104,21 @@ export function planningQuestions(app, work) {
     if (now === drawn) return;
     drawn = now;
     place.hidden = !questions.length;
+    const about = questions.flatMap((/** @type {Question} */ question) => contoursIn(app, question.text));
+    if (about.length) app.app.mark(about);
     /** @type {[HTMLImageElement, Answers][]} */
     const pictures = [];
     place.replaceChildren(...questions.map((/** @type {Question} */ question) => make("div", {},
-      make("h2", {}, "A question first"), make("p", {}, question.text),
+      make("h2", {}, tr("A question first")), make("p", {}, question.text),
       ...question.choices.map(choice => {
-        const picture = /** @type {HTMLImageElement} */ (make("img", { alt: `the nest, if this is answered: ${choice.words}`, hidden: true }));
+        const picture = /** @type {HTMLImageElement} */ (make("img", { alt: tr("the drawing, if this is answered: {words}", { words: choice.words }), hidden: true }));
         if (choice.value !== "refuse") pictures.push([picture, { [question.id]: choice.value }]);
         return make("p", {},
           make("button", { type: "button", onclick: () => lockAndPlan(work, [{ answer: `${question.id}=${choice.value}` }]) }, choice.words),
           choice.gives ? make("small", {}, ` ${choice.gives}`) : "", picture);
-      }))));
+      }),
+      contoursIn(app, question.text).length ? make("p", { class: "hint" }, tr("Marked in red on the drawing."), " ",
+        make("button", { type: "button", class: "link", onclick: () => app.app.chooseId(contoursIn(app, question.text)[0]) }, tr("look at it"))) : null)));
     show(pictures, now);
   });
 
@@ -128,4 +133,28 @@ export function planningQuestions(app, work) {
     }
     place.dataset.previews = "drawn";
   }
+}
+
+/** The contours that a question names. */
+/** @type {(app: any, text: string) => string[]} */
+function contoursIn(app, text) {
+  const words = new Set(text.split(/[\s,;:()]+/).map(word => word.replace(/\.$/, "")));
+  return app.data.nest.contours.map((/** @type {any} */ one) => one.id).filter((/** @type {string} */ id) => words.has(id));
+}
+
+/**
+ * In the panel of the sheet: what the drawing is taken for, its lines in the colours of what they stand for.
+ *
+ * @param {any} app
+ * @param {Work} work
+ */
+export function readingPicture(app, work) {
+  const picture = /** @type {HTMLImageElement} */ (make("img", { alt: tr("the drawing as it was read: what is cut, marked and left out"), hidden: true, id: "reading" }));
+  const show = make("button", { type: "button", id: "show-reading", onclick: async () => {
+    const told = await sendServer("/api/preview", { nest: work.state.nest, repair: work.state.repair }).catch(error => { work.say(error.message, "bad"); return null; });
+    if (!told) return;
+    picture.src = told.picture;
+    picture.hidden = false;
+  } }, tr("show the drawing as it was read"));
+  app.slots.sheet.append(make("h2", { class: "small" }, tr("The drawing as read")), show, picture);
 }

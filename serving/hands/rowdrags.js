@@ -4,6 +4,7 @@ import { byId, make } from "./elements.js";
 import { dropThere } from "./judge.js";
 import { ROW_PX } from "./orders.js";
 import { placeOf, scrolledBy } from "./places.js";
+import { tr } from "./say.js";
 
 const FAR_PX = 6, SCROLLED_PX_S = 700;
 
@@ -28,6 +29,8 @@ export function rowDrags(app, work, judge) {
   const holder = byId("orders"), line = make("i", { class: "drop-line", hidden: true });
   /** @type {RowDrag | null} */
   let drag = null;
+  /** @type {{x: number, y: number, pointer: number} | null} a press that may become a drag that is not taken: then it is told why */
+  let refused = null;
   app.row((/** @type {HTMLElement} */ row) => row.querySelector(".no")?.classList.add("grip"));
   const side = () => app.data.sides[0];
   const follow = () => {
@@ -54,12 +57,20 @@ export function rowDrags(app, work, judge) {
   });
   holder.addEventListener("pointerdown", event => {
     const target = /** @type {HTMLElement} */ (event.target), row = target.closest(".row");
-    if (drag || !row || event.button || !side() || !work.free) return;
+    if (drag || !row || event.button || !side()) return;
     if (event.pointerType === "touch" && !target.closest(".grip")) return;
+    if (work.whyNot) {
+      refused = { x: event.clientX, y: event.clientY, pointer: event.pointerId };
+      return;
+    }
     const from = Number(row.id.slice(4)), contour = app.data.nest.contours[side().cuts[from].contour];
     drag = { names: event.shiftKey ? [contour.id] : runOf(app, contour), from, to: from, begun: event, last: event, far: false };
   });
   addEventListener("pointermove", event => {
+    if (refused?.pointer === event.pointerId && event.buttons && Math.hypot(event.clientX - refused.x, event.clientY - refused.y) > FAR_PX) {
+      refused = null;
+      work.say(work.whyNot, "warn");
+    }
     if (drag?.begun.pointerId !== event.pointerId) return;
     if (!event.buttons) return end(); // it was let go where nobody saw it: outside the window
     drag.last = event;
@@ -84,7 +95,7 @@ export function rowDrags(app, work, judge) {
   work.on((_, what) => {
     if (!drag || (what !== "drawn" && work.free)) return;
     end();
-    work.say("the plan has changed meanwhile: look at what is there now, and do it again");
+    work.say(tr("the plan has changed meanwhile: look at what is there now, and do it again"), "warn");
   });
   addEventListener("keydown", event => {
     if (event.key !== "Escape" || !drag) return;

@@ -1,6 +1,7 @@
 /** @import { Work } from "./work.js" */
 import { askServer } from "./asking.js";
 import { make } from "./elements.js";
+import { tr } from "./say.js";
 
 /**
  * One rule of a profile: its strength and weight, its options, and once it is opened its page and its pictures.
@@ -21,14 +22,14 @@ export function ruleForm(work, rule, changes, open, put) {
   const page = make("div", { class: "page" });
   const fields = [
     ruleField(rule, "strength", strength, rule.strengths, "", put),
-    strength === "soft" ? ruleField(rule, "weight", weight, [], "cost of breaking it once, in mm of idle travel", put) : null,
+    strength === "soft" ? ruleField(rule, "weight", weight, [], tr("cost of breaking it once, in mm of idle travel"), put) : null,
     ...rule.options.map((/** @type {any} */ one) => ruleField(rule, one.key, now(one.key, one.value), one.words,
-      `${one.help}: ${one.expected}; ${one.default} where nothing is said`, put)),
+      `${one.help}: ${one.expected}; ${tr("{value} where nothing is said", { value: one.default })}`, put)),
   ];
   const whole = make("details", { "data-rule": rule.id, open, class: changed ? "changed" : null },
-    make("summary", { title: rule.said_at || "nothing is said of it: the default" }, rule.id, make("small", {}, said)),
-    make("p", { class: "hint" }, rule.sentence, rule.brought ? ` From ${rule.brought}.` : ""),
-    rule.settable ? make("div", {}, ...fields) : make("p", { class: "hint" }, "A rule of the plant's own: change it in the file, under own_rules."),
+    make("summary", { title: rule.said_at || tr("nothing is said of it: the default") }, rule.id, make("small", {}, said)),
+    make("p", { class: "hint" }, rule.sentence, rule.brought ? ` ${tr("From {rule}.", { rule: rule.brought })}` : ""),
+    rule.settable ? make("div", {}, ...fields) : make("p", { class: "hint" }, tr("A rule of the plant's own: change it in the file, under own_rules.")),
     page);
   const fill = () => { if (/** @type {HTMLDetailsElement} */ (whole).open && !page.firstChild) fillPage(work, rule.id, page); };
   whole.addEventListener("toggle", fill);
@@ -37,7 +38,7 @@ export function ruleForm(work, rule, changes, open, put) {
 
 /** @type {(rule: any, key: string, value: string, words: string[], help: string, put: (change: import("./profile.js").RuleChange) => void) => HTMLElement} */
 function ruleField(rule, key, value, words, help, put) {
-  const label = `${key} of ${rule.id} in the profile`;
+  const label = tr("{key} of {rule} in the profile", { key, rule: rule.id });
   const onchange = (/** @type {Event} */ event) => put({ rule: rule.id, key, to: /** @type {HTMLInputElement} */ (event.target).value.trim() });
   const choice = words.length ? make("select", { "aria-label": label, onchange }, ...words.map(one => make("option", { value: one, selected: one === value }, one)))
     : make("input", { "aria-label": label, value, onchange });
@@ -50,7 +51,7 @@ async function fillPage(work, rule, place) {
   try {
     const told = await askServer(`${work.path("rule")}?${new URLSearchParams({ rule })}`);
     place.replaceChildren(
-      ...["wrong", "right"].filter(kind => told[kind]).map(kind => make("img", { alt: `${rule}: ${kind}`, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(told[kind])}` })),
+      ...["wrong", "right"].filter(kind => told[kind]).map(kind => make("img", { alt: `${rule}: ${kind === "wrong" ? tr("wrong") : tr("right")}`, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(told[kind])}` })),
       ...pageOf(told.page));
   } catch (error) {
     place.textContent = /** @type {Error} */ (error).message;

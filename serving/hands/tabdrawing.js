@@ -2,6 +2,7 @@
 import { onCanvas } from "./gestures.js";
 import { lockAndPlan, quoted } from "./locking.js";
 import { nearestOn, placeAlong } from "./nearest.js";
+import { tr } from "./say.js";
 
 const STEP_PX = 6, FAR_STEP_PX = 60, REACH_PX = 40, MARK_PX = 14, MARK_WIDE_PX = 5;
 
@@ -39,8 +40,9 @@ export function tabDrawing(app, work) {
     drawing = true;
     on = contour;
     along = 0;
-    const keys = on < 0 ? "" : "; or slide it by the arrow keys, and press Enter";
-    work.say(`draw a tab: press on ${on < 0 ? "an outline" : `the outline of ${app.data.nest.contours[on].id}`}, slide along it, and let go where the tab is to be${keys} (Escape: none)`);
+    const where = on < 0 ? tr("draw a tab: press on an outline, slide along it, and let go where the tab is to be (Escape: none)")
+      : tr("draw a tab: press on the outline of {id}, slide along it, and let go where the tab is to be; or slide it by the arrow keys, and press Enter (Escape: none)", { id: app.data.nest.contours[on].id });
+    work.say(where);
     show();
   };
   /** @param {TabPlace} place */
@@ -53,10 +55,10 @@ export function tabDrawing(app, work) {
     const [stage] = app.stages;
     along += px / stage.camera.scale;
     at = { contour: on, ...placeAlong(stage.scenery.outlines.points(on, 0), along) };
-    work.say(`a tab at (${at.x.toFixed(1)}, ${at.y.toFixed(1)})`);
+    work.say(tr("a tab at ({x}, {y})", { x: at.x.toFixed(1), y: at.y.toFixed(1) }));
     stage.draw();
   };
-  app.key("T", () => begin(outerOf(app, app.state.selected)), "draw a tab on the chosen part, or on any");
+  app.key("T", () => begin(outerOf(app, app.state.selected)), tr("draw a tab on the chosen part, or on any"));
   app.gesture((/** @type {PointerEvent} */ event, /** @type {any} */ stage) => {
     if (!drawing || (down !== null && event.pointerId !== down)) return false;
     if (down !== null && event.type === "pointermove" && !event.buttons) { // let go where nobody saw it
@@ -89,7 +91,7 @@ export function tabDrawing(app, work) {
       lock(place);
     } else if (event.key === "Escape") {
       end();
-      work.say("no tab is drawn");
+      work.say(tr("no tab is drawn"));
     } else return;
     event.preventDefault();
     event.stopPropagation();

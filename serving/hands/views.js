@@ -1,4 +1,5 @@
 /** @import { Work } from "./work.js" */
+import { tr } from "./say.js";
 
 /**
  * What is drawn goes with what is shown: another plan, another nest, or two plans under one cursor.
@@ -17,7 +18,7 @@ export function planViews(app, work) {
     const { view } = work;
     if (view === asked) return;
     asked = view;
-    const data = await work.page().catch(error => { work.say(error.message); return null; });
+    const data = await work.page().catch(error => { work.say(error.message, "bad"); return null; });
     if (view !== work.view) return;
     if (!data) {
       asked = ""; // with the next news
@@ -29,7 +30,7 @@ export function planViews(app, work) {
     if (data.comparison) app.set({ tab: "compared" });
     else if (tab === "compared") app.set({ tab: "plans" });
     markDrawn(work);
-    if (work.compared) work.say(`plans ${work.compared.join(" and ")} stand side by side`);
+    if (work.compared) work.say(tr("plans {a} and {b} stand side by side", { a: work.compared[0], b: work.compared[1] }));
     work.hear("drawn");
   });
 }
@@ -47,6 +48,6 @@ function markDrawn(work) {
  */
 export function comparePlans(work, plans) {
   work.compared = plans;
-  if (plans) work.say(`comparing plans ${plans.join(" and ")} …`);
+  if (plans) work.say(tr("comparing plans {a} and {b} …", { a: plans[0], b: plans[1] }));
   work.hear("state");
 }

@@ -1,5 +1,7 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
+import { tr } from "./say.js";
+import { strengthText } from "./words.js";
 
 const STEPS = [0, 10, 20, 50, 100, 150, 200, 250, 300, 400, 500, 700, 1000, 1500, 2000, 3000, 5000, 10000];
 
@@ -10,7 +12,7 @@ const STEPS = [0, 10, 20, 50, 100, 150, 200, 250, 300, 400, 500, 700, 1000, 1500
  * @param {Work} work
  */
 export function weightSliders(app, work) {
-  const place = make("details", { id: "hands-weights" }, make("summary", {}, "Weights of rules"));
+  const place = make("details", { id: "hands-weights" }, make("summary", {}, tr("Weights of rules")));
   const list = make("div", { class: "weights" });
   place.append(list);
   app.slots.rules.append(place);
@@ -27,12 +29,12 @@ export function weightSliders(app, work) {
 /** @type {(work: Work, rule: any) => HTMLElement} */
 function weightRow(work, rule) {
   const key = `rules.${rule.id}`, soft = rule.strength === "soft";
-  const strength = make("select", { "aria-label": `strength of ${rule.id}`, title: rule.sentence,
+  const strength = make("select", { "aria-label": tr("strength of {rule}", { rule: rule.id }), title: rule.sentence,
     onchange: (/** @type {Event} */ event) => work.edit([{ set: `${key}.strength`, to: /** @type {HTMLSelectElement} */ (event.target).value }]) },
-    ...rule.strengths.map((/** @type {string} */ one) => make("option", { value: one, selected: one === rule.strength }, one)));
+    ...rule.strengths.map((/** @type {string} */ one) => make("option", { value: one, selected: one === rule.strength }, strengthText(one))));
   const weight = rule.weight_mm ?? rule.default_weight_mm;
   const at = STEPS.findLastIndex(mm => mm <= weight), told = make("output", {}, soft ? `${weight} mm` : "");
-  const slider = make("input", { type: "range", min: 0, max: STEPS.length - 1, value: at, disabled: !soft, "aria-label": `weight of ${rule.id}`,
+  const slider = make("input", { type: "range", min: 0, max: STEPS.length - 1, value: at, disabled: !soft, "aria-label": tr("weight of {rule}", { rule: rule.id }),
     oninput: (/** @type {Event} */ event) => { told.textContent = `${STEPS[Number(/** @type {HTMLInputElement} */ (event.target).value)]} mm`; },
     onchange: (/** @type {Event} */ event) => work.edit([{ set: `${key}.weight`, to: `${STEPS[Number(/** @type {HTMLInputElement} */ (event.target).value)]} mm` }]) });
   return make("label", {}, make("span", { title: rule.sentence }, rule.id), strength, slider, told);

@@ -1,6 +1,7 @@
 /** @import { PageData, Source } from "./types.js" */
 import { askServer, sendServer } from "./asking.js";
 import { listenToNews } from "./news.js";
+import { tr } from "./say.js";
 
 /** The session as this tab knows it: what is asked of the server, and who hears what it says. */
 export class Work {
@@ -19,7 +20,7 @@ export class Work {
     this.drawn = "";
     /** @type {((work: Work, what: string) => void)[]} */
     this.hearers = [];
-    /** @type {(text: string) => void} */
+    /** @type {(text: string, kind?: string) => void} */
     this.say = () => {};
     /** @type {Promise<any>} the change that was asked for last */
     this.turn = Promise.resolve();
@@ -97,7 +98,7 @@ export class Work {
   change(what, said, plan) {
     this.turn = this.turn.then(() => {
       if (plan === undefined || plan === this.state.shown) return this.asked(what, typeof said === "function" ? said() : said);
-      this.say("another plan is shown by now: look at it, and do it again");
+      this.say(tr("another plan is shown by now: look at it, and do it again"), "warn");
       return null;
     });
     return this.turn;
@@ -131,14 +132,15 @@ export class Work {
     try {
       const told = await sendServer(this.path(what), { version: this.state.version, ...said });
       if (told.version) this.take(told);
+      if (told.undone?.length) this.say(tr("takes the place of the lock: {locks}", { locks: told.undone.join("; ") }), "warn");
       return told;
     } catch (error) {
       const { told, message } = /** @type {any} */ (error);
       if (told?.kind === "stale") {
         this.take(told);
-        this.say("another tab was quicker: look at what is there now, and do it again");
+        this.say(tr("another tab was quicker: look at what is there now, and do it again"), "warn");
       } else {
-        this.say(message);
+        this.say(message, "bad");
       }
       return null;
     }
@@ -154,11 +156,23 @@ export class Work {
     return this.change("edit", () => ({ changes, plan: planned && cancels === this.cancels }), plan);
   }
 
+  /** What something that is said now is about: a plan, and whether it is what is wanted. */
+  get saidOf() { return this.state ? `${this.view}, ${this.state.fits}` : ""; }
+
   /** The plan that is looked at. */
   get plan() { return this.state.alternatives.find((/** @type {any} */ one) => one.number === this.state.shown) ?? null; }
 
   /** Whether what is drawn is the plan that moves are judged in. */
   get free() { return this.state.fits && !this.compared && this.isDrawn; }
+
+  /** Why nothing can be moved in the order now; "" where it can. */
+  get whyNot() {
+    if (this.lost) return tr("the connection is lost");
+    if (this.compared) return tr("two plans stand side by side: go back to one, then move cuts");
+    if (!this.plan) return tr("there is no plan yet: press Plan first");
+    if (!this.state.fits) return this.state.solving ? tr("it is being planned: wait for the first plan, then move cuts") : tr("what is wanted is not planned yet: press Plan, then move cuts");
+    return this.isDrawn ? "" : tr("the plan is being drawn: a moment");
+  }
 
   /** Whether what is drawn is what is shown: numbers on the page are of that plan then. */
   get isDrawn() { return this.drawn === this.view; }
@@ -169,7 +183,7 @@ export class Work {
   /** What the page shows, asked for when it is shown. */
   /** @type {() => Source} */
   source() {
-    const nothing = (/** @type {any} */ error) => { this.say(error.message); return null; };
+    const nothing = (/** @type {any} */ error) => { this.say(error.message, "bad"); return null; };
     const plan = (/** @type {number} */ side) => String(this.compared?.[side] ?? this.state.shown);
     /** @type {Map<string, Promise<any>>} by server and plan */
     const heats = new Map();

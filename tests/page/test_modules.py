@@ -24,8 +24,7 @@ def modules(tmp_path: Path) -> Path:
     """A folder in which Node.js takes .js files for modules, with those of the page and their tests."""
     shutil.copytree(FILES, tmp_path / "page_files")
     for hand in HANDS.glob("*.js"):  # the server's, which are set into one script with the page's
-        if hand.name != "list.js":
-            shutil.copy(hand, tmp_path / "page_files")
+        shutil.copy(hand, tmp_path / "page_files")
     shutil.copytree(HERE / "units", tmp_path / "units")
     (tmp_path / "package.json").write_text(json.dumps({"type": "module"}))
     return tmp_path

@@ -30,7 +30,14 @@ def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: i
     assert at.page.locator("#hands-plans li.shown small").inner_text()
     page.click("#hands-undo")
     page.wait_for_selector("#hands-plans li:nth-child(1).shown", state="attached")
+    for left in (1, 0):
+        page.click("#hands-undo")
+        at.until("document.querySelectorAll('#hands-locks li').length === given[0]", left)
     assert planned.state()["locked"] == []
+    page.click("#hands-redo")
+    at.until("document.querySelectorAll('#hands-locks li').length === 1")
+    page.keyboard.press("Control+z")
+    at.until("document.querySelectorAll('#hands-locks li').length === 0")
     lock_in_words(at, "A.outer first", "B.outer 2nd")
     page.click("#hands-plan")
     page.wait_for_selector("#hands-conflict .good")
@@ -125,7 +132,7 @@ def test_keyboard_only(look: Look, planned: Tab) -> None:
     at.page.wait_for_selector("#hands-said:has-text('saved small.nc')")
     keys.press("?")
     listed = at.page.locator("#keys-said").inner_text()
-    for text in ("plan what is wanted", "draw a tab", "one place earlier", "back to the plan"):
+    for text in ("plan what is wanted", "draw a tab", "one place earlier", "undo the last change"):
         assert text in listed
     keys.press("Escape")
     for _ in range(20):

@@ -198,10 +198,10 @@ def every_lock(at: AtPage, tab: Tab) -> None:
     at.panel("rules")
     at.page.click("#hands-weights summary")
     at.page.locator("[aria-label='weight of heat-lag']").press("ArrowRight")
-    at.page.wait_for_selector("#hands-plan.wanted")
+    at.page.wait_for_selector("#hands-plan.primary")
     assert "rules.heat-lag.weight" in tab.state()["settings"]
     at.page.click("#hands-undo")
-    at.page.wait_for_selector("#hands-plan:not(.wanted)")
+    at.page.wait_for_selector("#hands-plan:not(.primary)")
 
 
 def two_parts(at: AtPage) -> tuple[str, str]:
@@ -234,7 +234,7 @@ def taken_back(at: AtPage, tab: Tab, *locks: str) -> None:
     at.page.click("#hands-cancel")
     at.page.wait_for_selector("#hands-cancel", state="hidden")
     at.page.click("#hands-undo")
-    at.page.wait_for_selector("#hands-plan:not(.wanted)")
+    at.page.wait_for_selector("#hands-plan:not(.primary)")
     assert (tab.state()["locked"], tab.state()["shown"]) == ([], 1)
 
 

@@ -3,7 +3,7 @@
 Usage: python -m kerfwise.tests.tools.catalogues
 
 A text stands in the code in English, as `tr("…")` or `trn("one", "many", n)`, and in the page's frame as it is. What
-has no translation yet is listed: write it into `postproc/report/languages/XX.po`, with an editor of catalogues or by
+has no translation yet is listed: write it into `languages/XX.po`, with an editor of catalogues or by
 hand, and run this again. Beside each catalogue stand its compiled forms: `XX.mo` for Python, and as JSON the texts of
 every page (`XX.page.json`) and those of the viewer besides (`XX.viewer.json`).
 """
@@ -25,13 +25,13 @@ from babel.messages.extract import extract
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
+from kerfwise.languages.catalogue import ENGLISH, LANGUAGES
 from kerfwise.postproc import report
-from kerfwise.postproc.report.language import ENGLISH, LANGUAGES
 
 ROOT = Path(report.__file__).parents[2]
-FOLDER = Path(report.__file__).parent / "languages"
+FOLDER = ROOT / "languages"
 PAGE, HANDS = "postproc/report/page_files", "serving/hands"
-PYTHON = ("jobs/work_sheet.py", "jobs/sheet_parts.py", "postproc/report/paper.py")
+PYTHON = ("jobs/work_sheet.py", "jobs/sheet_parts.py", "postproc/report/legend.py", "postproc/report/paper.py")
 KEYWORDS: dict[str, Any] = {"tr": None, "trn": (1, 2)}
 OPTIONS = {"parse_template_string": True}
 _SILENT = (["style"], ["script"], ["title"])

@@ -8,7 +8,7 @@ import { placeOn } from "./way.js";
 
 export const NUMBER_FONT_PX = 11;
 const ROOM_FOR_NUMBER = 2, MOST_NUMBERS = 1500, MOST_DASHED = 500, SQUARE_PX = 40;
-const ARROW_SQUARE_PX = 46, DOT_SQUARE_PX = 11, LEAST_ARROW_PX = 18, LEAST_TURN_PX = 26, AHEAD_PX = 14, PIERCE_PX = 1.9, AT_ENTRY_MM = 0.02;
+const ARROW_SQUARE_PX = 46, DOT_SQUARE_PX = 11, LEAST_ARROW_PX = 18, LEAST_TURN_PX = 26, AHEAD_PX = 14, PIERCE_PX = 1.9, AT_ENTRY_MM = 0.1;
 
 /** @typedef {[number, number, number, number]} Box x0, y0, x1, y1 in pixels */
 
@@ -71,11 +71,9 @@ export function paintStarts(context, camera, palette, scenery, seen) {
     const [ex, ey] = camera.toScreen(...cut.entry);
     if (Math.hypot(ex - x, ey - y) > 1) {
       leads.moveTo(x, y);
-      const at = Math.min(cut.path.length / 3, 12);
-      for (let n = 1; n < at; n++) {
-        leads.lineTo(...camera.toScreen(cut.path[3 * n], cut.path[3 * n + 1]));
-        if (Math.hypot(cut.path[3 * n] - cut.entry[0], cut.path[3 * n + 1] - cut.entry[1]) < AT_ENTRY_MM) break;
-      }
+      const { points } = scenery.way(number), near = (scenery.side?.kerf_mm ?? 0) / 2 + AT_ENTRY_MM;
+      const joins = joinOf(points, cut.entry, near);
+      for (let n = 1; n <= joins; n++) leads.lineTo(...camera.toScreen(points[2 * n], points[2 * n + 1]));
     }
     const [x0, y0, x1, y1] = scenery.outlines.bounds[k];
     if (Math.max(x1 - x0, y1 - y0) * camera.scale < LEAST_TURN_PX || !arrows.take(ex, ey)) continue;
@@ -90,6 +88,15 @@ export function paintStarts(context, camera, palette, scenery, seen) {
   context.stroke(ways);
   context.fillStyle = palette.ink.pierce;
   context.fill(pierces);
+}
+
+/** The point of a way at which its lead joins the contour, half a kerf from the entry; 0 where it has no lead. */
+/** @type {(points: ArrayLike<number>, entry: readonly number[], near: number) => number} */
+export function joinOf(points, entry, near) {
+  for (let n = 0; n < points.length / 2; n++) {
+    if (Math.hypot(points[2 * n] - entry[0], points[2 * n + 1] - entry[1]) <= near) return n;
+  }
+  return 0;
 }
 
 /** @type {(path: Path2D, x: number, y: number, dx: number, dy: number, size: number) => void} the head of an arrow, its direction of length 1 */

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 ENGLISH = "en"
 LANGUAGES = (ENGLISH, "de", "es", "ru")
-"""English stands in the code; the others have their catalogues in `languages`."""
+"""English stands in the code; the others have their catalogues beside this file."""
 
 
 class Texts(NamedTuple):
@@ -39,7 +39,7 @@ def catalogue(language: str) -> gettext.NullTranslations:
 
 
 def _file(name: str) -> bytes:
-    return files(__package__).joinpath("languages", name).read_bytes()
+    return files(__package__).joinpath(name).read_bytes()
 
 
 @cache
@@ -53,6 +53,9 @@ def texts(language: str) -> Texts:
     """
     known = catalogue(language)
     return Texts(known.gettext, known.ngettext)
+
+
+ENGLISH_TEXTS = texts(ENGLISH)
 
 
 @cache

@@ -1,0 +1,1 @@
+"""Message catalogues: what pages, work sheets and labels say in other languages than English."""
