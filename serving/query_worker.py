@@ -287,8 +287,8 @@ def desk(asking: Questions) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
     own = (
-        made.ready, made.prepared, made.opened, made.preview, made.picture, made.thumbnail, made.edited, made.changed, made.room,
-        made.page, made.compared, made.heat, made.why, made.move,
+        made.ready, made.prepared, made.opened, made.preview, made.picture, made.thumbnail, made.edited, made.changed,
+        made.room, made.page, made.compared, made.heat, made.why, made.move,
     )  # fmt: skip
     return {**{answer.__name__: answer for answer in own}, **profile_answers()}
 

@@ -269,3 +269,26 @@ def test_the_program_of_a_list_names_sheet_orders_and_parts(listed: Path) -> Non
     for said in ("(SHEET 200 X 200 MM, PARTS ", "(ORDER A7)", "(DUE 2026-12-2", "OF bracket-of-the-left-hand-door)"):
         assert any(said in line for line in head), (said, head)
     assert kerfwise("check", listed / "sheet1.json", listed / "sheet1.nc").code == 0
+
+
+@pytest.mark.parametrize(("language", "heading", "cuts", "weight"), [
+    ("de", "Vorher und nachher", "3 Schnitte, in Reihenfolge", "kg"),
+    ("es", "Antes y después", "3 cortes, en orden", "kg"),
+    ("ru", "До и после", "3 реза по порядку", "кг"),
+])  # fmt: skip
+def test_it_speaks_other_languages(plan: Path, language: str, heading: str, cuts: str, weight: str) -> None:
+    """Work sheet and labels; sentences of plan and rules stay English."""
+    words = ["--language", language, "-o", "b.pdf", "--labels", "l.pdf"]
+    ended = kerfwise("sheet", "sheet.json", plan, *words)
+    assert (ended.code, ended.out) == (0, "written: b.pdf, l.pdf\n"), ended.err
+    (page,), (labels,) = pages_of("b.pdf"), pages_of("l.pdf")
+    assert heading in page.text
+    assert cuts in page.text
+    assert "Before and after" not in page.text
+    assert weight in labels.text
+
+
+def test_a_language_that_is_none_is_refused(plan: Path) -> None:
+    ended = kerfwise("sheet", "sheet.json", plan, "--language", "fr")
+    assert ended.code == 2
+    assert "'fr' is not one of" in ended.err

@@ -148,7 +148,7 @@ def wrong_in(made: Catalog) -> list[str]:
             continue
         forms = message.string if isinstance(message.string, tuple | list) else (message.string,)
         wanted = set(NAMED.findall(message.id if isinstance(message.id, str) else message.id[1]))
-        if not all(forms):
+        if not all(forms) or (isinstance(message.id, tuple) and len(forms) != made.num_plurals):
             wrong.append(f"{made.locale}: not translated: {message.id!r}")
         for form in filter(None, forms):
             left = set(NAMED.findall(form)) ^ wanted

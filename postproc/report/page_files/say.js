@@ -4,7 +4,9 @@
 export const LANGUAGES = /** @type {Record<string, string>} */ ({ en: "English", de: "Deutsch", es: "Español", ru: "Русский" });
 const KEPT = "kerfwise-language", SAID_OF = ["title", "aria-label", "placeholder"];
 /** Which form of a plural a number has, by what the browser calls it. */
-const FORMS = /** @type {Record<string, Record<string, number>>} */ ({ ru: { one: 0, few: 1, many: 2, other: 2 } });
+const FORMS = /** @type {Record<string, Record<string, number>>} */ ({
+  es: { one: 0, many: 1, other: 2 }, ru: { one: 0, few: 1, many: 2, other: 2 },
+});
 
 const spoken = { language: "en", texts: /** @type {Record<string, string | string[]>} */ ({}) };
 

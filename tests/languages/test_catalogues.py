@@ -1,0 +1,75 @@
+"""The catalogues are those of the code: every text is translated, names in braces stay, what programs read is fresh."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import pytest
+from babel.messages.catalog import Catalog
+from babel.messages.mofile import read_mo
+
+from kerfwise.languages.catalogue import ENGLISH, LANGUAGES, catalogue, page_texts, texts
+from kerfwise.tests.tools.catalogues import FOLDER, compiled, kept, renewed, template, wrong_in
+
+OTHERS = pytest.mark.parametrize("language", [name for name in LANGUAGES if name != ENGLISH])
+ADVICE = "python -m kerfwise.tests.tools.catalogues renews the catalogues and lists what is not translated"
+
+
+def said(made: Catalog) -> dict[Any, Any]:
+    """What is said for each text; a plural by both its forms."""
+    pairs = ((m.id if isinstance(m.id, str) else tuple(m.id), m.string) for m in made if m.id)
+    return {text: form if isinstance(form, str) else tuple(form or ()) for text, form in pairs}
+
+
+@OTHERS
+def test_every_text_is_translated_with_its_names(language: str) -> None:
+    made = renewed(language)
+    assert wrong_in(made) == [], ADVICE
+    assert said(made) == said(kept(language)), ADVICE
+
+
+@OTHERS
+def test_what_programs_read_is_made_of_the_catalogue(language: str) -> None:
+    files = compiled(kept(language))
+    assert {name: (FOLDER / name).read_bytes() for name in files if name.endswith(".json")} == {
+        name: content for name, content in files.items() if name.endswith(".json")
+    }, ADVICE
+    mo = said(read_mo(io.BytesIO((FOLDER / f"{language}.mo").read_bytes())))
+    assert mo == said(kept(language)), ADVICE
+
+
+def test_what_is_wrong_in_a_catalogue_is_found() -> None:
+    made = Catalog(locale="ru")
+    made.add("{n} of {all}", "{n} из {al}")
+    made.add("not said", "")
+    made.add(("{n} cut", "{n} cuts"), ("{n} рез", "{n} реза"))
+    assert len(wrong_in(made)) == 3
+    made = Catalog(locale="de")
+    made.add("{n} of {all}", "{n} von {all}")
+    made.add(("{n} cut", "{n} cuts"), ("ein Schnitt", "{n} Schnitte"))
+    assert wrong_in(made) == []
+
+
+def test_texts_are_collected_from_code_and_frames() -> None:
+    found = said(template())
+    for text in ("Before and after", "glossary", "filter by name", "nothing proven", "Undo"):
+        assert text in found
+    assert ("{n} cut", "{n} cuts") in found
+
+
+def test_a_page_has_its_own_texts_and_the_viewer_more() -> None:
+    page, viewer = page_texts(), page_texts("viewer")
+    assert page["de"]["every hard rule holds"] == "jede harte Regel eingehalten"
+    assert not set(page["ru"]) & set(viewer["ru"])
+    assert "Before and after" not in {**page["de"], **viewer["de"]}
+    assert len(page["ru"]["{n} cut"]) == 3
+
+
+def test_numbers_of_things_follow_the_language() -> None:
+    trn = texts("ru").trn
+    assert [trn("{n} cut", "{n} cuts", n).format(n=n) for n in (1, 2, 5, 11, 21)] == [
+        "1 рез", "2 реза", "5 резов", "11 резов", "21 рез",
+    ]  # fmt: skip
+    with pytest.raises(KeyError):
+        catalogue("fr")
