@@ -62,7 +62,7 @@ class PartEditor {
   #build() {
     const button = (/** @type {string} */ id, /** @type {string} */ text, /** @type {() => void} */ onclick, title = "") => make("button", { type: "button", id, onclick, title }, text);
     this.said = make("p", { id: "parts-said", class: "said", role: "status" });
-    this.head = make("h3", {}, "");
+    this.head = make("h2", { class: "small" }, "");
     this.turns = /** @type {HTMLInputElement} */ (make("input", { type: "number", id: "parts-deg", value: "90", step: "any", "aria-label": tr("degrees, counter-clockwise") }));
     this.fix = /** @type {HTMLInputElement} */ (make("input", { type: "checkbox", id: "parts-fix", onchange: () => this.#setFixed() }));
     this.tools = make("div", { class: "part-tools" },

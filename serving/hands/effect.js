@@ -22,7 +22,7 @@ export function effectTable({ before, after, text }, changes) {
   return make("div", {},
     make("table", {},
       make("caption", {}, changes.map(one => `${one.rule}.${one.key}: ${one.to}`).join(", ")),
-      make("tr", {}, make("th", {}, ""), make("th", {}, tr("now")), make("th", {}, tr("then"))),
+      make("tr", {}, make("td", {}), make("th", {}, tr("now")), make("th", {}, tr("then"))),
       ...rows.map(([name, a, b]) => make("tr", { class: a === b ? null : "differs" }, make("th", {}, name), make("td", {}, a), make("td", {}, b)))),
     text ? make("p", {}, text) : null,
     make("p", { class: "hint" }, tr("Two first plans of equal work; breaches are counted by the rules as they are now.")));

@@ -7,7 +7,7 @@ from typing import Any, Literal, cast
 
 from playwright.sync_api import Browser, Page
 
-HEIGHTS = {1400: 900, 390: 844}
+HEIGHTS = {1400: 900, 1024: 768, 390: 844}
 _READY = "document.documentElement.dataset.ready === 'yes'"
 _SHARP = "[...document.querySelectorAll('#stages canvas')].every(canvas => canvas.dataset.sharp === 'true')"
 

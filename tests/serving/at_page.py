@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Page
 
 from kerfwise.tests.serving.served import Served, Tab
 
-HEIGHTS = {1400: 900, 390: 844}
+HEIGHTS = {1400: 900, 1024: 768, 390: 844}
 WAIT_S = 60.0
 HELD_MS = 600
 BAD = ("error", "warning")

@@ -120,7 +120,7 @@ def test_keyboard_only(look: Look, planned: Tab) -> None:
     keys.press("<")
     at.planned(2)
     assert (at.order[2], planned.state()["locked"]) == ("C.outer", ["C.outer position 3"])
-    keys.press("u")
+    keys.press("Control+z")
     at.until("app.data.nest.contours[app.side.cuts[3].contour].id === 'C.outer'")
     for name in ("hands-plan", "hands-save"):
         for _ in range(80):

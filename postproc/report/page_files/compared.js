@@ -18,14 +18,14 @@ export function comparedPanel(app) {
       ...sides.map((text, k) => make("p", {}, make("button", { type: "button", class: "link", onclick: () => app.set({ side: k }) }, text))),
       grid(["", "A", "B", ""], figures.map(row => row.map(text => make("span", {}, text)))),
       ...proofs.map(text => make("p", { class: "hint" }, text)),
-      make("h3", {}, summary),
+      make("h2", { class: "small" }, summary),
       changed.length ? grid([tr("contour"), "A", "B", ""], changed.slice(0, 400).map(one => {
         const id = app.data.nest.contours[one.contour]?.id ?? "";
         return [make("button", { type: "button", class: "link", onclick: () => app.chooseId(id) }, id),
           make("span", {}, String(one.a ?? "–")), make("span", {}, String(one.b ?? "–")), make("span", {}, one.told)];
       })) : "",
       changed.length > 400 ? make("p", { class: "hint" }, tr("and {n} more", { n: changed.length - 400 })) : "",
-      make("h3", {}, tr("Rules")), grid([tr("rule"), "A", "B", ""], rules.map(row => row.map(text => make("span", {}, text)))));
+      make("h2", { class: "small" }, tr("Rules")), grid([tr("rule"), "A", "B", ""], rules.map(row => row.map(text => make("span", {}, text)))));
   };
   show();
   app.renewed(show);
@@ -33,6 +33,6 @@ export function comparedPanel(app) {
 
 /** @type {(head: string[], rows: HTMLElement[][]) => HTMLElement} */
 function grid(head, rows) {
-  return make("table", { class: "score" }, make("thead", {}, make("tr", {}, ...head.map(text => make("th", { scope: "col" }, text)))),
+  return make("table", { class: "score" }, make("thead", {}, make("tr", {}, ...head.map(text => text ? make("th", { scope: "col" }, text) : make("td", {})))),
     make("tbody", {}, ...rows.map(row => make("tr", {}, ...row.map(cell => make("td", {}, cell))))));
 }

@@ -22,7 +22,7 @@ export function rulesPanel(app) {
     panel.replaceChildren(
       verdict(app),
       ...(warnings ?? []).map(text => make("p", { class: "warn" }, text)),
-      unkept.length ? make("section", { class: "kept-open" }, make("h3", {}, trn("Not kept: {n} place", "Not kept: {n} places", unkept.length)),
+      unkept.length ? make("section", { class: "kept-open" }, make("h2", { class: "small" }, trn("Not kept: {n} place", "Not kept: {n} places", unkept.length)),
         ...unkept.map(place => spot(app, place, place.text, place.why)))
         : make("p", { class: "hint" }, tr("Nothing was excused, and no statement was dropped.")),
       make("table", { class: "score" },
