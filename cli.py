@@ -36,6 +36,7 @@ VERBS = {
     "rules": "List the rules, print one rule's page, begin a new one, run the cases.",
     "bench": "Measure engines on nests and on the field's routing instances.",
     "engines": "List the engines and solvers that can be used.",
+    "warm-up": "Compile ahead what plans need, for images and batches.",
 }
 
 
@@ -43,6 +44,7 @@ FILES = {
     **dict.fromkeys(("check", "explain", "time", "heat", "plot", "sheet"), "results"),
     "facts": "read",
     "make": "nest",
+    "warm-up": "warm_up",
 }
 """The file in `commands` that has a verb, where it is not called like the verb."""
 

@@ -172,6 +172,7 @@ def command(
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.resume import already_cut
     from kerfwise.jobs.time_limits import CommandLimit
+    from kerfwise.jobs.warm_up import search_beside
     from kerfwise.postproc.nc.ordered_drawings import write_dxf
     from kerfwise.postproc.output_files import expect_own, output_names, remnant_files, remnant_names, write_files
 
@@ -206,6 +207,8 @@ def command(
     whole = None if time_limit is None else CommandLimit(time_limit, began_s, drawn, beside=beside.draws)
     listener = ProgressLine()
     orders, foretold = _distortion(given)
+    if engine in ("portfolio", "search"):
+        search_beside(len(given.nest.contours))
     try:
         done = plan_nest(
             given, limits,

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import os
 import pickle
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager
@@ -30,6 +32,8 @@ from .kernel_parts import PartCompiler
 
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
+_made: list[Any] = []
+"""What Python calls, of this process."""
 
 
 def dispatcher_of(
@@ -49,6 +53,7 @@ def dispatcher_of(
     dispatcher: Any = numba.njit(pipeline_class=None if keep else PartCompiler, **options)(function)
     if keep:
         dispatcher._cache = _cache_of(function)
+        _made.append(dispatcher)
     make = dispatcher._compile_for_args
 
     def make_off_the_clock(*given: Any, **named: Any) -> Any:
@@ -92,6 +97,32 @@ def _tell(text: str) -> None:
         warnings.warn(text, Advice, stacklevel=2)
 
 
+# What other processes compile, and what is kept where.
+
+_beside: dict[object, Callable[[], bool]] = {}
+"""Functions that another process compiles now, each with whether it still does."""
+LOOK_S = 0.05
+"""Between two looks at whether it has."""
+
+
+def compiled_beside(function: object, runs: Callable[[], bool]) -> None:
+    """Wait for what another process compiles of a function, as long as that `runs`, before it is compiled here."""
+    _beside[function] = runs
+
+
+def is_kept(dispatcher: Any) -> bool:
+    """Whether a kernel of today's source is kept, for whatever kinds of arguments; so, too, where none can be."""
+    cache = dispatcher._cache
+    return not isinstance(cache, Kept) or cache._cache_file.any_kept()
+
+
+def compiled_and_kept() -> tuple[int, str]:
+    """How many kernels this process has compiled, and the folder of folders that they are kept in, "" for none."""
+    folders = {str(one._cache._cache_file.folder) for one in _made if isinstance(one._cache, Kept)}
+    compiled = sum(sum(one.stats.cache_misses.values()) for one in _made)
+    return compiled, os.path.commonpath(folders) if folders else ""
+
+
 class Files:
     """The kept kernels of one function: a sealed file for each kind of arguments, by numba and source.
 
@@ -105,6 +136,14 @@ class Files:
     def made_by(self) -> bytes:
         """Which numba and which source a kernel has to be compiled by."""
         return hashlib.sha256(repr((numba.__version__, self._stamp())).encode()).digest()
+
+    def any_kept(self) -> bool:
+        """Whether there is a file that today's numba and source have made."""
+        for path in self.folder.glob(f"{self.name}.*.kernel"):
+            with contextlib.suppress(DamagedFile):
+                if read_sealed(path, self.made_by) is not None:
+                    return True
+        return False
 
     def load(self, key: object) -> Any:
         """What is kept for a key; None where nothing is, or nothing that may be run."""
@@ -184,10 +223,21 @@ class Kept(_NumbasOwn):  # type: ignore[misc]
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel kept for a signature, or None."""
         try:
-            return super().load_overload(sig, target_context)
+            found = super().load_overload(sig, target_context)
+            while found is None and self._is_made_beside():
+                time.sleep(LOOK_S)
+                found = super().load_overload(sig, target_context)
+            return found
         except Exception:  # whatever numba and LLVM say of it, it can be compiled
             _tell("kept kernels cannot be read, and are compiled anew")
             return None
+
+    def _is_made_beside(self) -> bool:
+        """Whether another process may yet keep what is looked for; one last look is due when that has ended."""
+        runs = _beside.get(self._py_func)
+        if runs is not None and not runs():
+            del _beside[self._py_func]
+        return runs is not None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel, where that can be done."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import shutil
 import subprocess
 import sys
 import time
@@ -34,7 +35,7 @@ from kerfwise.models.jit import (
 from kerfwise.models.jit import (
     jit as jit_kernels,
 )
-from kerfwise.models.numba_cache import Files, Kept
+from kerfwise.models.numba_cache import Files, Kept, compiled_beside, is_kept
 
 
 def doubled(x: int) -> int:
@@ -379,3 +380,36 @@ def test_what_only_kernels_call_has_machine_code_in_those_alone(monkeypatch: pyt
     assert kernel(np.array([5, 24, 40])) == 5 + 6 + 10 + 12 == kernel.plainly(np.array([5, 24, 40]))
     own = [name.rpartition(".")[2] for name in emitted if "what_only_kernels" in name]
     assert own == ["kernel"]
+
+
+@pytest.mark.parametrize("ends_well", [True, False])
+def test_what_another_process_compiles_is_waited_for(
+    ends_well: bool, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, _ = run()
+    assert is_kept(first.dispatcher)
+    folder.rename(tmp_path / "made")
+    looks = iter(range(10))
+
+    def runs() -> bool:
+        if next(looks) < 3:
+            return True
+        if ends_well:
+            shutil.copytree(tmp_path / "made", folder, dirs_exist_ok=True)
+        return False
+
+    monkeypatch.setattr(numba_cache, "LOOK_S", 0.0)
+    compiled_beside(doubled, runs)
+    again, told = run()
+    assert not told
+    assert hits(again) == (2 if ends_well else 0)
+    assert next(looks) == 4
+    assert is_kept(again.dispatcher)
+
+
+def test_a_kernel_of_another_source_is_not_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kernel, _ = run()
+    files = kernel.dispatcher._cache._cache_file
+    assert files.any_kept()
+    monkeypatch.setitem(files.__dict__, "made_by", b"another".ljust(32))
+    assert not files.any_kept()

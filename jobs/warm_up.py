@@ -1,0 +1,109 @@
+"""Compile what plans need, once for a machine: all of it ahead, for images and batches, or the search beside a plan.
+
+Kernels are kept on disk (`models/numba_cache.py`), by processor, versions and source. A first `solve` of a nest that
+the search is needed for has a second process compile that, which is half of the whole, while it works out facts and
+sweeps sets itself.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any, NamedTuple, cast
+
+from kerfwise.models import jit
+from kerfwise.models.engines import bounds, ideals
+from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.load import load_profile
+
+from .request import facts_of, make_request
+
+COLUMNS, ROWS = 7, 5
+"""Parts of the plate that is planned."""
+SEARCHED = 100
+"""Contours from which on a nest is searched for sure: smaller ones are often proven by a sweep in numpy."""
+BESIDE = "from kerfwise.jobs.warm_up import compile_search; compile_search()"
+
+
+class Warmed(NamedTuple):
+    """How many kernels were compiled, in how many seconds, and where they are kept, "" for nowhere."""
+
+    kernels: int
+    seconds: float
+    folder: str
+
+
+def warm_up() -> Warmed:
+    """Compile, or load, all that plans of nests take."""
+    jit.take_plainly(0)
+    problem = _problem()
+    _search(problem)
+    _sweeps(problem)
+    from kerfwise.models.numba_cache import compiled_and_kept
+
+    kernels, folder = compiled_and_kept()
+    return Warmed(kernels, jit.compiled_s(), folder)
+
+
+def compile_search() -> None:
+    """What the process beside a first `solve` does."""
+    jit.take_plainly(0)
+    _search(_problem())
+
+
+def search_beside(contours: int) -> None:
+    """Have the search compiled by a process beside this one, if it will be needed and is not kept.
+
+    The process outlives this one by some seconds at the most, and says nothing; what it does not do is done here.
+    """
+    if contours < SEARCHED or not sys.executable:
+        return
+    from kerfwise.models.engines.search.anneal import walk
+    from kerfwise.models.numba_cache import compiled_beside, is_kept
+
+    kernel = cast(jit.Kernel, walk)
+    if is_kept(kernel.dispatcher):
+        return
+    quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    try:
+        process = subprocess.Popen([sys.executable, "-c", BESIDE], **quiet)
+    except OSError:  # no second process may be begun here
+        return
+    compiled_beside(kernel.py_func, lambda: process.poll() is None)
+
+
+def _problem() -> Problem:
+    """A plate of parts with holes, under the default profile."""
+    profile = load_profile()
+    parts = (
+        part(f"P{ROWS * x + y}", rect(130 * x + 10, 100 * y + 10, 110, 80), [rect(130 * x + 40, 100 * y + 35, 25, 25)])
+        for x in range(COLUMNS)
+        for y in range(ROWS)
+    )
+    plate = nest(130.0 * COLUMNS + 20, 100.0 * ROWS + 20, *parts)
+    facts = facts_of(plate, profile)
+    stated = make_request(facts, profile).stated
+    return make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
+
+
+def _search(problem: Problem) -> None:
+    from kerfwise.models.engines.search import Searcher
+
+    Searcher(problem).run(Deadline(0.01))
+
+
+def _sweeps(problem: Problem) -> None:
+    from kerfwise.models.engines.search import Searcher
+
+    searcher = Searcher(problem)
+    searcher.run(Deadline(0.01))
+    plan = searcher.best
+    assert plan is not None
+    ideals.count_sets(problem, 1e4)
+    ideals.prove(problem, plan, Deadline(0.2))
+    ideals.widen(problem, plan, Deadline(0.01))
+    bounds.flow_bound(problem, plan, Deadline(0.1))
