@@ -15,6 +15,30 @@ stand alone, and its own ends of lines and paragraphs."""
 _PLAIN = re.compile(r"[ -~]*")
 
 
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def as_cell(value: object) -> object:
+    """A value as a spreadsheet shows it: a text that it would take for a formula gets a `'` before.
+
+    Examples
+    --------
+    >>> as_cell("=HYPERLINK(1)"), as_cell("plate 7"), as_cell(-3.5), as_cell("-3.5")
+    ("'=HYPERLINK(1)", 'plate 7', -3.5, '-3.5')
+    """
+    if not isinstance(value, str) or not value.lstrip(" \n").startswith(_FORMULA) or _is_number(value):
+        return value
+    return f"'{value}"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def escape_text(text: str) -> str:
     """The text in one line, every character that is obeyed rather than read written as its number.
 

@@ -75,10 +75,17 @@ class PlanRequest:
         'kerfwise solve plate.dxf --repair'
         >>> PlanRequest("/nests/$(ls) 1.dxf").command()
         "kerfwise solve '$(ls) 1.dxf'"
+        >>> PlanRequest("/nests/-o.dxf").command()
+        'kerfwise solve ./-o.dxf'
         """
-        name, before = shlex.quote(Path(self.nest).name), shlex.quote(earlier_plan_name(self.nest))
+        name, before = map(_on_command_line, (Path(self.nest).name, earlier_plan_name(self.nest)))
         again = f" --lock-from {before} --upto {self.upto}" if self.old_plan else ""
         return f"kerfwise solve {name}{' --repair' if self.repair else ''}{again}{options}"
+
+
+def _on_command_line(name: str) -> str:
+    """The name of a file, quoted where that is needed; one that begins as an option does is no option."""
+    return shlex.quote(f"./{name}" if name.startswith("-") else name)
 
 
 def earlier_plan_name(nest: str) -> str:

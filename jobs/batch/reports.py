@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.files import read_limited
-from kerfwise.encoder.text import NONE, clock, escape_lines, escape_text, metres, money, percent
+from kerfwise.encoder.text import NONE, as_cell, clock, escape_lines, escape_text, metres, money, percent
 from kerfwise.jobs.inputs import silent
 from kerfwise.jobs.work_sheet import WorkSheet, about_of_job, sheets_pdf, work_sheet
 from kerfwise.models.plan.read_plan import read_plan
@@ -68,7 +68,8 @@ def _table(rows: Sequence[Row]) -> str:
             said["told"] = f"{short.told}\n  {short.more}" if short.more else row.told
             sheets = {"quantity": row.quantity, "order": row.order, "due": row.due}
             marks = {column: "yes" if machine == row.machine else "" for column, machine in best.items()}
-            writer.writerow({**said, **sheets, **figures, **marks, "program": file_of(row, ".nc")})
+            cells = {**said, **sheets, **figures, **marks, "program": file_of(row, ".nc")}
+            writer.writerow({column: as_cell(value) for column, value in cells.items()})
     return text.getvalue().encode("utf-8", "backslashreplace").decode()
 
 

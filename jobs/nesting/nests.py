@@ -14,7 +14,7 @@ from typing import Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file, is_folder, read_limited
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.text import as_cell, escape_text
 from kerfwise.nesting.demand import Demand, Spacing
 from kerfwise.nesting.fill import largest_rectangle, too_large
 from kerfwise.nesting.layout import Layout, nest_dxf, nest_json, nests_of
@@ -169,7 +169,7 @@ def as_csv(nested: Nested) -> str:
     rows = [asdict(row) for row in sheet_uses(nested)]
     writer = csv.DictWriter(text, list(SheetUse.__dataclass_fields__), lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows({column: as_cell(value) for column, value in row.items()} for row in rows)
     return text.getvalue()
 
 

@@ -14,6 +14,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
 from kerfwise.rules.minizinc.installation import (
     HOW_TO_INSTALL,
+    MOST_GB,
     Ran,
     expect_solving,
     expect_usable,
@@ -109,6 +110,9 @@ def _expect_done(ran: Ran, about: Path, program: str) -> None:
     """An error where MiniZinc did not come to its end."""
     if ran.code is None:
         why = "prints without end" if ran.endless else f"is not done after {LIMIT_S:g} s"
+        raise InputError(f"MiniZinc compiles this rule for the nest and {why}", file=about)
+    if ran.code != 0 and any(word in ran.complaint for word in ("out of memory", "bad_alloc")):
+        why = f"needs more than {MOST_GB:g} GB for it: state it over fewer contours, or facts by contour"
         raise InputError(f"MiniZinc compiles this rule for the nest and {why}", file=about)
     if ran.code != 0:
         raise _mistake(ran.complaint or ran.said, about, program)

@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 import warnings
@@ -143,9 +144,10 @@ class Ran:
 
 
 def run(program: str, words: Sequence[str], limit_s: float) -> Ran:
-    """Run the program with nothing to read, for so long at the most.
+    """Run the program with nothing to read, for so long at the most, in no more memory than `MOST_GB`.
 
-    It prints into files, not pipes: one that hangs may have left children that hold a pipe open.
+    It prints into files, not pipes: one that hangs may have left children that hold a pipe open. It ends with all that
+    it has begun where this process ends, however that is ended, but on Windows.
 
     Raises
     ------
@@ -154,15 +156,60 @@ def run(program: str, words: Sequence[str], limit_s: float) -> Ran:
     """
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         try:
-            child = subprocess.Popen([program, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=err)
+            if supervised := os.name == "posix":
+                command = [sys.executable, "-I", "-S", "-c", SUPERVISOR, str(int(MOST_GB * 1e9)), program, *words]
+                child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=out, stderr=err)
+            else:
+                child = subprocess.Popen([program, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=err)
         except (OSError, ValueError) as error:
             strerror = getattr(error, "strerror", None) or str(error)
             raise unusable(program, f"it cannot be started ({strerror})") from None
         try:
             code = _ended(child, (out, err), limit_s)
         finally:
+            if child.stdin is not None:
+                child.stdin.close()  # whoever supervises it ends it then
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    child.wait(1.0)
             _end(child)
+        if supervised and code == CANNOT_START:
+            raise unusable(program, f"it cannot be started ({_read(err).strip()})")
         return Ran(code, _read(out), _read(err), any(_size(file) > MOST_BYTES for file in (out, err)))
+
+
+MOST_GB = 2.0
+"""What the program may hold, with each that it begins: one that compiles a rule of too many sums grows without end."""
+CANNOT_START = 199
+SUPERVISOR = """
+import os, resource, select, signal, subprocess, sys
+most = int(sys.argv[1])
+def limit():
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+try:
+    child = subprocess.Popen(sys.argv[2:], stdin=subprocess.DEVNULL, start_new_session=True, preexec_fn=limit)
+except (OSError, ValueError) as error:
+    print(getattr(error, "strerror", None) or error, file=sys.stderr)
+    sys.exit(199)
+woken, waking = os.pipe()
+signal.signal(signal.SIGCHLD, lambda *_: os.write(waking, b"c"))
+for number in (signal.SIGTERM, signal.SIGINT):
+    signal.signal(number, lambda *_: os.write(waking, b"e"))
+while child.poll() is None:
+    ready = select.select([0, woken], [], [])[0]
+    if 0 in ready or b"e" in os.read(woken, 100):
+        break
+code = child.poll()
+try:
+    os.killpg(child.pid, signal.SIGKILL)
+except OSError:
+    pass
+if code is not None and code < 0:
+    if -code != signal.SIGKILL:
+        signal.signal(-code, signal.SIG_DFL)
+    os.kill(os.getpid(), -code)
+sys.exit(1 if code is None else code)
+"""
+"""Runs a program in a group of its own, and ends all of it once nobody holds the other end of its standard input."""
 
 
 def _ended(child: subprocess.Popen[bytes], files: tuple[BinaryIO, BinaryIO], limit_s: float) -> int | None:

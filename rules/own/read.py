@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 from yaml.representer import SafeRepresenter
 
-from kerfwise.encoder.files import is_file
+from kerfwise.encoder.files import expect_readable, is_file
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
 from kerfwise.rules.options.quantities import WEIGHT
@@ -56,6 +56,7 @@ def read_file_entry(
     if made.path.suffix != ".mzn":
         problems.add(node, f"{what}.file: expected a MiniZinc file such as plant_rule.mzn, got {made.file!r}")
         return made
+    expect_readable(made.path)  # whether it is there or not
     if not is_file(made.path):
         problems.add(node, f"{what}.file: there is no file {str(made.path)!r}")
         return made

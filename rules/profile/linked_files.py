@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import is_file
+from kerfwise.encoder.files import expect_readable, is_file
 from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart, shipped_charts
 from kerfwise.rules.charts.chart import COLUMNS, family_of, same_value, value_text
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
@@ -98,6 +98,7 @@ def _paths(node: yaml.Node, problems: Problems) -> Iterator[tuple[Path, yaml.Nod
     """Every file that is named, in order; patterns give theirs by name."""
     folder = Path(problems.file).parent
     for name, entry in names_of_files(node, "models", problems):
+        expect_readable(folder / name)  # whether anything is there or not
         if glob.has_magic(name):
             try:
                 found = sorted(path for path in folder.glob(name) if path.suffix == ".mzn" and is_file(path))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import shutil
 import subprocess
 import sys
@@ -147,6 +148,18 @@ def test_a_kernel_is_compiled_anew_where_what_it_calls_has_changed(
         found[1]
         == {"nothing": (30, 1), "the kernel that is called": (40, 0), "a number of another file": (32, 0)}[changed]
     )
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="Windows has no such rights")
+def test_what_others_may_have_written_is_not_run(folder: Path) -> None:
+    run()
+    folder.chmod(0o777)
+    for place in folder.rglob("*"):
+        if place.is_dir():
+            place.chmod(0o777)
+    kernel, told = run()
+    assert hits(kernel) == 0
+    assert [text for text in told if "are not run, for others may write there" in text]
 
 
 def test_where_nothing_can_be_kept_it_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:

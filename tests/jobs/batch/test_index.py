@@ -108,3 +108,14 @@ def test_a_long_refusal_is_folded_and_nothing_of_it_is_lost() -> None:
     out = printed(Batch(tuple(rows), ("m",)), Path("out"))
     assert out.count("touches") == 3 + 4
     assert "… and 47 more, all of them in the index" in out
+
+
+def test_no_cell_is_a_formula_and_no_script_runs_in_the_page() -> None:
+    rows = [refused(name, "-2+3", "@m") for name in ("=1+1", "+1+1", "-1.dxf", "\t=1")]
+    files = index_files(rows, ["@m"])
+    for line in csv.DictReader(io.StringIO(files["index.csv"])):
+        assert all(line[column].startswith("'") for column in ("nest", "machine", "told"))
+    policy = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]+)"', files["index.html"])
+    assert policy == [
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'"
+    ]
