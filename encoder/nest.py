@@ -76,7 +76,8 @@ class Contour:
     belongs to no part: `part` is "". `source` is what its drawing says of it.
 
     A `stretch` is no contour of a drawing: it is a way of the torch's centre `along` stretches of contours, with links
-    between them, that is cut before these contours are finished, as one item of the order.
+    between them, that is cut before these contours are finished, as one item of the order. One that `holds` its part
+    comes before the last stretch of every other that is held so in its zone.
     """
 
     id: str
@@ -88,6 +89,7 @@ class Contour:
     corner_mm: float = 0.0
     source: Source = NOWHERE
     along: tuple[Stretch, ...] = ()
+    holds: bool = False
 
     @property
     def encloses(self) -> bool:

@@ -87,8 +87,8 @@ _NO_COMMON = _unless(
     lambda p: p.cuts.common.shortest_mm is not None, "no edges are cut once (cuts.common.shortest: off)"
 )
 _NO_KERF_START = _unless(
-    lambda p: p.cuts.common.shortest_mm is not None or p.cuts.snake.gap_mm is not None,
-    "no cut begins in an old kerf (cuts.common and cuts.snake are off)",
+    lambda p: p.cuts.common.shortest_mm is not None or p.cuts.in_stretches,
+    "no cut begins in an old kerf (cuts.common, cuts.snake and cuts.split are off)",
 )
 _NO_SNAKE = _unless(lambda p: p.cuts.snake.gap_mm is not None, "no row is cut as a snake (cuts.snake.gap: off)")
 _NO_LEAD = _unless(lambda p: p.leads.lead != "none", "there is no lead-in (leads.lead: none)")

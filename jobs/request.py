@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.candidates import build_with_older_kerfs
-from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
+from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.candidates.snake import rows_of, snake_of
+from kerfwise.encoder.candidates.split_rounds import split_ways, to_be_split
 from kerfwise.encoder.candidates.stretches import StretchWays, with_stretches
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
@@ -113,7 +114,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
         leads = profile.lead_options(nest)
         leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
         began_s = running_s()
-        candidates, met, made = _with_snakes(drawn, profile, leads, already, loose)
+        candidates, met, made = _with_ways_along(drawn, profile, leads, already, loose)
         if limit is not None:
             limit.candidates_s = running_s() - began_s
     except InputError as error:
@@ -149,30 +150,34 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
     return _left(facts, already)
 
 
-def _with_snakes(
+def _with_ways_along(
     nest: Nest, profile: Profile, leads: LeadOptions, already: AlreadyCut, loose: Collection[str]
 ) -> tuple[tuple[Candidate, ...], OlderKerfs | None, StretchWays | None]:
     """The candidates of the nest, and its ways along rows of neighbours; a row whose ends have no room is none."""
-    asked = profile.snake_options()
+    asked, kerf_mm = profile.snake_options(), leads.kerf_mm
     left = [contour.id for contour in nest.contours if contour.id not in already.contours.union(loose)]
-    rows = [] if asked is None else rows_of(nest, leads.kerf_mm, asked, left, leads.directions["outer"])
-    while rows and asked is not None:
-        members = frozenset[str]().union(*(row.members for row in rows))
-        led = {name for row in rows for name in (row.contours[0].id, row.contours[-1].id)}
+    rows = [] if asked is None else rows_of(nest, kerf_mm, asked, left, leads.directions["outer"])
+    taken = frozenset[str]().union(*(row.members for row in rows))
+    split = to_be_split(nest, kerf_mm, profile.split_options(), [name for name in left if name not in taken])
+    shared = CommonOptions(0.0, profile.cuts.common.gap_tolerance_mm, profile.machine.kerf_start)
+    while rows or split:
+        members = frozenset(split).union(*(row.members for row in rows))
+        led = {*split, *(name for row in rows for name in (row.contours[0].id, row.contours[-1].id))}
         candidates, met = build_with_older_kerfs(nest, leads, already, loose, members, led)
         ways = {row.name: snake_of(nest, row, candidates, leads) for row in rows}
         unfit = {name for name, way in ways.items() if way is None}
-        if not unfit:
-            sure = [way for way in ways.values() if way is not None]
-            made = with_stretches(nest, sure, candidates, met, leads, asked.shared)
+        halves = list(split_ways(nest, split, candidates, met, kerf_mm, profile.cuts.split.last_mm or 0.0))
+        bare = {*split} - {way.along[0].contour for way in halves}
+        if not unfit and not bare:
+            sure = [*(way for way in ways.values() if way is not None), *halves]
+            made = with_stretches(nest, sure, candidates, met, leads, shared)
             if isinstance(made, StretchWays):
-                return (
-                    made.rest,
-                    None if made.met is None else made.met.of_kept(range(len(made.rest)), made.count),
-                    made,
-                )
+                of_rest = None if made.met is None else made.met.of_kept(range(len(made.rest)), made.count)
+                return made.rest, of_rest, made
             unfit = {made}
+            bare = {way.along[0].contour for way in halves if way.id == made}
         rows = [row for row in rows if row.name not in unfit]
+        split = {name: half for name, half in split.items() if name not in bare}
     return (*build_with_older_kerfs(nest, leads, already, loose), None)
 
 

@@ -189,7 +189,7 @@ def with_stretches(
     others = [(k, c) for k, c in enumerate(candidates) if c.contour not in begun]
     items: list[tuple[int, Candidate]] = []  # with the number of the candidate that each has its lead of
     for way in ways:
-        number, line = made.index[way.id], way.line
+        number, line = made.index[way.id], shapely.MultiLineString(links_in(way))
         found = [(k, item) for k, c in leads for item in way_candidates(made, number, [c], options)]
         free = [(k, c) for k, c in others if not _in_the_way(c, line, options)]
         mine = {made.index[stretch.contour] for stretch in way.along}
@@ -211,7 +211,7 @@ def _by_contour(row: tuple[Candidate, int]) -> int:
 
 
 def _in_the_way(candidate: Candidate, burnt: shapely.Geometry, options: LeadOptions) -> bool:
-    """Whether a pierce, or a lead, comes so near to a way along stretches that they could meet."""
+    """Whether a pierce, or a lead, comes so near to the links of a way that they could meet."""
     leads = [lead.line() for lead in (candidate.lead_in, candidate.lead_out) if lead is not None and lead.segments]
     reach_mm = options.kerf_mm + (options.splash_mm or 0.0)
     return any(shapely.dwithin(shape, burnt, reach_mm) for shape in (shapely.Point(candidate.pierce), *leads))

@@ -258,7 +258,7 @@ def fitting_dialect(profile: Profile) -> Dialect:
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
     if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":
-        place = _said_at(profile, ("machine", "kerf_start"), ("cuts", "common"), ("cuts", "snake"))
+        place = _said_at(profile, ("machine", "kerf_start"), ("cuts", "common"), ("cuts", "snake"), ("cuts", "split"))
         raise wrong_at(place, f"machine.kerf_start: {MACHINE_WAITS}")
     if profile.material.power is not None and dialect.powers is None and dialect.control == "grbl":
         raise wrong_at(

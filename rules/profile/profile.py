@@ -12,6 +12,7 @@ import shapely
 from kerfwise.encoder.bridges import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.snake import SnakeOptions
+from kerfwise.encoder.candidates.split_rounds import SplitOptions
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.facts.links import LinkOptions
@@ -133,10 +134,14 @@ class Profile(ProfileSections):
         one_way = bool(strict) and self.cuts.common.good_side == "part"
         return SnakeOptions(snake.gap_mm, snake.parts, shared, may_share=not one_way)
 
+    def split_options(self) -> SplitOptions:
+        """Which rounds are cut in two stretches."""
+        return SplitOptions(self.cuts.split.halves, self.cuts.split.last_mm)
+
     @property
     def kerf_starts(self) -> bool:
         """Whether cuts may begin in the kerf of an older one, without a wait for a pierce."""
-        asked = self.common_options() is not None or self.snake_options() is not None
+        asked = self.common_options() is not None or bool(self.cuts.in_stretches)
         return asked and self.machine.kerf_start
 
     @property
@@ -392,8 +397,8 @@ def expect_snakes(profile: Profile, nest: Nest | None = None) -> None:
     InputError
         With what to change.
     """
-    if profile.cuts.snake.gap_mm is not None and (why := next(_no_snakes(profile, nest), None)):
-        raise InputError(f"cuts.snake: {why}, or leave snakes out (cuts.snake.gap: off)", file=profile.file or None)
+    if (group := profile.cuts.in_stretches) and (why := next(_no_snakes(profile, nest), None)):
+        raise InputError(f"cuts.{group}: {why}, or leave cuts.{group} out", file=profile.file or None)
 
 
 def _no_snakes(profile: Profile, nest: Nest | None) -> Iterator[str]:
@@ -403,7 +408,7 @@ def _no_snakes(profile: Profile, nest: Nest | None) -> Iterator[str]:
     if cuts.pierce_pass is not None:
         yield "what is left of a part begins at no hole: say cuts.pierce_pass: off"
     if profile.machine.torches.several:
-        yield "snakes are planned for one torch: say machine: {torches: {count: 1}}"
+        yield "stretches are planned for one torch: say machine: {torches: {count: 1}}"
     if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
         yield "a way over the gaps of a row may cut metal off in which scrap lines are cut: leave these out"
     if profile.corner_feed() is not None:

@@ -36,7 +36,6 @@ from .sections import (
     Objective,
     RuleSetting,
     SmallHoles,
-    Snake,
     default_settings,
 )
 from .time_section import LawLeft, Time
@@ -195,7 +194,7 @@ def plant_of_sections(machine: Machine, material: Material, heat: Heat, locks: t
         absorbed_power_w=heat.absorbed_power_w,
         locks=locks,
         process=machine.process,
-        common_cuts=cuts.common.shortest_mm is not None or cuts.snake.gap_mm is not None,
+        common_cuts=cuts.common.shortest_mm is not None or bool(cuts.in_stretches),
         snakes=cuts.snake.gap_mm is not None,
         longest_link_mm=cuts.links.longest_mm,
         plate=Plate(
@@ -353,7 +352,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"machine.cut_feed: {feed} mm/min is not likely for {machine.process}, expected {least} mm/min and more: "
             f"did you mean {feed} m/min?",
         )
-    for path, text in common_cut_problems(given["cuts"].common, machine, material, given["cuts"].snake):
+    for path, text in common_cut_problems(given["cuts"].common, machine, material, given["cuts"].in_stretches):
         problems.add(deepest(root, *path), text)
     if leads.edge_start and machine.pierce_dwell == "machine":
         problems.add(
@@ -437,11 +436,11 @@ def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str
 
 
 def common_cut_problems(
-    common: Common, machine: Machine, material: Material, snake: Snake | None = None
+    common: Common, machine: Machine, material: Material, stretches: str = ""
 ) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Where the mistake stands in a profile, by its keys, and what it is; snakes begin in old kerfs, too."""
-    asked = "common" if common.shortest_mm is not None else "snake"
-    if common.shortest_mm is None and (snake is None or snake.gap_mm is None):
+    """Where the mistake stands in a profile, by its keys, and what it is; so of the group that asks for `stretches`."""
+    asked = "common" if common.shortest_mm is not None else stretches
+    if not asked:
         return
     if common.gap_tolerance_mm > tolerance_mm(material.kerf_mm):
         yield (

@@ -131,6 +131,25 @@ class Snake:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Split:
+    """Rounds that are cut in two stretches."""
+
+    halves: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(Number(1.5, 1000), "off"), "strips are cut in two halves where their sides have this ratio or more"
+        ),
+    )
+    last_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(likely(positive(LENGTH), 1.0, 1e3), "off"),
+            "so much of each part is cut last, when all of its zone hang by such a stretch",
+        ),
+    )
+
+
 PiercePass = Literal["zone", "sheet"]
 
 
@@ -163,6 +182,14 @@ class Cuts:
     snake: Snake = field(
         default=Snake(), metadata=option(Members(Snake), "rows of neighbours, cut out along one side and back")
     )
+    split: Split = field(default=Split(), metadata=option(Members(Split), "rounds that are cut in two stretches"))
+
+    @property
+    def in_stretches(self) -> str:
+        """The group that has contours cut in several stretches; "" where none does."""
+        if self.snake.gap_mm is not None:
+            return "snake"
+        return "split" if self.split != Split() else ""
 
 
 # What a profile says of corners: feeds there, and how much of them a round kerf may leave.

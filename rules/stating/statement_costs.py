@@ -214,7 +214,18 @@ STRETCHES = "stretches"
 
 
 def begun_first(facts: Facts) -> Iterator[Precede]:
-    """Each way along stretches of contours is cut before what it leaves of them."""
+    """Each way along stretches of contours is cut before what it leaves of them.
+
+    One that holds its part by a last stretch comes before every last stretch of that kind in its zone.
+    """
+    contours, index = facts.nest.contours, facts.nest.index
+    held = [way for way in facts.nest.stretches if way.holds]
+    for way in held:
+        for other in (one.along[0].contour for one in held if one is not way and one.along[0].contour in index):
+            one, last = index[way.id], index[other]
+            if facts.zone[one] == facts.zone[last]:
+                sentence = f"{way.id} is cut before {other}: last stretches come when all of the zone hang by theirs"
+                yield Precede(one, last, About(STRETCHES, (contours[one].id, other), sentence))
     for way in facts.nest.stretches:
         for name in dict.fromkeys(stretch.contour for stretch in way.along):
             if name in facts.nest.index:

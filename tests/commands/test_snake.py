@@ -129,7 +129,7 @@ def test_rows_with_wider_gaps_are_cut_as_ever(folder: Path) -> None:
         ("objective: {heat: 5}\nheat: {absorbed_power_w: 500}\n", "the price of heat is simulated for whole rounds"),
         ("rules: {heat-lag: {strength: hard}}\n", "a snake (cuts.snake) runs along its parts one after the other"),
         ("rules: {t-max: {strength: hard}}\n", "t-max simulates whole rounds"),
-        ("machine: {torches: {count: 2, spacing: 200 mm}, dialect: linuxcnc}\n", "snakes are planned for one torch"),
+        ("machine: {torches: {count: 2, spacing: 200 mm}, dialect: linuxcnc}\n", "stretches are planned for one torch"),
     ],
 )
 def test_what_does_not_go_with_snakes_is_refused_in_one_sentence(folder: Path, more: str, said: str) -> None:

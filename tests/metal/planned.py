@@ -68,10 +68,12 @@ BEYOND: Mapping[str, str] = {
     "edges that touch": COMMON.removesuffix("}") + ", accept_loss: true}}\n",
     "snake": SNAKE + "}\n",
     "snake, common": SNAKE + f", {EDGES}}}}}\n",
+    "snake, split": SNAKE + ", split: {halves: 4, last: 15 mm}}\n",
+    "split": SNAKE.replace("snake: {gap: 30 mm}", "split: {halves: 3, last: 15 mm}") + "}\n",
     "snake, links": SNAKE + ", links: {longest: 90 mm}}\n",
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
-IN_TURN = tuple(name for name in BEYOND if "snake" not in name)
+IN_TURN = tuple(name for name in BEYOND if "snake" not in name and "split" not in name)
 ANSWERS = {"small-holes": ("refuse",), "narrow": ("slit", "leave")}
 """What a plant answers where a drawing asks: another choice for each seed. Holes that are left out on purpose would be
 metal that stays: the judge knows the drawing, not the answer."""

@@ -27,7 +27,7 @@ def plant(profile: Profile) -> dict[str, Any]:
         "features_kerfs": {"leave": math.inf, "refuse": 1.0}.get(profile.cuts.narrow, CORNER_KERFS),
         "pierce_pass": profile.cuts.pierce_pass is not None,
         "torches": [profile.machine.torches.shift(k) for k in range(1, profile.machine.torches.count + 1)],
-        "common": profile.cuts.common.shortest_mm is not None or profile.cuts.snake.gap_mm is not None,
+        "common": profile.cuts.common.shortest_mm is not None or bool(profile.cuts.in_stretches),
     }
 
 
