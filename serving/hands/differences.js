@@ -9,8 +9,8 @@ import { tr } from "./say.js";
  * @param {Work} work
  */
 export function notices(app, work) {
-  const place = make("aside", { id: "hands-notices", "aria-live": "polite" });
-  app.slots.side.before(place);
+  const place = make("section", { id: "hands-notices", "aria-live": "polite", "aria-label": tr("notices") });
+  app.slots.side.prepend(place);
   const draw = () => {
     const { differences = [], keeping = { ok: true } } = work.state;
     place.replaceChildren(

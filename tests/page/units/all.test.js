@@ -4,11 +4,13 @@ import test from "node:test";
 
 import { Camera } from "../page_files/camera.js";
 import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
+import { changesTo, History } from "../page_files/history.js";
 import { nearestOn, placeAlong } from "../page_files/nearest.js";
 import { listenToNews } from "../page_files/news.js";
 import { Outlines } from "../page_files/outlines.js";
 import { placeOf, scrolledBy } from "../page_files/places.js";
-import { paintNumbers } from "../page_files/route.js";
+import { gapBetween, gapToEdge, inLine, PartChanges, placed } from "../page_files/poses.js";
+import { joinOf, paintNumbers } from "../page_files/route.js";
 import { noticeNear, noticesOf } from "../page_files/notices.js";
 import { notHeld } from "../page_files/unkept.js";
 import { setLanguage, tr, trn } from "../page_files/say.js";
@@ -336,4 +338,82 @@ test("a zone is the convex ring around its contours", () => {
   assert.deepEqual(two.middle, [105, 5]);
   for (const [x0, y0, x1, y1] of bounds.slice(0, 2)) assert.ok(inside(one.hull, (x0 + x1) / 2, (y0 + y1) / 2));
   assert.equal(inside(one.hull, 60, 5), false);
+});
+
+const SQUARE = (x, y, size) => [x, y, x + size, y, x + size, y + size, x, y + size];
+const BLOCK = (x, y, size, ...holes) => ({ outer: SQUARE(x, y, size), holes });
+
+test("how near two parts come, and where they collide", () => {
+  const a = BLOCK(0, 0, 10), gap = gapBetween(a, BLOCK(17.5, 2, 10));
+  near(gap.mm, 7.5);
+  near(gap.from[0], 10);
+  near(gap.to[0], 17.5);
+  assert.ok(gapBetween(a, BLOCK(9, 9, 10)).mm < 0, "they cross");
+  assert.ok(gapBetween(BLOCK(0, 0, 100), BLOCK(40, 40, 10)).mm < 0, "one lies in the metal of the other");
+  near(gapBetween(BLOCK(0, 0, 100, SQUARE(30, 30, 40)), BLOCK(40, 45, 10)).mm, 10);
+  near(gapBetween(BLOCK(40, 45, 10), BLOCK(0, 0, 100, SQUARE(30, 30, 40))).mm, 10);
+  assert.ok(gapBetween(BLOCK(25, 45, 10), BLOCK(0, 0, 100, SQUARE(30, 30, 40))).mm < 0, "half in the hole");
+});
+
+test("how far a part keeps from the edge of the sheet, and from its holes", () => {
+  const sheet = [SQUARE(0, 0, 100)];
+  near(gapToEdge(BLOCK(12, 40, 10), sheet).mm, 12);
+  assert.ok(gapToEdge(BLOCK(95, 40, 10), sheet).mm < 0);
+  assert.ok(gapToEdge(BLOCK(120, 40, 10), sheet).mm < 0);
+  near(gapToEdge(BLOCK(12, 40, 10), [SQUARE(0, 0, 100), SQUARE(26, 40, 10)]).mm, 4);
+  assert.ok(gapToEdge(BLOCK(28, 42, 4), [SQUARE(0, 0, 100), SQUARE(26, 40, 10)]).mm < 0);
+});
+
+test("changes of parts add up as kerfwise edit has them, and are undone and done again", () => {
+  const changes = new PartChanges();
+  for (const line of ["move P1 10 -5", "turn P1 90", 'mirror "P 2"', "move P1 1 1", "drop P3"]) changes.add(line);
+  assert.deepEqual(changes.of("P1"), { turn_deg: 90, mirrored: false, dx: 11, dy: -4, dropped: false });
+  assert.equal(changes.of("P 2").mirrored, true);
+  assert.equal(changes.of("P3").dropped, true);
+  assert.ok(changes.undo() && changes.undo());
+  assert.deepEqual([changes.of("P1").dx, changes.of("P3").dropped], [10, false]);
+  assert.ok(changes.redo());
+  assert.equal(changes.of("P1").dx, 11);
+  changes.add("turn P1 -90");
+  assert.equal(changes.redo(), false);
+  assert.equal(changes.of("P1").turn_deg, 0);
+  assert.deepEqual(["P1", 'a "b"'].map(inLine), ["P1", '"a \\"b\\""']);
+});
+
+test("a part lies where it was turned over, turned and moved to", () => {
+  const points = [0, 0, 10, 0, 10, 4], at = (lying) => [...placed(points, lying, [5, 2])].map(v => Math.round(1e6 * v) / 1e6 + 0);
+  assert.deepEqual(at({ turn_deg: 0, mirrored: false, dx: 3, dy: -1 }), [3, -1, 13, -1, 13, 3]);
+  assert.deepEqual(at({ turn_deg: 90, mirrored: false, dx: 0, dy: 0 }), [7, -3, 7, 7, 3, 7]);
+  assert.deepEqual(at({ turn_deg: 0, mirrored: true, dx: 0, dy: 0 }), [10, 0, 0, 0, 0, 4]);
+});
+
+test("what has to be changed to have again what was wanted", () => {
+  const now = { shown: 2, locked: ["B first"], settings: { a: "1" }, upto: 0 }, then = { shown: 1, locked: ["C last"], settings: { b: "2" }, upto: 0 };
+  assert.deepEqual(changesTo(now, then), [{ unlock: "B first" }, { lock: "C last" }, { unset: "a" }, { set: "b", to: "2" }]);
+  assert.deepEqual(changesTo(now, now), []);
+});
+
+test("undo goes past the plans that were made of one change, and redo comes back", async () => {
+  const asked = [], hearers = [];
+  const work = {
+    state: { shown: 1, locked: [], settings: {}, upto: 0, alternatives: [{ number: 1 }] }, on: fn => hearers.push(fn), say: () => {}, hear: () => {},
+    change: async (what, { to }) => { asked.push([what, to]); work.state = { ...work.state, shown: to, locked: to === 1 ? [] : ["C first"] }; return {}; },
+    edit: async changes => { asked.push(changes); return {}; }, cancel: async () => {},
+  };
+  const history = new History(work), told = more => { work.state = { ...work.state, ...more }; hearers.forEach(fn => fn(work, "state")); };
+  told({});
+  told({ locked: ["C first"], solving: {} });
+  told({ shown: 2, alternatives: [{ number: 1 }, { number: 2 }] });
+  told({ shown: 3, solving: null, alternatives: [{ number: 1 }, { number: 2 }, { number: 3 }] });
+  assert.deepEqual([history.can(-1), history.can(1)], [true, false]);
+  await history.step(-1);
+  assert.deepEqual(asked, [["back", 1]]);
+  assert.deepEqual([history.can(-1), history.can(1)], [false, true]);
+  await history.step(1);
+  assert.deepEqual(asked[1], ["back", 3]);
+});
+
+test("the lead of a cut ends half a kerf from its entry", () => {
+  assert.equal(joinOf([0, 0, 3, 0, 5, 0.75, 9, 0.75], [5, 0], 0.85), 2);
+  assert.equal(joinOf([5, 0.75, 9, 0.75], [5, 0], 0.85), 0);
 });
