@@ -22,7 +22,6 @@ def uncut(
     drawing: Drawing,
     burns: Sequence[Burn],
     kerf_mm: float,
-    excused: Collection[str],
     tabs: Tabs,
     features_kerfs: float = 1.0,
 ) -> Iterator[Finding]:
@@ -35,8 +34,6 @@ def uncut(
     tree = shapely.STRtree(lines)
     own = {b.contour.id: k for k, b in enumerate(burns) if b.contour is not None}
     for contour in drawing.closed:
-        if contour.id in excused:
-            continue
         near = sorted(tree.query(contour.line, predicate="dwithin", distance=kerf_mm + RING_MM).tolist())
         if contour.id in own:  # nearly always enough by itself
             near = [own[contour.id], *(k for k in near if k != own[contour.id])]
@@ -91,6 +88,29 @@ def unmarked(drawing: Drawing, paths: Sequence[Path]) -> Iterator[Finding]:
         left = mark.line.difference(made)
         if left.length > NUMERIC_MM:
             yield _finding("mark-not-made", mark, 0, left, "the mark is not made for")
+
+
+def wrong_spots(
+    drawing: Drawing, spotted: Collection[str], left_out: Collection[str], limit_mm: float, paths: Sequence[Path]
+) -> Iterator[Finding]:
+    """Holes that are not cut though they are not small, and those that are to be marked at their middle and are not.
+
+    That nothing burns in them is judged with the metal of their part.
+    """
+    marks = [shapely.linestrings(p.points) for p in paths if not p.burns and len(p.points) > 1]
+    for hole in (c for c in drawing.contours if c.id in {*spotted, *left_out}):
+        assert hole.area is not None
+        across_mm = 2 * float(shapely.maximum_inscribed_circle(hole.area, tolerance=1e-3).length)
+        if across_mm > limit_mm + RING_MM:
+            yield _finding("hole-not-small", hole, 0, hole.line, f"not cut, and {across_mm:.2f} mm across, for")
+        middle = shapely.maximum_inscribed_circle(hole.area, tolerance=1e-3).coords[0]
+        made = any(hole.area.contains(m) and m.distance(shapely.Point(middle)) < SPOT_MM for m in marks)
+        if hole.id in spotted and not made:
+            yield _finding("mark-not-made", hole, 0, hole.line, "no spot is made at the middle of the hole of")
+
+
+SPOT_MM = 0.1
+"""How far from the middle of a small hole its spot may pass."""
 
 
 def _finding(kind: str, contour: Meant, cut: int, where: shapely.Geometry, text: str) -> Finding:

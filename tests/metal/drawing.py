@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -63,6 +63,15 @@ class Drawing:
     def scrap(self) -> tuple[Meant, ...]:
         """The lines that cut up the skeleton."""
         return tuple(c for c in self.contours if c.kind == "scrap")
+
+    def without_holes(self, names: Collection[str]) -> Drawing:
+        """The same, where these holes are none: the metal in them stays, and is the part's."""
+        if not names:
+            return self
+        kept = tuple(c for c in self.contours if c.id not in names)
+        solid = {part: [c.area for c in self.contours if c.id in names and c.part == part] for part in self.parts}
+        whole = {part: shapely.union_all([metal, *solid[part]]) for part, metal in self.parts.items()}
+        return replace(self, contours=kept, parts=whole)
 
 
 def drawing_of(nest: Nest) -> Drawing:

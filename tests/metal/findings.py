@@ -15,6 +15,7 @@ Kind = Literal[
     "part-not-held",
     "bridge-cut",
     "mark-not-made",
+    "hole-not-small",
     "pierce-over-void",
     "lead-over-void",
     "pierce-in-part",

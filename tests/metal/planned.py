@@ -19,7 +19,7 @@ from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made, made
-from kerfwise.tests.metal.plant import plant, tabs_of
+from kerfwise.tests.metal.plant import hole_limit_mm, plant, tabs_of
 from kerfwise.tests.metal.program import UnreadableProgram, read_program
 from kerfwise.tests.metal.simulate import simulate
 
@@ -74,9 +74,8 @@ BEYOND: Mapping[str, str] = {
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
 IN_TURN = tuple(name for name in BEYOND if "snake" not in name and "split" not in name)
-ANSWERS = {"small-holes": ("refuse",), "narrow": ("slit", "leave")}
-"""What a plant answers where a drawing asks: another choice for each seed. Holes that are left out on purpose would be
-metal that stays: the judge knows the drawing, not the answer."""
+ANSWERS = {"small-holes": ("spot", "skip", "cut"), "narrow": ("slit", "leave")}
+"""What a plant answers where a drawing asks: another choice for each seed."""
 
 
 def beyond(seed: int, profile: str) -> str:
@@ -136,7 +135,8 @@ def _burnt(asked: Tried, folder: Path, name: str, before: str | None) -> Tried:
     tabs, along_edges = tabs_of(plan), sum(planned.cut.span is not None for planned in plan.cuts)
     try:
         cuts = len({path.order for path in read_program(text).paths})
-        found = simulate(lined, text, before=before, tabs=tabs, **plant(profile))
+        uncut = {"spotted": kept.spotted, "left_out": kept.left_out, "hole_limit_mm": hole_limit_mm(profile)}
+        found = simulate(lined, text, before=before, tabs=tabs, **uncut, **plant(profile))
     except UnreadableProgram as error:
         return replace(asked, broken=f"unreadable: {error}", program=text)
     return replace(asked, cuts=cuts, along_edges=along_edges, findings=tuple(found), program=text if found else "")

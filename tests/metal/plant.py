@@ -35,3 +35,8 @@ def tabs_of(plan: Plan) -> dict[str, list[tuple[float, float, float]]]:
     """The tabs that a plan leaves, or has left before a stop, as `simulate` takes them."""
     cuts = [planned.cut for planned in (*plan.already_cut, *plan.cuts)]
     return {cut.contour: [(*tab.at, tab.width_mm) for tab in cut.tabs] for cut in cuts if cut.tabs}
+
+
+def hole_limit_mm(profile: Profile) -> float:
+    """The widest hole that may be marked or left out: as the plant says, or one in which a pierce has no room."""
+    return profile.hole_limits().limit_mm

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kerfwise.tests.metal.burns import burns_of
-from kerfwise.tests.metal.coverage import Tabs, uncut, unmarked
+from kerfwise.tests.metal.coverage import Tabs, uncut, unmarked, wrong_spots
 from kerfwise.tests.metal.drawing import Drawing, drawing_of
 from kerfwise.tests.metal.erosion import PartMetal
 from kerfwise.tests.metal.findings import KINDS, Finding
@@ -37,7 +37,9 @@ def simulate(
     edge_starts: bool = False,
     touching: bool = False,
     slits: bool = False,
-    excused: Collection[str] = (),
+    spotted: Collection[str] = (),
+    left_out: Collection[str] = (),
+    hole_limit_mm: float = 0.0,
     tabs: Tabs | None = None,
     pierce_pass: bool = False,
     common: bool = False,
@@ -64,8 +66,10 @@ def simulate(
         Whether parts may touch, as in wood: a ring may then take as much of a neighbour as its kerf is wide.
     slits
         Whether a slot narrower than the kerf may be opened by one pass along its middle, as wide as the kerf.
-    excused
-        Ids of contours that are not to be cut (small holes that are skipped or only spotted).
+    spotted, left_out
+        Ids of small holes that are marked at their middle, and of those that are left out: their metal is the part's.
+    hole_limit_mm
+        How wide such a hole may be.
     tabs
         By id of an outer contour x, y and width of each tab: stretches that are to stay, and to hold the part.
     pierce_pass
@@ -93,8 +97,8 @@ def simulate(
     if any(path.torches for path in now.paths):
         asked = {
             "before": before, "splash_mm": splash_mm, "edge_starts": edge_starts, "touching": touching, "slits": slits,
-            "excused": excused, "tabs": tabs, "pierce_pass": pierce_pass, "common": common,
-            "features_kerfs": features_kerfs,
+            "spotted": spotted, "left_out": left_out, "hole_limit_mm": hole_limit_mm, "tabs": tabs,
+            "pierce_pass": pierce_pass, "common": common, "features_kerfs": features_kerfs,
         }  # fmt: skip
         found: dict[tuple[str, tuple[str, ...]], Finding] = {}
         for one in every_order(now, torches):
@@ -114,6 +118,8 @@ def simulate(
     elif now.resumed_after:
         raise ValueError("the program takes up the work of another: give that one as `before`")
     paths = [*history, *_on_drawing(now, drawing)]
+    findings += wrong_spots(drawing, spotted, left_out, hole_limit_mm, paths)
+    drawing = drawing.without_holes({*spotted, *left_out})
     burns = burns_of(paths, drawing, kerf_mm)
     first = len(burns_of(history, drawing, kerf_mm))
     slots = Slots(drawing, kerf_mm, slits)
@@ -130,7 +136,7 @@ def simulate(
     findings += [found for k, found in twice(burns) if k >= first]
     findings += wrong_passes(burns, own, drawing.sheet, common) if pierce_pass else []
     findings += [found for k, found in along_older(burns) if k >= first] if common else []
-    findings += uncut(drawing, burns, kerf_mm, excused, tabs or {}, features_kerfs)
+    findings += uncut(drawing, burns, kerf_mm, tabs or {}, features_kerfs)
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)
     findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None}, tabs or {})

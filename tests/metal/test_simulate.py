@@ -81,7 +81,23 @@ def test_a_contour_that_is_never_cut_is_found() -> None:
     found = only(judged(program(cut for cut in CUTS if cut[0] != "A.hole1")))
     assert (found.kind, found.cut, found.contours) == ("left-uncut", 0, ("A.hole1",))
     assert found.size == pytest.approx(16 * math.pi, rel=1e-3)
-    assert judged(program(cut for cut in CUTS if cut[0] != "A.hole1"), excused=["A.hole1"]) == []
+
+
+def test_a_small_hole_that_is_left_out_stays_metal() -> None:
+    without = program(cut for cut in CUTS if cut[0] != "A.hole1")
+    assert judged(without, left_out=["A.hole1"], hole_limit_mm=16.1) == []
+    assert by_kind(judged(program(CUTS), left_out=["A.hole1"], hole_limit_mm=16.1)).keys() >= {"part-eroded"}
+    assert by_kind(judged(without, left_out=["A.hole1"], hole_limit_mm=10)) == {"hole-not-small": 1}
+
+
+def test_a_small_hole_that_is_spotted_has_a_mark_at_its_middle() -> None:
+    x, y = 45.0, 45.0
+    spot = straight((x - 1, y), (x + 1, y), tool=1)
+    others = [cut for cut in CUTS if cut[0] != "A.hole1"]
+    assert judged(program([("A.mark1", spot), *others]), spotted=["A.hole1"], hole_limit_mm=16.1) == []
+    assert by_kind(judged(program(others), spotted=["A.hole1"], hole_limit_mm=16.1)) == {"mark-not-made": 1}
+    burnt = judged(program([("A.mark1", straight((x - 1, y), (x + 1, y))), *others]), spotted=["A.hole1"])
+    assert "pierce-in-part" in by_kind(burnt)
 
 
 @pytest.mark.parametrize("width", [1.0, 1.9, 2.4])
