@@ -6,6 +6,9 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.inputs import Inputs, common_cuts_not_made
 from kerfwise.postproc.verdict.check_plan import check_program
@@ -34,6 +37,16 @@ def test_rounded_plates_in_a_grid_are_cut_by_whole_rounds_and_that_is_said() -> 
         "left with two stretches to cut, as rounded corners between two neighbours are; these parts are all "
         "cut all round"
     )
+
+
+def test_a_profile_without_leads_says_what_contradicts_it_and_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="without a lead the torch pierces on its path") as refused:
+        load_profile(CASES / "10-lead-none.yaml")
+    assert (refused.value.line, refused.value.column) == (2, 15)
+    assert "rules: {pierce: off}" in refused.value.message
+    mended = tmp_path / "mended.yaml"
+    mended.write_text((CASES / "10-lead-none.yaml").read_text() + "rules: {pierce: off}\n")
+    assert load_profile(mended).leads.lead == "none"
 
 
 def test_a_flame_is_heated_wherever_it_begins() -> None:
