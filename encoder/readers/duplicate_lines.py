@@ -170,6 +170,9 @@ def _groups(rings: Sequence[DrawnCurve], limit_mm: float) -> list[tuple[list[int
         apart = float(shapely.hausdorff_distance(lines[a], lines[b], densify=0.25))
         if not SNAP_MM < apart <= CORNER * limit_mm:
             continue
+        common = shapely.intersection(rings[a].area, rings[b].area).area
+        if 2 * common < min(rings[a].area.area, rings[b].area.area):
+            continue  # small neighbours, side by side
         between = abs(rings[a].area.area - rings[b].area.area) / max(min(lines[a].length, lines[b].length), SNAP_MM)
         if between <= limit_mm:
             found.append((a, b))

@@ -182,8 +182,10 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
         if not piece.curve.segments:
             continue
         points = shapely.points([piece.curve.point_at(share * piece.curve.length_mm) for share in _SHARES])
-        near = np.unique(tree.query(points, predicate="dwithin", distance=_OFF_MM)[0])
-        if purpose in ("cut", "mark") and len(near) < len(points):
+        near, of = tree.query(points, predicate="dwithin", distance=_OFF_MM)
+        # what is closed is one contour, or none: a frame may run along many others
+        count = int(np.bincount(of, minlength=1).max()) if piece.curve.closed else len(np.unique(near))
+        if purpose in ("cut", "mark") and count < len(points):
             on_sheet = purpose == "cut" and shapely.distance(nest.sheet.outline.line(), points).max() <= _OFF_MM
             found.append(("sheet" if on_sheet else "ignore", piece.curve))
         elif purpose not in ("cut", "mark"):

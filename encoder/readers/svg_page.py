@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Sheet
 from kerfwise.encoder.questions import Asking
 
-from .options import ReadOptions, mm_of, units_question
+from .options import SMALLEST_SHEET_MM, ReadOptions, mm_of, units_question
 from .svg_viewports import fitted
 
 MM_PER_LENGTH = {"mm": 1.0, "cm": 10.0, "q": 0.25, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96}
@@ -97,9 +97,10 @@ def _pixels(data: bytes, extent: float, asking: Asking | None) -> tuple[str, str
             if old
             else ("px", "Inkscape counts 96 an inch")
         )
+    likely = [unit for unit in SVG_UNITS if not extent or extent * (mm_of(unit) or 1.0) >= SMALLEST_SHEET_MM]
     question = units_question(
         f"the file names no unit{f', its page is {extent:g} units long' if extent else ''}: what is it in?",
-        SVG_UNITS,
+        (*likely, *(unit for unit in SVG_UNITS if unit not in likely)),
         extent,
     )
     if asking is None:

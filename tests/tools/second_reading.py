@@ -383,7 +383,8 @@ def _page(file: Path, found: Seen, known: Sequence[Curve]) -> tuple[float, float
     from kerfwise.encoder.readers.svg import parsed_svg
     from kerfwise.encoder.readers.svg_page import page_of
 
-    units = None if found.reading is None or found.reading.units == "mm" else found.reading.units
+    reading = found.reading
+    units = None if reading is None or reading.units_because.startswith("the page's width") else reading.units
     svg = parsed_svg(file.read_bytes())
     page = page_of(svg, ReadOptions(units=units), file.read_bytes())
     if page.sheet is None:

@@ -76,6 +76,25 @@ def test_a_hole_with_its_thread_or_countersink(tmp_path: Path, outer: float, inn
     assert "P3.outer" in found
 
 
+def test_small_neighbours_are_no_line_drawn_twice(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        lines(space, square(0, 0, 0.25))
+        lines(space, square(0.27, 0, 0.25))
+        lines(space, square(10, 0, 50))
+
+    found = areas(read_nest(save_dxf(tmp_path, draw), ReadOptions(kerf_mm=0.2, answers=(("thin", "cut"),))))
+    assert len(found) == 3
+
+
+@pytest.mark.parametrize(("extent", "first"), [(65, "mm"), (300, "px")])
+def test_the_likeliest_unit_gives_a_sheet_that_can_be_one(tmp_path: Path, extent: int, first: str) -> None:
+    path = tmp_path / "drawing.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {extent} 40">{PLATE}</svg>')
+    with pytest.raises(Questions) as raised:
+        read_nest(path, ReadOptions())
+    assert raised.value.questions[0].choices[0].value == first
+
+
 @pytest.mark.parametrize(("outer", "inner", "off"), [(30, 20, 0.0), (15, 5, 0.0), (15, 8, 2.0)])
 def test_a_disc_that_can_be_a_part_is_one(tmp_path: Path, outer: float, inner: float, off: float) -> None:
     found = areas(read_nest(save_dxf(tmp_path, pairs(outer, inner, off)), ReadOptions(frame="part", kerf_mm=0.2)))
