@@ -103,8 +103,7 @@ def wrong_spots(
         across_mm = 2 * float(shapely.maximum_inscribed_circle(hole.area, tolerance=1e-3).length)
         if across_mm > limit_mm + RING_MM:
             yield _finding("hole-not-small", hole, 0, hole.line, f"not cut, and {across_mm:.2f} mm across, for")
-        middle = shapely.maximum_inscribed_circle(hole.area, tolerance=1e-3).coords[0]
-        made = any(hole.area.contains(m) and m.distance(shapely.Point(middle)) < SPOT_MM for m in marks)
+        made = any(hole.area.contains(m) and m.distance(hole.area.centroid) < SPOT_MM for m in marks)
         if hole.id in spotted and not made:
             yield _finding("mark-not-made", hole, 0, hole.line, "no spot is made at the middle of the hole of")
 

@@ -126,7 +126,7 @@ def _planned(asked: Tried, folder: Path, name: str, words: tuple[str, ...], befo
 
 def _burnt(asked: Tried, folder: Path, name: str, before: str | None) -> Tried:
     """The program's findings."""
-    profile = load_profile(str(folder / "profile.yaml"))
+    profile = load_profile(str(folder / "profile.yaml")).as_answered()
     nest = read_nest(folder / "nest.json", profile.read_options())
     kept = profile.as_cut(nest)
     lined = kept if kept.losses else replace(nest, scrap=kept.scrap)
