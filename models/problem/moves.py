@@ -52,8 +52,10 @@ class PairTable:
         row, _ = _alike(size, [leave for leave, _, _ in known])
         column, width = _alike(size, [reach for _, reach, _ in known])
         keys, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        rows = {id(leave): np.unique(row[leave])[:, None] * width for leave, _, _ in _once(known, 0)}
+        columns = {id(reach): np.unique(column[reach])[None, :] for _, reach, _ in _once(known, 1)}
         for leave, reach, value in known:
-            keys.append((np.unique(row[leave])[:, None] * width + np.unique(column[reach])[None, :]).ravel())
+            keys.append((rows[id(leave)] + columns[id(reach)]).ravel())
             values.append(np.full(len(keys[-1]), value, dtype=np.int64))
         number = np.concatenate(values)
         key, which = np.unique(np.concatenate(keys), return_inverse=True)
@@ -91,6 +93,11 @@ class PairTable:
         asked = self.row[leave] * self.width + self.column[reach]
         at = np.minimum(np.searchsorted(self.key, asked), len(self.key) - 1)
         return np.where(self.key[at] == asked, self.value[at], 0)
+
+
+def _once(groups: Iterable[tuple[Ints, Ints, int]], which: int) -> Iterable[tuple[Ints, Ints, int]]:
+    """A group of those that share their first things, or their second: few of many statements name other contours."""
+    return {id(group[which]): group for group in groups}.values()
 
 
 def _alike(size: int, groups: Sequence[Ints]) -> tuple[Ints, int]:
@@ -133,10 +140,13 @@ class MovePrices:
         first = np.searchsorted(site_contour, np.arange(n + 1))
         prices: list[tuple[Ints, Ints, int]] = []
         barred: list[tuple[Ints, Ints, int]] = []
+        known: dict[tuple[Sequence[int], frozenset[int] | None], Ints] = {}
         for s in statements:
             cost = UNLAWFUL if s.weight is None else cost_um(s.weight)
-            ends = _sites(s.leave, s.leaving, first, candidate_site), _sites(s.reach, s.reaching, first, candidate_site)
-            prices.append((*ends, cost))
+            for end in ((s.leave, s.leaving), (s.reach, s.reaching)):
+                if end not in known:
+                    known[end] = _sites(*end, first, candidate_site)
+            prices.append((known[s.leave, s.leaving], known[s.reach, s.reaching], cost))
             if s.weight is None and s.leaving is None and s.reaching is None:
                 barred.append((np.array(s.leave), np.array(s.reach), 1))
         sites = len(site_contour) + 1

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools, Floats, Int32s, Ints, unique
+from kerfwise.arrays import Bools, Floats, Int32s, Ints, concat_ranges, unique
 from kerfwise.models.problem.crossings import FORBIDDEN, in_order
 from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
 from kerfwise.models.problem.problem import Problem
@@ -254,17 +254,19 @@ def _table(problem: Problem, contour: Ints, move: Ints) -> tuple[Ints, Ints, int
     bits = max(1, int(2 * len(cells)).bit_length())
     key, at = np.full(1 << bits, -1, dtype=np.int64), np.full(1 << bits, -1, dtype=np.int64)
     first = np.append(problem.first, m + 1)
-    size = 0
-    wanted: list[Ints] = []
-    for cell in cells.tolist():
-        h = (cell * SPREAD % (1 << 64)) >> (64 - bits)
-        while key[h] >= 0:
-            h = (h + 1) % (1 << bits)
-        a, c = divmod(cell, n + 1)
-        key[h], at[h] = cell, size
-        size += int(first[c + 1] - first[c]) + 1
-        wanted.append(a * (m + 1) + np.arange(first[c], first[c + 1] + 1))
-    start = np.searchsorted(move, np.concatenate(wanted)) if wanted else np.zeros(0)
+    leave, reach = np.divmod(cells, n + 1)
+    width = first[reach + 1] - first[reach] + 1
+    begin = np.cumsum(width) - width
+    slot = ((cells.astype(np.uint64) * np.uint64(SPREAD)) >> np.uint64(64 - bits)).astype(np.int64)
+    left = np.arange(len(cells))
+    while len(left):  # each takes its slot if that is free, else the next; of several for one the first takes it
+        takes = np.zeros(len(left), dtype=np.bool_)
+        takes[np.unique(slot[left], return_index=True)[1]] = True
+        takes &= key[slot[left]] < 0
+        key[slot[left[takes]]], at[slot[left[takes]]] = cells[left[takes]], begin[left[takes]]
+        left = left[~takes]
+        slot[left] = (slot[left] + 1) % (1 << bits)
+    start = np.searchsorted(move, np.repeat(leave * (m + 1), width) + concat_ranges(first[reach], width))
     return key, at, 64 - bits, start.astype(np.int64)
 
 
