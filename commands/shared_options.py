@@ -200,6 +200,7 @@ def protect(given: Inputs, nest: str, outputs: Iterable[str | Path | None], *oth
 
 def note_placing(given: Inputs) -> None:
     """Say on standard error what a planner would want to know: where the sheet lies, which cuts are not made."""
+    from kerfwise.jobs.sheet_parts import dates_ignored
     from kerfwise.rules.profile.profile import placing_notes
 
     for text in placing_notes(given.nest, given.profile):
@@ -210,6 +211,12 @@ def note_placing(given: Inputs) -> None:
         click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)
     if told := common_cuts_not_made(given):
         print_note(told)
+    if count := dates_ignored(given.nest, given.profile):
+        parts = "1 part has" if count == 1 else f"{count} parts have"
+        print_note(
+            f"{parts} a due date or a priority, and objective.completion is 0: the order of cutting does not follow "
+            "it; --set objective.completion=1 has it do so"
+        )
 
 
 # What a person says of one nest on the command line, or has said in its job file.
@@ -236,6 +243,7 @@ def nest_request(
     lock: Sequence[str] = (),
     answers: Sequence[str] = (),
     last: str | None = None,
+    date: str = "",
 ) -> NestRequest:
     """What these options ask for; `last` is the plan in which contours have the numbers that locks call them by.
 
@@ -254,7 +262,27 @@ def nest_request(
         said = tuple(replace(read_lock(one), reason=f"locked by the operator (--lock {one!r})") for one in lock)
     except InputError as error:
         raise InputError(f"--{error.message}") from None
-    return Asked(profile, False if no_job else job, tuple(map(read_setting, settings)), said, answers_of(answers), last)
+    laid = tuple(map(read_setting, settings))
+    return Asked(profile, False if no_job else job, laid, said, answers_of(answers), last, date)
+
+
+class Day(click.ParamType):
+    """A day of the calendar."""
+
+    name = "day"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The day as it is written, year first."""
+        import datetime
+
+        try:
+            return datetime.date.fromisoformat(value).isoformat() if value else ""
+        except ValueError:
+            self.fail(f"expected a day such as 2026-12-24 (year-month-day), got {value!r}", param, ctx)
+
+
+DATE = click.option("--date", type=Day(), default="", metavar="DAY",
+                    help="Day that the program says at its top, as 2026-12-24. Default: the job file's.")  # fmt: skip
 
 
 # Lengths and sizes on the command line, and what they say of how a nest is read.

@@ -16,6 +16,7 @@ from kerfwise.models.jit import counted_s
 
 from .shared_options import (
     AMOUNT_OVER_ZERO,
+    DATE,
     MEMORY,
     Amount,
     EngineChoice,
@@ -139,6 +140,7 @@ def drawings(
 @click.option(
     "--conflict-picture", metavar="OUT.svg|.png", help="Picture of a conflict of rules. Default: NEST.conflict.svg."
 )
+@DATE
 @click.option("-v", "--verbose", is_flag=True, help="Report which engines ran, which did not, and why.")
 def command(
     output: str | None,
@@ -161,6 +163,7 @@ def command(
     redo_last: bool,
     relax: bool,
     conflict_picture: str | None,
+    date: str,
     verbose: bool,
     **options: Any,
 ) -> int:
@@ -189,7 +192,7 @@ def command(
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
     if by_default:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
-    given = read_inputs(**options, last=lock_from)
+    given = read_inputs(**options, last=lock_from, date=date)
     beside_program = remnant_names(output, given.profile) if output else ()
     protect(given, options["nest"], (*outputs, *beside_program), lock_from)
     expect_as_drawn(given, svg, reordered_dxf)

@@ -52,6 +52,16 @@ def part_kinds(nest: Nest, profile: Profile) -> list[PartKind]:
     return rows
 
 
+def dates_ignored(nest: Nest, profile: Profile) -> int:
+    """How many parts have a due date or a priority that the order of cutting does not follow."""
+    if profile.objective.completion > 0:
+        return 0
+    parts = (nest.drawn or nest).parts
+    priorities = {_said(part, "priority") for part in parts}
+    dated = [part for part in parts if _said(part, "due") or (_said(part, "priority") and len(priorities) > 1)]
+    return len(dated) if len({(_said(p, "due"), _said(p, "priority")) for p in parts}) > 1 else 0
+
+
 def kind_of(part: Part) -> str:
     """What a part is a copy of, as its nest says; else its own name."""
     return _said(part, OF) or part.id

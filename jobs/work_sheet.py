@@ -28,7 +28,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .inputs import Inputs, Tell, differences, program_text, silent
 from .programs import Times, time_made
-from .sheet_parts import PartKind, left_of, part_kinds, zero_sketch, zero_words
+from .sheet_parts import PartKind, dates_ignored, left_of, part_kinds, zero_sketch, zero_words
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -192,8 +192,10 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
             tr("at most {size} mm in one piece, beside the parts").format(size=f"{left[0]:.0f} × {left[1]:.0f}"),
         )
     dues = sorted({row.due for row in part_kinds(sheet.nest, sheet.profile) if row.due})
+    ignored = dates_ignored(sheet.nest, sheet.profile)
+    loose = f"; {tr('the order of the cuts does not follow it')}" if ignored else ""
     if dues and "due" not in sheet.about:
-        yield tr("due"), dues[0]
+        yield tr("due"), f"{dues[0]}{loose}"
     yield tr("machine"), f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     widths = {"kerf": f"{material.kerf_mm:g}", "s": f"{machine.pierce_time_s:g}"}
     yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=told, **widths)

@@ -14,9 +14,9 @@ from typing import Any
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
-from kerfwise.encoder.text import dxf_in_mm
+from kerfwise.encoder.text import dxf_in_mm, escape_text
 
 from .demand import QUARTERS, Demand, Spacing, Stock
 from .fill import Going, Room, Taste, fill, largest_first, largest_rectangle, usable
@@ -284,14 +284,50 @@ def _sheet(sheet: Sheet) -> dict[str, Any]:
 
 
 def nest_dxf(nest: Nest) -> str:
-    """The nest as DXF R12, mm: the sheet on layer SHEET, contours on CUT, marks on MARK, arcs as bulges."""
+    """The nest as DXF R12, mm: the sheet on layer SHEET, contours on CUT, marks on MARK, arcs as bulges.
+
+    Where parts have orders or due dates each is a block, with what is said of it in invisible attributes.
+    """
+    sheet = _polylines([(curve, "SHEET") for curve in (nest.sheet.outline, *nest.sheet.holes)])
+    if not any(part.attributes.get(key) for part in nest.parts for key in ("order", "due")):
+        return dxf_in_mm(_section("ENTITIES", sheet + _polylines(_drawn(nest.contours))) + _tags((0, "EOF")))
+    blocks, inserts = "", ""
+    for part in nest.parts:
+        (x, y), contours = part.outer.curve.vertices[0, :2].tolist(), (part.outer, *part.holes, *part.marks)
+        at = ((10, 0.0), (20, 0.0), (30, 0.0))
+        blocks += _tags((0, "BLOCK"), (8, "0"), (2, part.id), (70, 2), *at, (3, part.id))
+        blocks += _polylines(_drawn(contours)) + _tags((0, "ENDBLK"), (8, "0"))
+        inserts += _tags((0, "INSERT"), (8, "0"), (66, 1), (2, part.id), *at)
+        for key in (OF, "order", "due", "priority", "material", "thickness"):
+            if value := part.attributes.get(key):
+                place = ((10, x), (20, y), (30, 0.0), (40, 1.0))
+                text = escape_text(str(value))
+                inserts += _tags((0, "ATTRIB"), (8, "0"), *place, (1, text), (2, key), (70, 1))
+        inserts += _tags((0, "SEQEND"), (8, "0"))
+    return dxf_in_mm(_section("BLOCKS", blocks) + _section("ENTITIES", sheet + inserts) + _tags((0, "EOF")))
+
+
+def _drawn(contours: Iterable[Contour]) -> list[tuple[Curve, str]]:
+    return [(contour.curve, "MARK" if contour.kind == "mark" else "CUT") for contour in contours]
+
+
+def _polylines(curves: Iterable[tuple[Curve, str]]) -> str:
+    """Curves with their layers, as the entities of a drawing."""
     from ezdxf.addons.r12writer import r12writer  # loaded by those who ask for a drawing only
 
     text = io.StringIO(newline="")
     with r12writer(text) as drawing:
-        for curve in (nest.sheet.outline, *nest.sheet.holes):
-            drawing.add_polyline_2d(curve.vertices.tolist(), format="xyb", closed=True, layer="SHEET")
-        for contour in nest.contours:
-            rows, layer = contour.curve.vertices.tolist(), "MARK" if contour.kind == "mark" else "CUT"
-            drawing.add_polyline_2d(rows, format="xyb", closed=contour.curve.closed, layer=layer)
-    return dxf_in_mm(text.getvalue())
+        for curve, layer in curves:
+            rows = curve.vertices.tolist()
+            drawing.add_polyline_2d(rows, format="xyb", closed=curve.closed, layer=layer)
+    whole = text.getvalue()
+    begin, end = _tags((0, "SECTION"), (2, "ENTITIES")), _tags((0, "ENDSEC"), (0, "EOF"))
+    return whole[whole.index(begin) + len(begin) : whole.rindex(end)]
+
+
+def _section(name: str, entities: str) -> str:
+    return _tags((0, "SECTION"), (2, name)) + entities + _tags((0, "ENDSEC"))
+
+
+def _tags(*tags: tuple[int, object]) -> str:
+    return "".join(f"{code}\n{value}\n" for code, value in tags)

@@ -90,14 +90,14 @@ class PlanState:
     def for_operator(self) -> str:
         """What it means for the sheet, to whoever stands at the machine."""
         if self.kind == "kept":
-            return "kept: every hard rule holds, cut it as the program says"
+            return "kept: cut it as the program says"
         if self.kind == "broken":
             return "broken: do not cut this sheet"
         return f"{self.short()}: metal may move or tip there, stand by when these are cut: {self.named()}"
 
     def named(self) -> str:
-        """The first places, each with its contours and the rule."""
-        return _first([f"{' and '.join(place.contours)} ({place.rule})" for place in self.places])
+        """The contours of the first places."""
+        return _first(list(dict.fromkeys(" and ".join(place.contours) or "the sheet" for place in self.places)))
 
     def as_json(self) -> dict[str, Any]:
         """As a plan states it."""

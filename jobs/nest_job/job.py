@@ -20,7 +20,7 @@ from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Number, OptionKind, Pairs, Text, Unfit, scalar_text
 from kerfwise.rules.options.option import option, options_of
-from kerfwise.rules.options.quantities import PointOrOff, PointXY
+from kerfwise.rules.options.quantities import OrWord, PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items
 from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profiles
 from kerfwise.rules.profile.overrides import Setting, read_lock, read_settings
@@ -90,6 +90,11 @@ class Job:
     )
     order: str | None = field(default=None, metadata=option(Text(), "the order that the nest is cut for"))
     due: datetime.date | None = field(default=None, metadata=option(Day(), "day on which the sheets have to be ready"))
+    date: datetime.date | None = field(default=None, metadata=option(Day(), "day that the program's top says"))
+    number: int | None = field(
+        default=None,
+        metadata=option(OrWord(Number(1, 99_999_999, whole=True), none="none"), "number of the program on its control"),
+    )
     answers: Answers = field(
         default=(), metadata=option(Pairs(), "answers to questions that the drawing raises, as in {frame: sheet}")
     )
@@ -98,6 +103,12 @@ class Job:
     file: str = ""
     sha256: str = ""
     said_at: Mapping[str, Place] = field(default_factory=dict, compare=False)
+
+    @property
+    def said(self) -> dict[str, str]:
+        """What stands at the program's top and changes no plan."""
+        told = {"order": self.order, "due": self.due, "date": self.date, "number": self.number}
+        return {key: str(value) for key, value in told.items() if value is not None}
 
     @property
     def name(self) -> str:

@@ -50,7 +50,7 @@ class NestRequest:
     """What is asked for a nest by whoever runs kerfwise; what is not, its job file says, or else its profile.
 
     `last` is the plan (or program, or its path) in which contours have the numbers that locks call them by; None for
-    the plan beside the nest.
+    the plan beside the nest. `date` is the day that the program's top says, "" for that of the job file.
     """
 
     profile: ProfileLike | None = None
@@ -59,6 +59,7 @@ class NestRequest:
     locks: tuple[Lock, ...] = ()
     answers: Answers = ()
     last: Plan | str | Path | None = None
+    date: str = ""
 
 
 NOTHING = NestRequest()
@@ -110,7 +111,7 @@ def profile_for(
         tell(f"{job.name} names the profile {job.profile}: the one that is given, {plant.name}, goes before it")
     if job is not None and job.machine is not None and job.machine.casefold() != plant.name.casefold():
         tell(f"{job.name} is for the machine {job.machine}, and the profile is {plant.name}")
-    return with_values(answered(plant, job, asked.answers), job, asked.settings, asked.locks)
+    return with_values(answered(plant, job, asked.answers), job, asked.settings, asked.locks, asked.date)
 
 
 def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
@@ -169,7 +170,9 @@ def locks_told(profile: Profile) -> str:
 # A profile with what belongs to one nest laid over it: profile < job file < command line.
 
 
-def with_values(profile: Profile, job: Job | None, settings: Sequence[Setting], locks: Sequence[Lock]) -> Profile:
+def with_values(
+    profile: Profile, job: Job | None, settings: Sequence[Setting], locks: Sequence[Lock], date: str = ""
+) -> Profile:
     """The profile with what the job file sets, then what was set beside it; its locks come later, on the nest.
 
     Raises
@@ -180,12 +183,13 @@ def with_values(profile: Profile, job: Job | None, settings: Sequence[Setting], 
     if job is not None:
         profile = with_settings(profile, job.settings, job.file)
     profile = with_settings(profile, settings)
-    if job is None and not settings and not locks:
+    if job is None and not settings and not locks and not date:
         return profile
     old = profile.for_one_nest or ForOneNest()
     lines = (*old.locks, *(line for lock in locks for line in lines_of(lock)))
     file, sha256, read = (old.file, old.sha256, ()) if job is None else (job.name, job.sha256, (job.file,))
-    made_with = ForOneNest(file, sha256, (*old.settings, *map(str, settings)), lines)
+    said = {**old.said, **({} if job is None else job.said), **({"date": date} if date else {})}
+    made_with = ForOneNest(file, sha256, (*old.settings, *map(str, settings)), lines, said=said)
     return replace(profile, for_one_nest=made_with, read_from=(*profile.read_from, *read))
 
 

@@ -92,7 +92,7 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield from resume_comment(plan, dialect)
     thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
     yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")
-    yield from _order_comments(nest, dialect)
+    yield from _order_comments(nest, profile, dialect)
     yield from setting_comments(profile, dialect)
     yield _origin(nest, profile, dialect)
     yield comment(dialect, f"CONTOURS {len(plan.cuts)}, PIERCES {totals.pierces}")
@@ -133,20 +133,29 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield from out_comments(plan, names, dialect)
 
 
-def _order_comments(nest: Nest, dialect: Dialect) -> Iterator[str]:
-    """What a nest of a list says of its sheet: its size, orders, the first due date, and what parts are on it."""
+def _order_comments(nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
+    """What a nest of a list, and a job file, say of the sheet: size, orders, first due date, day, and what parts."""
+    said = {} if profile.for_one_nest is None else profile.for_one_nest.said
     parts = (nest.drawn or nest).parts
-    if not any(key in part.attributes for part in parts for key in ("of", "order", "due")):
+    listed = any(key in part.attributes for part in parts for key in ("of", "order", "due"))
+    if not listed and not said:
         return
+    number_said = program_number(dialect, profile)
+    if any("{program}" in block for block in dialect.header) and "number" in said:
+        yield comment(dialect, "PROGRAM", number_said)
+    if "date" in said:
+        yield comment(dialect, "DATE", said["date"])
     x0, y0, x1, y1 = nest.sheet.bounds
     yield comment(dialect, f"SHEET {number(x1 - x0, 1)} X {number(y1 - y0, 1)} MM, PARTS {len(parts)}")
     for key, word in (("order", "ORDER"), ("due", "DUE")):
-        said = sorted({str(part.attributes[key]) for part in parts if part.attributes.get(key)})
-        for value in said[:1] if key == "due" else said[:_MOST_ORDERS]:
+        of_parts = sorted({str(part.attributes[key]) for part in parts if part.attributes.get(key)})
+        values = of_parts or [said[key]] if key in said else of_parts
+        for value in values[:1] if key == "due" else values[:_MOST_ORDERS]:
             yield comment(dialect, word, value)
-    counts = Counter(str(part.attributes.get("of") or part.id) for part in parts)
-    for name, count in list(counts.items())[:_MOST_ORDERS]:
-        yield comment(dialect, f"PARTS {count} OF", name)
+    if listed:
+        counts = Counter(str(part.attributes.get("of") or part.id) for part in parts)
+        for name, count in list(counts.items())[:_MOST_ORDERS]:
+            yield comment(dialect, f"PARTS {count} OF", name)
 
 
 _MOST_ORDERS = 30
@@ -196,6 +205,7 @@ class _Spelt:
     cuts: tuple[tuple[object, ...], ...]
     pierces: tuple[tuple[object, ...], ...]
     first: int
+    program: str
     names: Mapping[str, str] = field(hash=False)
     profile: Profile = field(hash=False)
     dialect: Dialect = field(hash=False)
@@ -221,7 +231,7 @@ def body_of_plan(
     expect_same_nest(plan, profile.as_cut(nest))
     cuts = tuple((*_geometry(planned.cut), planned.dwell_s) for planned in plan.burns)
     pierces, first = tuple((hole.contour, hole.at, hole.before) for hole in plan.pierces), plan.resumed_after + 1
-    spelt = _Spelt(cuts, pierces, first, names, profile, dialect)
+    spelt = _Spelt(cuts, pierces, first, program_number(dialect, profile), names, profile, dialect)
     known = nest.kept.setdefault(body_of_plan, OrderedDict())
     body: tuple[str, ...] | None = known.get(spelt)
     if body is None:
@@ -275,7 +285,7 @@ def _body(
     `pierces` are made before the cuts that they say.
     """
     plant = plant_words(dialect, profile)
-    yield from header_blocks(dialect, plant)
+    yield from header_blocks(dialect, plant, program_number(dialect, profile))
     x, y = profile.frame_on(nest).corner
     pen = GcodeWriter(dialect, profile.machine.home, powers_of(dialect, profile), plant)
     due: dict[int, list[tuple[int, Pierce]]] = {}
@@ -312,10 +322,14 @@ def _with_next(paths: Iterable[Toolpath]) -> Iterator[tuple[Toolpath, Toolpath |
 NEWLINES = {"lf": "\n", "crlf": "\r\n"}
 
 
-def header_blocks(dialect: Dialect, plant: Mapping[str, str]) -> Iterator[str]:
-    """The blocks before the first cut; one that stands for words of the material's process may be several."""
+def header_blocks(dialect: Dialect, plant: Mapping[str, str], program: str | None = None) -> Iterator[str]:
+    """The blocks before the first cut; one that stands for words of the material's process may be several.
+
+    `program` is the number that the program is called by, where that is not the dialect's own.
+    """
+    called = program_number(dialect) if program is None else program
     for block in dialect.header:
-        made = block.format(program=program_number(dialect), **plant)
+        made = block.format(program=called, **plant)
         yield from (one.strip() for one in made.split(";")) if "{process}" in block else (made,)
 
 
@@ -325,9 +339,12 @@ def opening(dialect: Dialect) -> int:
     return sum(1 for _ in named)
 
 
-def program_number(dialect: Dialect) -> str:
-    """The number that the program is called by on the control, as its header spells it."""
-    return "" if dialect.program is None else str(dialect.program.number).zfill(dialect.program.digits)
+def program_number(dialect: Dialect, profile: Profile | None = None) -> str:
+    """The number that the program is called by on the control, as its header spells it: the job file's, or its own."""
+    if dialect.program is None:
+        return ""
+    said = {} if profile is None or profile.for_one_nest is None else profile.for_one_nest.said
+    return str(int(said.get("number", dialect.program.number))).zfill(dialect.program.digits)
 
 
 def _pierce(count: int, name: str, at: Point, profile: Profile, pen: GcodeWriter) -> Iterator[str]:

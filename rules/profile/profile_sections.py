@@ -254,7 +254,8 @@ class ForOneNest:
     """What a plan was made with beside nest and profile: the job file by name and sha256, and what was said beside it.
 
     `settings` and `locks` are those of the command line (or of Python), in one line each, with the names of the nest.
-    `numbered` says which contour each number stood for that the job file calls one by, such as `#7`.
+    `numbered` says which contour each number stood for that the job file calls one by, such as `#7`. `said` is what
+    stands at the top of the program and changes no plan: order, due, date and number.
     """
 
     file: str = ""
@@ -262,11 +263,15 @@ class ForOneNest:
     settings: tuple[str, ...] = ()
     locks: tuple[str, ...] = ()
     numbered: Mapping[str, str] = field(default_factory=dict)
+    said: Mapping[str, str] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         """What a plan says of it."""
         told = {"file": self.file, "sha256": self.sha256} if self.file else {}
-        asked = {"set": list(self.settings), "locks": list(self.locks), "numbered": dict(self.numbered)}
+        asked = {
+            "set": list(self.settings), "locks": list(self.locks), "numbered": dict(self.numbered),
+            "said": dict(self.said),
+        }  # fmt: skip
         return told | {key: value for key, value in asked.items() if value}
 
     @staticmethod
@@ -278,6 +283,7 @@ class ForOneNest:
             tuple(data.get("set", ())),
             tuple(data.get("locks", ())),
             dict(data.get("numbered", {})),
+            dict(data.get("said", {})),
         )
 
 

@@ -36,7 +36,7 @@ WRONG = {
     "due: tomorrow": "1:6: job file.due: expected a day such as 2026-12-24 (year-month-day), got 'tomorrow'",
     "due: 2026-02-30": "1:6: job file.due: there is no such day as 2026-02-30: day is out of range for month",
     "quantty: 3": "1:1: job file: unknown key 'quantty': did you mean 'quantity'? "
-    "(valid: answers, due, locks, machine, order, profile, quantity, set, tabs)",
+    "(valid: answers, date, due, locks, machine, number, order, profile, quantity, set, tabs)",
     "- P2 first": "1:1: job file: expected a mapping (key: value), got a list of 1",
     "locks: P2 first": "1:8: locks: expected a list, got 'P2 first'",
     "locks:\n  - P2 first\n  - P3 frist": "3:5: locks[2]: lock 'P3 frist': 'frist': did you mean 'first'? expected ID",
