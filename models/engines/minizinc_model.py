@@ -343,7 +343,7 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
         own = book[rule]
         if isinstance(own, ModelRule):
             fields += own.data(facts, setting.options)
-            words |= dict.fromkeys(own.words(facts.nest).splitlines())
+            words |= dict.fromkeys(own.words(facts.nest, setting.options).splitlines())
         else:
             fields += twin_of(rule).data(case, setting.options)
     return facts_dzn(without_dropped(facts, stated, book)) + assignments(fields) + "\n".join(words)

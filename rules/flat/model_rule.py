@@ -21,7 +21,7 @@ from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.own.selector import attributes
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Forced, Ids, Rule, RuleFile, Strength, Violation
+from kerfwise.rules.rule import USUAL, Forced, Ids, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import About, Before, Statement
 
 from .expr import MOST_TOLD, Lit, Node, contours_of, parts
@@ -115,7 +115,7 @@ class ModelRule(Rule[Any]):
 
         self.expect_small(facts.nest)
         further = self.further(options)
-        data = facts_data(facts) + assignments(self.data(facts, options)) + self.words(facts.nest)
+        data = facts_data(facts) + assignments(self.data(facts, options)) + self.words(facts.nest, options)
         flat = flatten(
             self.file, data, facts.n, [c.contour for c in facts.candidates], tuple(array.name for array in further)
         )
@@ -141,9 +141,9 @@ class ModelRule(Rule[Any]):
             element = f"element {error.element} of {self.file.array}: " if error.element else ""
             raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
 
-    def words(self, nest: Nest) -> str:
+    def words(self, nest: Nest, options: Any) -> str:
         """MiniZinc text of the words beside the facts that the file names."""
-        return further_words(nest, whole_text(self.file))
+        return further_words(nest, whole_text(self.file), getattr(options, "plate", USUAL))
 
     def data(self, facts: Facts, options: Any) -> Fields:
         """What the file reads beside the facts: that of the rule whose place it takes, or its parameters."""
@@ -331,7 +331,7 @@ class ModelRule(Rule[Any]):
         own = parameters_data(self.file, options)
         if self.replaces is not None:
             own = [*(twin_of(self.replaces.id).measured(nest, cuts, options) or []), *own]
-        return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text)
+        return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text, limits.plate)
 
     def lead_options(self, given: LeadOptions, options: Any, strength: Strength) -> LeadOptions:
         return given if self.replaces is None else self.replaces.lead_options(given, options, strength)

@@ -16,9 +16,18 @@ from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.judging.facing import Faced, faced_all_round, faced_by_cuts
 from kerfwise.rules.minizinc.twin import Fields, flag, flags, numbers
 from kerfwise.rules.own.criteria import none_has
-from kerfwise.rules.own.measures import areas_mm2, edge_gaps_mm, lengths_mm, rectangle_sides_mm, sizes_mm
+from kerfwise.rules.own.measures import (
+    areas_mm2,
+    cut_seconds,
+    edge_gaps_mm,
+    lengths_mm,
+    rectangle_sides_mm,
+    sizes_mm,
+    weights_kg,
+)
 from kerfwise.rules.own.selector import attributes, is_long, measure_nest
 from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import USUAL, Plate
 
 # The facts of `facts.mzn` as the check knows them: measured from the nest and its cuts, each cut being a candidate.
 #
@@ -35,7 +44,8 @@ SIDES = ("left", "right", "bottom", "top")
 class Limits:
     """What facts hang on: how near is near, shares of a cut, and how long is long.
 
-    `orders_by` are the options of the rules whose pairs are facts, by the rule's id: those of the profile.
+    `orders_by` are the options of the rules whose pairs are facts, by the rule's id: those of the profile. `plate` is
+    the sheet's metal, and how it is cut.
     """
 
     web_mm: float = 25.0
@@ -45,6 +55,7 @@ class Limits:
     head_share: float = 0.25
     tail_share: float = 0.25
     orders_by: tuple[tuple[str, Any], ...] = ()
+    plate: Plate = USUAL
 
 
 def missing(cuts: CutSequence, text: str) -> str | None:
@@ -283,7 +294,23 @@ def unknown_words(nest: Nest, text: str) -> str | None:
     return None
 
 
-def further_words(nest: Nest, text: str) -> str:
+_OF_PLATE: Mapping[str, Callable[[Nest, Plate], list[int]]] = {
+    "cut_ms": lambda nest, plate: [round(1000 * s) for s in cut_seconds(nest, plate)],
+    "part_weight": lambda nest, plate: [round(1000 * kg) for kg in weights_kg(nest, plate)],
+}
+"""Word → its values on the plate: what a contour takes to pierce and cut, ms, and the weight of its part, g."""
+
+
+def _plate_words(plate: Plate) -> dict[str, str]:
+    """Word → its definition: thickness in 0.01 mm as all lengths, and texts."""
+    texts = {"sheet_material": plate.material, "cutting_process": plate.process}
+    return {
+        "sheet_thickness": f"int: sheet_thickness = {round(plate.thickness_mm * UNITS_PER_MM)};",
+        **{word: f"string: {word} = {json.dumps(text, ensure_ascii=False)};" for word, text in texts.items()},
+    }
+
+
+def further_words(nest: Nest, text: str, plate: Plate = USUAL) -> str:
     """MiniZinc text that defines, with their values, the further words that a rule's text names.
 
     `attribute_NAME[i]` is what the nest's file says of the part of contour i: a number, rounded, or a text; 0 or ""
@@ -296,6 +323,9 @@ def further_words(nest: Nest, text: str) -> str:
         for word, key in _DRAWN.items()
         if word in named
     ]
+    measured = ((word, of) for word, of in _OF_PLATE.items() if word in named)
+    lines += [f"array[CONTOUR] of int: {word} = {numbers(of(nest, plate))};" for word, of in measured]
+    lines += [line for word, line in _plate_words(plate).items() if word in named]
     wanted = {re.sub(r"^(has_)?attribute_", "", w) for w in named if re.match(r"(has_)?attribute_\w", w)}
     for name in sorted(wanted):
         values = attributes(nest, name)

@@ -232,3 +232,26 @@ def test_zones_yield_to_a_hard_rule_over_sums(
     plan = json.loads((tmp_path / "nest.plan.json").read_text(encoding="utf-8"))
     assert max(cut["zone"] for cut in plan["cuts"]) > 1
     assert kerfwise("check", nest, tmp_path / "nest.nc", "-p", profile).code == 0
+
+
+SOON = """% soon: lot 1 of order 17 is out within the first 60 % of the time, on thick plate
+% Dispatch: the truck leaves at noon.
+array[int] of var bool: soon_holds =
+  [10 * (cut_ms[i] + sum(j in CONTOUR where j != i)(cut_ms[j] * bool2int(before(j, i)))) <= 6 * sum(cut_ms)
+   | i in CONTOUR where attribute_order[i] = 17 /\\ attribute_lot[i] = 1 /\\ sheet_thickness >= 500
+     /\\ sheet_material = "S235" /\\ cutting_process = "plasma" /\\ part_weight[i] > 300];
+"""
+
+
+def test_a_file_reads_times_and_the_plate(tmp_path: Path) -> None:
+    """Part A, of 0.7 kg, is cut last without the rule, and so on thin plate."""
+    nest, profile = plant(tmp_path, "soon", SOON)
+    places = {}
+    for thickness in ("6 mm", "2 mm"):
+        done = kerfwise("solve", nest, "-p", profile, "--work", "1", "--set", f"material.thickness={thickness}")
+        assert done.code == 0, done.err
+        assert "ok: every hard rule holds" in done.out
+        plan = json.loads((tmp_path / "nest.plan.json").read_text(encoding="utf-8"))
+        places[thickness] = [cut["contour"] for cut in plan["cuts"]].index("A.outer")
+    assert places["2 mm"] == 3
+    assert places["6 mm"] < 3
