@@ -180,7 +180,8 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
             tr("{name} at ({x}, {y})").format(name=name, x=f"{x:.1f}", y=f"{y:.1f}")
             for name, (x, y) in across[:_MOST_PLACES]
         )
-        more = f"; {tr('and {n} more').format(n=len(across) - _MOST_PLACES)}" if len(across) > _MOST_PLACES else ""
+        further = tr("and {n} more").format(n=len(across) - _MOST_PLACES)
+        more = f"; {further}" if len(across) > _MOST_PLACES else ""
         slots = trn(
             "{n} slot narrower than the kerf (crosses)", "{n} slots narrower than the kerf (crosses)", len(across)
         )
@@ -192,10 +193,9 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
             tr("at most {size} mm in one piece, beside the parts").format(size=f"{left[0]:.0f} × {left[1]:.0f}"),
         )
     dues = sorted({row.due for row in part_kinds(sheet.nest, sheet.profile) if row.due})
-    ignored = dates_ignored(sheet.nest, sheet.profile)
-    loose = f"; {tr('the order of the cuts does not follow it')}" if ignored else ""
+    loose = tr("the order of the cuts does not follow it") if dates_ignored(sheet.nest, sheet.profile) else ""
     if dues and "due" not in sheet.about:
-        yield tr("due"), f"{dues[0]}{loose}"
+        yield tr("due"), "; ".join(filter(None, (dues[0], loose)))
     yield tr("machine"), f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     widths = {"kerf": f"{material.kerf_mm:g}", "s": f"{machine.pierce_time_s:g}"}
     yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=told, **widths)
@@ -204,14 +204,15 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     yield tr("time"), f"{duration(report.total_s, sheet.say)} ({shares}; {report.model})"
     lengths = tr("torch on {on} m, idle {idle} m")
     lengths = lengths.format(on=f"{totals.cut_mm / 1000:.2f}", idle=f"{totals.idle_mm / 1000:.2f}")
-    passes = f", {tr('all of a zone or of the sheet first')}" if plan.pierces else ""
+    at_once = tr("all of a zone or of the sheet first")
+    passes = f", {at_once}" if plan.pierces else ""
     pierces = trn("{n} pierce", "{n} pierces", totals.pierces).format(n=totals.pierces)
     yield tr("path"), f"{lengths}, {pierces}{passes}"
     if sheet.times.cost is not None:
         yield tr("cost"), str(sheet.times.cost)
     if plan.already:
-        again = f"; {tr('the last is cut again')}" if plan.broken_off is not None else ""
-        yield tr("goes on"), f"{tr('after cut {number}').format(number=plan.resumed_after)}{again}"
+        repeated, after = tr("the last is cut again"), tr("after cut {number}").format(number=plan.resumed_after)
+        yield tr("goes on"), f"{after}; {repeated}" if plan.broken_off is not None else after
 
 
 def checklist(sheet: WorkSheet) -> Iterator[str]:
@@ -233,7 +234,7 @@ def _state(sheet: WorkSheet) -> str:
     """What the state means to whoever stands at the machine."""
     state, (tr, trn) = sheet.state, sheet.say
     if state.kind == "kept":
-        return tr("kept: every hard rule holds, cut it as the program says")
+        return tr("kept: cut it as the program says")
     if state.kind == "broken":
         return tr("broken: do not cut this sheet")
     told = trn(
