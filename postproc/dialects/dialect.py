@@ -323,6 +323,13 @@ class Dialect:
             "control: contours themselves are written and the control adds the kerf (G41, G42); else it is in the path",
         ),
     )
+    builders_choice: tuple[str, ...] = field(
+        default=(),
+        metadata=option(
+            SomeOrAll(("torch_on", "torch_off", "dwell")),
+            "keys whose words each machine builder chooses: a copy has them changed, and this key deleted",
+        ),
+    )
     greatest_radius_mm: float | None = field(
         default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")
     )

@@ -215,6 +215,18 @@ def fitting_dialect(profile: Profile) -> Dialect:
             f"{machine.process}: its programs would not run, or would run wrong. Say dialect: {' or '.join(others)}, "
             "correct machine.process, or say accept_dialect: true to have it all the same",
         )
+    waits = pierce_dwell_of(profile, dialect) == "program"
+    chosen = [key for key in dialect.builders_choice if key != "dwell" or waits]
+    if chosen and not machine.accept_dialect:
+        words = "; ".join(f"{key}: {', '.join(getattr(dialect, key))}" for key in chosen)
+        new = f"write a copy (kerfwise dialects new mine --like {machine.dialect}), state yours there"
+        where = "state yours in it" if machine.dialect.endswith((".yaml", ".yml")) else new
+        raise wrong_at(
+            _said_at(profile, ("machine", "dialect")),
+            f"machine.dialect: these words are the choice of whoever built the machine, and '{dialect.name}' can "
+            f"only guess ({words}): {where} and delete builders_choice, or say accept_dialect: true if your machine "
+            "has just these",
+        )
     if profile.cuts.pierce_pass and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(
             _said_at(profile, ("cuts", "pierce_pass")),
@@ -287,7 +299,8 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
         raise wrong_at(
             place,
             f"machine.dialect: '{dialect.name}' has no words for marking, and the nest has {len(marks)} ({shown}): "
-            f"take another dialect, or a nest without them{without}",
+            "take another dialect, give a copy of it the words (mark_on, mark_off), or take a nest without them"
+            f"{without}",
         )
     powers = powers_of(dialect, profile)
     if (

@@ -46,7 +46,7 @@ def test_a_copy_says_the_same_under_its_own_name_and_claims_no_reader(name: str)
     again = kerfwise("dialects", "new", "second", "--like", "shop.yaml")
     assert (again.code, load_dialect("second.yaml").name) == (0, "second")
     process = load_dialect(name).processes[0]
-    Path("plant.yaml").write_text(f"machine: {{process: {process}, dialect: shop.yaml}}\n")
+    Path("plant.yaml").write_text(f"machine: {{process: {process}, dialect: shop.yaml, accept_dialect: true}}\n")
     assert kerfwise("profile", "check", "plant.yaml").code == 0
 
 
@@ -103,7 +103,7 @@ def test_a_dialect_without_comments_cannot_go_on_after_a_stop() -> None:
 def test_each_dialects_program_is_solved_and_checked_by_the_command_line(name: str) -> None:
     Path("a.json").write_text(NEST % '}, {"id": "B", "outer": [[120, 30], [180, 30], [180, 90]]')
     process = load_dialect(name).processes[0]
-    Path("b.yaml").write_text(f"machine: {{process: {process}, dialect: {name}}}\n")
+    Path("b.yaml").write_text(f"machine: {{process: {process}, dialect: {name}, accept_dialect: true}}\n")
     solved = kerfwise("solve", "a.json", "-p", "b.yaml", "--work", 1, "-o", "a.nc", "--plan", "a.plan.json")
     assert solved.code == 0, solved.err + solved.out
     assert "not judged" not in solved.out

@@ -1,5 +1,6 @@
 """A profile and its dialect belong together: a laser is not given a plasma program."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import dialect_names, fitting_dialect, load_dialect
+from kerfwise.postproc.dialects.load import new_dialect_text
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.rules.profile.plant_sections import PROCESSES
@@ -64,3 +66,27 @@ def test_a_mismatch_that_a_base_brings_is_placed_there(tmp_path: Path) -> None:
     (tmp_path / "near.yaml").write_text("based_on: plant.yaml\nname: near\n")
     with pytest.raises(InputError, match=r"plant\.yaml:2:12: machine\.dialect: 'linuxcnc-qtplasmac' is for plasma"):
         fitting_dialect(load_profile(tmp_path / "near.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("name", "more", "words"),
+    [
+        ("fanuc", "", "torch_on: M3; torch_off: M5"),
+        ("sinumerik", "", "torch_on: M3; torch_off: M5"),
+        ("hpgl", "pierce_dwell: program, ", "dwell: !DW{milliseconds};"),
+    ],
+)
+def test_what_a_builder_chooses_is_stated_by_the_plant(name: str, more: str, words: str, tmp_path: Path) -> None:
+    base = "plasma-carbon-steel" if name == "sinumerik" else "laser-st10kp-2mm"
+    plant, own = tmp_path / "plant.yaml", tmp_path / "mine.yaml"
+    text = f"based_on: {base}\nmachine: {{{more}dialect: NAME}}\n"
+    plant.write_text(text.replace("NAME", name), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        fitting_dialect(load_profile(plant))
+    assert f"can only guess ({words}): write a copy" in str(caught.value)
+    assert str(caught.value).startswith(f"{plant}:2:")
+    plant.write_text(text.replace("NAME", f"{name}, accept_dialect: true"), encoding="utf-8")
+    assert fitting_dialect(load_profile(plant)).name == name
+    own.write_text(re.sub(r"builders_choice: .*\n", "", new_dialect_text("mine", name)), encoding="utf-8")
+    plant.write_text(text.replace("NAME", "mine.yaml"), encoding="utf-8")
+    assert fitting_dialect(load_profile(plant)).name == "mine"
