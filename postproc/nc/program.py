@@ -175,6 +175,8 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
     machine = profile.machine
     waits = pierce_dwell_of(profile, dialect)
     yield comment(dialect, f"PIERCE DELAY {number(machine.pierce_time_s, 3)} S, HELD BY THE {waits.upper()}")
+    if dialect.kerf is not None:
+        yield comment(dialect, "ASSUMES", f"THE CONTROL ADDS A KERF OF {number(profile.material.kerf_mm, 3)} MM")
     of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
     of += ["torches"] if machine.torches.several else []
     for told in (text for key in of for text in dialect.assumes.get(key, ())):

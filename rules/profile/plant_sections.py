@@ -135,7 +135,10 @@ class Machine:
         metadata=option(DialectName(DIALECTS), "language of the NC program"),
     )
     accept_dialect: bool = field(
-        default=False, metadata=option(Flag(), "write in this dialect although it is for another process")
+        default=False,
+        metadata=option(
+            Flag(), "write in this dialect, though for another process, or with words of its builder's choice"
+        ),
     )
     home: Point = field(
         default=(0.0, 0.0), metadata=option(PointXY(), "where the torch starts and returns to, in machine coordinates")

@@ -67,6 +67,7 @@ def test_linuxcnc_and_the_check_make_the_torchs_paths_of_it(kerf: str, turned: b
     plan, text = planned(plant, turned=turned)
     assert len(re.findall(r"G4[12]", text)) == len(plan.cuts)
     assert {"G41" in text, "G42" in text} == {True, False}
+    assert "(ASSUMES THE CONTROL ADDS A KERF OF 1.5 MM)" in text
     heard = [reading.of_check(text, PLATE, plant)]
     heard.append(reading.of_linuxcnc(text, "linuxcnc", kerf_mm=plant.material.kerf_mm))
     for one in heard:
