@@ -29,6 +29,7 @@ _NUMBER = re.compile(r"^\s*N\s*([0-9]+)\s*", re.IGNORECASE)
 _WAIT = re.compile(r"G0*4\s*([A-Z])\s*([0-9.,]+)")
 _NAME = re.compile(r"(?P<letter>[O:P])(?P<digits>[0-9]{1,8})")
 _PLACES = frozenset("XYIJR")
+_KERF, _KERF_OFF = re.compile(r"G0*4([12])(\.1)?(?![0-9.])"), re.compile(r"G0*40(?![0-9.])")
 _ROUND_MM = 0.05
 _DECIMALS = 3
 _TOLD_BY_HEADER: Sequence[tuple[set[float], str]] = (
@@ -98,8 +99,10 @@ def propose_dialect(texts: Sequence[str], like: str | None = None) -> Proposal:
                 "stops the torch; give the dialect to begin with (--like), and change it by hand",
                 line=len(text.split("\n")),
             )
+    programs, kerf = _without_kerf(programs)
     on, off = _tools(programs)
     made = Proposal(like or _nearest(texts, programs, on))
+    _kerf_words(made, kerf)
     _tool_words(made, on, off)
     _spelling(made, texts, programs)
     _frame(made, programs)
@@ -133,6 +136,37 @@ def _lines(text: str) -> Iterator[_Line]:
         ]
         motion = moved[0] if moved else motion
         yield _Line(bare, words, motion, bool(moved))
+
+
+def _without_kerf(programs: Sequence[Sequence[_Line]]) -> tuple[list[list[_Line]], Counter[str]]:
+    """The programs without the rows that have the control add the kerf and leave it again; these, and how often."""
+    found, kept = Counter[str](), list[list[_Line]]()
+    for program in programs:
+        rest, beside = list[_Line](), False
+        for line in program:
+            if _KERF.search(line.text) or (beside and _KERF_OFF.search(line.text)):
+                found[line.text] += 1
+                beside = bool(_KERF.search(line.text))
+                if not line.moves:
+                    continue
+            rest.append(line)
+        kept.append(rest)
+    return kept, found
+
+
+def _kerf_words(made: Proposal, kerf: Counter[str]) -> None:
+    """The words by which the control adds the kerf, where these programs have it do so."""
+    sides = [text for text, _ in kerf.most_common() if _KERF.search(text)]
+    if not sides:
+        return
+    alone = [text for text in sides if not re.search("[XY]", text)]
+    if not alone:
+        made.unsure.append(f"the control adds the kerf, within a move ({sides[0]}): kerf is as its defaults are")
+    spelt = re.sub(r"(?<=D)[0-9.,]+", "{kerf}", alone[0]) if alone and ".1" in alone[0] else (alone or ["G41"])[0]
+    off = next((text for text, _ in kerf.most_common() if text not in sides and not re.search("[XY]", text)), "G40")
+    words = {key: _KERF.sub(lambda m, n=n: f"G4{n}{m[2] or ''}", spelt) for key, n in (("left", 1), ("right", 2))}
+    made.values["kerf"] = {**words, "off": off}
+    made.unsure.append("the control adds the kerf: which, its table has to say, or the word itself ({kerf})")
 
 
 def _tools(programs: Sequence[Sequence[_Line]]) -> tuple[Counter[tuple[str, ...]], Counter[tuple[str, ...]]]:

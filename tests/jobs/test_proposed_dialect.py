@@ -51,6 +51,8 @@ CASES: dict[str, tuple[str, dict[str, str]]] = {
         {"arc_centre": "absolute", "header": "[G21, G64 P0.05, G90 G17 G40 G49 G80 G90.1 G94]"},
     ),
     "semicolons": ("eia", {"comment": "'; {text}'"}),
+    "kerf by the control": ("eia", {"kerf": "control"}),
+    "kerf by a word": ("linuxcnc", {"kerf": '{left: "G41.1 D{kerf}", right: "G42.1 D{kerf}"}'}),
 }
 
 
