@@ -266,22 +266,17 @@ def nest_request(
     return Asked(profile, False if no_job else job, laid, said, answers_of(answers), last, date)
 
 
-class Day(click.ParamType):
-    """A day of the calendar."""
+def _day(_: click.Context, __: click.Parameter, value: str) -> str:
+    """A day of the calendar, as it is written: year first."""
+    import datetime
 
-    name = "day"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """The day as it is written, year first."""
-        import datetime
-
-        try:
-            return datetime.date.fromisoformat(value).isoformat() if value else ""
-        except ValueError:
-            self.fail(f"expected a day such as 2026-12-24 (year-month-day), got {value!r}", param, ctx)
+    try:
+        return datetime.date.fromisoformat(value).isoformat() if value else ""
+    except ValueError:
+        raise click.BadParameter(f"expected a day such as 2026-12-24 (year-month-day), got {value!r}") from None
 
 
-DATE = click.option("--date", type=Day(), default="", metavar="DAY",
+DATE = click.option("--date", callback=_day, default="", metavar="DAY",
                     help="Day that the program says at its top, as 2026-12-24. Default: the job file's.")  # fmt: skip
 
 

@@ -164,7 +164,8 @@ def _kerf_words(made: Proposal, kerf: Counter[str]) -> None:
         made.unsure.append(f"the control adds the kerf, within a move ({sides[0]}): kerf is as its defaults are")
     spelt = re.sub(r"(?<=D)[0-9.,]+", "{kerf}", alone[0]) if alone and ".1" in alone[0] else (alone or ["G41"])[0]
     off = next((text for text, _ in kerf.most_common() if text not in sides and not re.search("[XY]", text)), "G40")
-    words = {key: _KERF.sub(lambda m, n=n: f"G4{n}{m[2] or ''}", spelt) for key, n in (("left", 1), ("right", 2))}
+    dynamic = ".1" if ".1" in spelt else ""
+    words = {key: _KERF.sub(f"G4{n}{dynamic}", spelt) for key, n in (("left", 1), ("right", 2))}
     made.values["kerf"] = {**words, "off": off}
     made.unsure.append("the control adds the kerf: which, its table has to say, or the word itself ({kerf})")
 
