@@ -17,6 +17,7 @@ from .expr import (
     Node,
     OwnNumber,
     Sum,
+    TooMuch,
     all_of,
     any_of,
     at_least,
@@ -83,6 +84,10 @@ SUMS = ("position", "pick", "flat_between", "flat_pause")
 PARTIAL = ("int_div", "int_mod", "int_pow", "array_int_element", "array_var_int_element")
 
 
+MOST_MULTIPLIED = 40_000
+"""Terms that the products of a file come to together: three of two positions each on 115 contours."""
+
+
 class Meaning:
     """Reads one flat model. `elements` of an array, and `further`: what constraints of the file ask besides."""
 
@@ -91,6 +96,7 @@ class Meaning:
         self._bools: dict[str, Node] = {}
         self._sums: dict[str, Sum] = {}
         self._asked: list[Node] = []
+        self._multiplied = 0
         self._defined = {c.defines: c for c in flat.constraints if c.defines}
         for c in flat.constraints:  # MiniZinc does not mark what may have no value as defined
             result = c.args[-1] if c.args else None
@@ -191,6 +197,16 @@ class Meaning:
             else:
                 raise UnsupportedModel("a variable of its own, which nothing in a plan decides")
         return self._sums[value]
+
+    def _product(self, one: Sum, other: Sum) -> Sum:
+        """One number times the other, as long as all products together do not come to too much."""
+        self._multiplied += len(without_word(one).terms) * len(without_word(other).terms)
+        if self._multiplied > MOST_MULTIPLIED:
+            raise TooMuch(
+                f"products of what a plan decides come to more than {MOST_MULTIPLIED:,} terms on {self._n} contours: "
+                "multiply by facts alone, or say the same by sums and conditions"
+            )
+        return product(one, other)
 
     def _nodes(self, value: Value) -> list[Node]:
         return [self._node(one) for one in _listed(value)]
@@ -330,7 +346,7 @@ class Meaning:
                 if isinstance(args[0], int) or isinstance(args[1], int):
                     factor, other = (args[0], args[1]) if isinstance(args[0], int) else (args[1], args[0])
                     return plus([(_int(factor), one(other))])
-                return product(one(args[0]), one(args[1]))
+                return self._product(one(args[0]), one(args[1]))
             case "int_abs":
                 return function_of(without_word(one(args[0])), abs)
             case "int_max" | "int_min" | "array_int_maximum" | "array_int_minimum":

@@ -10,7 +10,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.flat import model_file
+from kerfwise.rules.flat import flatzinc_to_expr, model_file
 from kerfwise.rules.profile.load import load_profile
 
 ROW = nest(300, 120, *(part(name, rect(10 + 90 * k, 20, 60, 60)) for k, name in enumerate("ABC")))
@@ -165,3 +165,14 @@ def test_thousands_of_blanks_are_read_at_once(blanks: str) -> None:
     (found,) = model_file._parameters(Path("rule.mzn"), text, "rule")
     assert (found.name, found.default) == ("rule_least", "3")
     assert model_file._BARE.search(text)
+
+
+def test_products_that_grow_too_large_are_refused_before_they_are_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(flatzinc_to_expr, "MOST_MULTIPLIED", 10)
+    product = "position[i] * position[j] >= 2 | i, j in CONTOUR where i < j"
+    assert refused(tmp_path, product) == (
+        "small_first.mzn:4: rule small-first: products of what a plan decides come to more than 10 terms on 3 contours: "
+        "multiply by facts alone, or say the same by sums and conditions"
+    )
