@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from itertools import groupby
-from typing import Any, assert_never
+from typing import Any, ClassVar, Protocol, assert_never, get_args
 
 import shapely
 
@@ -64,8 +64,67 @@ class About:
     sentence: str
 
 
+# What is known of a plan, and whether a statement holds by it.
+
+
+class KnownPlan(Protocol):
+    """Places of all contours, from 0 on, and what is known of the candidates: none, some, or all."""
+
+    @property
+    def place(self) -> Sequence[int]: ...
+
+    def picks(self, c: int) -> bool | None:
+        """Whether a candidate is used; None where that is open."""
+
+    def cuts_by(self, contour: int, some: frozenset[int]) -> bool | None:
+        """Whether a contour is cut by one of these candidates; None where that is open."""
+
+
+def value_of(literal: Literal, known: KnownPlan) -> bool | None:
+    """Whether a literal is true, None where that is open."""
+    match literal:
+        case Before(i, j):
+            return bool(known.place[i] < known.place[j])
+        case Pick(c):
+            return known.picks(c)
+        case Enough(literals, weights, bound):
+            return reaches(literals, weights, bound, known)
+        case _:
+            assert_never(literal)
+
+
+def reaches(literals: Sequence[Literal], weights: Sequence[int], bound: int, known: KnownPlan) -> bool | None:
+    """Whether the weights of the true literals come to the bound, None where that is open."""
+    least = most = 0
+    for literal, weight in zip(literals, weights, strict=True):
+        true = value_of(literal, known)
+        may_be = (0, weight) if true is None else (weight * true,)
+        least, most = least + min(may_be), most + max(may_be)
+    return True if least >= bound else False if most < bound else None
+
+
+class StatementKind:
+    """What every kind of statement tells of itself."""
+
+    __slots__ = ()
+    HOLDS_IN_PLACE: ClassVar[bool] = False
+    """Whether it keeps the contours that it is about in their places, and is not the order of two of them."""
+
+    def contours_named(self) -> Iterator[int]:
+        """The contours that it names, by number, perhaps more than once."""
+        yield from ()
+
+    def candidates_named(self) -> Iterator[int]:
+        """The candidates that it names, perhaps more than once."""
+        yield from ()
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        """Whether a plan keeps it; None where entries that are open, moves or seconds decide."""
+        return None
+
+
 @dataclass(frozen=True, slots=True)
-class Precede:
+class Precede(StatementKind):
     """Contour `before` is cut before contour `after`."""
 
     before: int
@@ -73,18 +132,31 @@ class Precede:
     about: About
     weight: float | None = None
 
+    def contours_named(self) -> Iterator[int]:
+        yield from (self.before, self.after)
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        return bool(known.place[self.before] < known.place[self.after])
+
 
 @dataclass(frozen=True, slots=True)
-class Forbid:
+class Forbid(StatementKind):
     """Candidate `candidate` may not be used."""
 
     candidate: int
     about: About
     weight: float | None = None
 
+    def candidates_named(self) -> Iterator[int]:
+        yield self.candidate
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        used = known.picks(self.candidate)
+        return None if used is None else not used
+
 
 @dataclass(frozen=True, slots=True)
-class AtLeast:
+class AtLeast(StatementKind):
     """The sum of weights of the true literals is at least `bound` (whenever candidate `when` is used, if given)."""
 
     literals: tuple[Literal, ...]
@@ -99,22 +171,48 @@ class AtLeast:
         """Whether no plan can meet it: not even with every literal true that helps."""
         return self.when is None and sum(w for w in self.weights if w > 0) < self.bound
 
+    def contours_named(self) -> Iterator[int]:
+        for literal in plain(self.literals):
+            if isinstance(literal, Before):
+                yield from (literal.i, literal.j)
+
+    def candidates_named(self) -> Iterator[int]:
+        yield from (literal.c for literal in plain(self.literals) if isinstance(literal, Pick))
+        yield from () if self.when is None else (self.when,)
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        used = True if self.when is None else known.picks(self.when)
+        if not used:
+            return None if used is None else True
+        return reaches(self.literals, self.weights, self.bound, known)
+
 
 @dataclass(frozen=True, slots=True)
-class Contiguous:
+class Contiguous(StatementKind):
     """These contours follow each other without another between."""
+
+    HOLDS_IN_PLACE = True
 
     contours: tuple[int, ...]
     about: About
     weight: float | None = None
 
+    def contours_named(self) -> Iterator[int]:
+        yield from self.contours
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        places = [known.place[k] for k in self.contours]
+        return not places or bool(max(places) - min(places) < len(set(self.contours)))
+
 
 @dataclass(frozen=True, slots=True)
-class Lag:
+class Lag(StatementKind):
     """At least `cuts` other cuts and `seconds` s lie between contours `first` and `second`, whichever is cut first.
 
     If soft, every cut and every second that is missing costs the weight (whole mm for a second).
     """
+
+    HOLDS_IN_PLACE = True
 
     first: int
     second: int
@@ -123,19 +221,35 @@ class Lag:
     seconds: float = 0.0
     weight: float | None = None
 
+    def contours_named(self) -> Iterator[int]:
+        yield from (self.first, self.second)
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        kept = abs(known.place[self.first] - known.place[self.second]) > self.cuts
+        return None if kept and self.seconds > 0 else bool(kept)
+
 
 @dataclass(frozen=True, slots=True)
-class NoGood:
+class NoGood(StatementKind):
     """At no moment are all of `out` cut while all of `left` are still in."""
+
+    HOLDS_IN_PLACE = True
 
     out: frozenset[int]
     left: frozenset[int]
     about: About
     weight: float | None = None
 
+    def contours_named(self) -> Iterator[int]:
+        yield from (*self.out, *self.left)
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        last = max((known.place[m] for m in self.out), default=0)
+        return any(known.place[k] < last for k in self.left)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Crossing:
+class Crossing(StatementKind):
     """Idle travel over `area` (mm) costs, or is forbidden, once contour `over` is cut: its part may have tipped up.
 
     With `over` None it is out from the start: an earlier program has cut it.
@@ -146,9 +260,12 @@ class Crossing:
     about: About
     weight: float | None = None
 
+    def contours_named(self) -> Iterator[int]:
+        yield from () if self.over is None else (self.over,)
+
 
 @dataclass(frozen=True, slots=True)
-class IdleTravel:
+class IdleTravel(StatementKind):
     """Idle travel counts, at `weight` a millimetre."""
 
     about: About
@@ -156,7 +273,7 @@ class IdleTravel:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Link:
+class Link(StatementKind):
     """Once one of the candidates `leave` is cut, one of `reach` may follow with the torch on, along `path` (mm).
 
     The move then costs `weight`, in place of idle travel and of what that crosses, and the cut takes `seconds` more.
@@ -171,14 +288,19 @@ class Link:
     weight: float
     seconds: float = 0.0
 
+    def candidates_named(self) -> Iterator[int]:
+        yield from (*self.leave, *self.reach)
+
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class Move(StatementKind):
     """None of the contours `reach` is cut directly after one of `leave`; soft, each time that one is costs the weight.
 
     With `leaving`, only where the first of the two is cut by one of these candidates; with `reaching`, only where the
     second is.
     """
+
+    HOLDS_IN_PLACE = True
 
     leave: tuple[int, ...]
     reach: tuple[int, ...]
@@ -191,6 +313,23 @@ class Move:
         """Whether it is broken where contour `j`, cut by candidate `d`, directly follows `i`, cut by `c`."""
         by = (self.leaving is None or c in self.leaving) and (self.reaching is None or d in self.reaching)
         return by and i in self.leave and j in self.reach
+
+    def contours_named(self) -> Iterator[int]:
+        yield from (*self.leave, *self.reach)
+
+    def candidates_named(self) -> Iterator[int]:
+        yield from (*(self.leaving or ()), *(self.reaching or ()))
+
+    def holds(self, known: KnownPlan) -> bool | None:
+        reached, found = {known.place[j]: j for j in self.reach}, True
+        for i in self.leave:
+            if (j := reached.get(known.place[i] + 1)) is not None:
+                ways = ((i, self.leaving), (j, self.reaching))
+                by = [some is None or known.cuts_by(k, some) for k, some in ways]
+                if all(by):
+                    return False
+                found = found and False in by
+        return True if found else None
 
 
 EXEMPTION_MM = 1e6
@@ -224,6 +363,10 @@ class Kinds:
     move: tuple[Move, ...]
 
 
+FIELD_OF: Mapping[type, str] = dict(zip(get_args(Statement), (f.name for f in fields(Kinds)), strict=True))
+"""The field of `Kinds` of each kind: they stand there in the order of `Statement`."""
+
+
 def by_kind(statements: Iterable[Statement]) -> Kinds:
     """Sort statements by kind.
 
@@ -240,104 +383,37 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
     >>> [(s.before, s.after) for s in found.precede], len(found.lag)
     ([(0, 1), (1, 2)], 0)
     """
-    precede: list[Precede] = []
-    forbid: list[Forbid] = []
-    at_least: list[AtLeast] = []
-    contiguous: list[Contiguous] = []
-    lag: list[Lag] = []
-    no_good: list[NoGood] = []
-    crossing: list[Crossing] = []
-    idle_travel: list[IdleTravel] = []
-    link: list[Link] = []
-    move: list[Move] = []
-    for _, alike in groupby(statements, type):  # those of a kind mostly stand together
-        run: list[Any] = list(alike)
-        first: Statement = run[0]
-        match first:
-            case Precede():
-                precede.extend(run)
-            case Forbid():
-                forbid.extend(run)
-            case AtLeast():
-                at_least.extend(run)
-            case Contiguous():
-                contiguous.extend(run)
-            case Lag():
-                lag.extend(run)
-            case NoGood():
-                no_good.extend(run)
-            case Crossing():
-                crossing.extend(run)
-            case IdleTravel():
-                idle_travel.extend(run)
-            case Link():
-                link.extend(run)
-            case Move():
-                move.extend(run)
-            case _:
-                assert_never(first)
-    return Kinds(
-        precede=tuple(precede),
-        forbid=tuple(forbid),
-        at_least=tuple(at_least),
-        contiguous=tuple(contiguous),
-        lag=tuple(lag),
-        no_good=tuple(no_good),
-        crossing=tuple(crossing),
-        idle_travel=tuple(idle_travel),
-        link=tuple(link),
-        move=tuple(move),
-    )
-
-
-# Which contours and candidates a statement names, by number.
+    found: dict[type, list[Any]] = {kind: [] for kind in FIELD_OF}
+    for kind, alike in groupby(statements, type):  # those of a kind mostly stand together
+        run = list(alike)
+        if kind not in found:
+            raise AssertionError(f"no kind of statement: {run[0]!r}")
+        found[kind].extend(run)
+    return Kinds(**{field: tuple(found[kind]) for kind, field in FIELD_OF.items()})
 
 
 def contours_named(s: Statement) -> Iterator[int]:
-    """The contours, perhaps more than once.
+    """The contours that a statement names, by number, perhaps more than once.
 
     Examples
     --------
-    >>> from kerfwise.rules.statements import About
     >>> list(contours_named(Precede(0, 4, About("level-ahead", (), ""))))
     [0, 4]
     """
-    match s:
-        case Precede():
-            yield from (s.before, s.after)
-        case Contiguous():
-            yield from s.contours
-        case Lag():
-            yield from (s.first, s.second)
-        case NoGood():
-            yield from (*s.out, *s.left)
-        case AtLeast():
-            for literal in plain(s.literals):
-                if isinstance(literal, Before):
-                    yield from (literal.i, literal.j)
-        case Crossing():
-            yield from () if s.over is None else (s.over,)
-        case Move():
-            yield from (*s.leave, *s.reach)
-        case Forbid() | IdleTravel() | Link():
-            return
-        case _:
-            assert_never(s)
+    return _known(s).contours_named()
 
 
 def candidates_named(s: Statement) -> Iterator[int]:
-    """The candidates, perhaps more than once."""
-    match s:
-        case Forbid():
-            yield s.candidate
-        case AtLeast():
-            yield from (literal.c for literal in plain(s.literals) if isinstance(literal, Pick))
-            yield from () if s.when is None else (s.when,)
-        case Link():
-            yield from (*s.leave, *s.reach)
-        case Move():
-            yield from (*(s.leaving or ()), *(s.reaching or ()))
-        case Precede() | Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
-            return
-        case _:
-            assert_never(s)
+    """The candidates that it names, perhaps more than once."""
+    return _known(s).candidates_named()
+
+
+def holds(s: Statement, known: KnownPlan) -> bool | None:
+    """Whether a plan keeps it; None where entries that are open, moves or seconds decide."""
+    return _known(s).holds(known)
+
+
+def _known(s: Statement) -> Statement:
+    if type(s) not in FIELD_OF:
+        raise AssertionError(f"no kind of statement: {s!r}")
+    return s

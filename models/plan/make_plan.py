@@ -7,7 +7,6 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import assert_never
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.stretches import run_of
@@ -29,16 +28,7 @@ from kerfwise.models.problem.problem import links_on
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import (
     EXEMPTION_MM,
-    AtLeast,
-    Contiguous,
-    Crossing,
-    Forbid,
-    IdleTravel,
-    Lag,
     Link,
-    Move,
-    NoGood,
-    Precede,
     by_kind,
 )
 from kerfwise.rules.stating.state_rules import Stated
@@ -360,18 +350,11 @@ def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Co
     that is left.
     """
     found: dict[int, list[tuple[Condition, str]]] = defaultdict(list)
-    for s in stated.statements:
-        if s.weight != EXEMPTION_MM:
-            continue
-        match s:
-            case NoGood():
-                for condition in no_good_condition(s, None):
-                    found[condition.contour].append((condition, s.about.contours[len(s.out)]))
-            case AtLeast():
-                if (asked := at_least_condition(s, contour_of, None)) is not None:
-                    found[asked.contour].append((asked, s.about.contours[0]))
-            case Precede() | Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link() | Move():
-                pass  # no excusable rule states them
-            case _:
-                assert_never(s)
+    excused = by_kind(s for s in stated.statements if s.weight == EXEMPTION_MM)  # no excusable rule states other kinds
+    for no_good in excused.no_good:
+        for condition in no_good_condition(no_good, None):
+            found[condition.contour].append((condition, no_good.about.contours[len(no_good.out)]))
+    for s in excused.at_least:
+        if (asked := at_least_condition(s, contour_of, None)) is not None:
+            found[asked.contour].append((asked, s.about.contours[0]))
     return found

@@ -187,7 +187,7 @@ def test_a_kind_that_nobody_knows_is_refused_by_name(file: str, number: int, mon
 
 @pytest.mark.slow
 def test_each_file_that_tells_kinds_apart_is_tried() -> None:
-    found = {*matching(), *sorting()}
+    found = {"rules/statements.py", *matching(), *sorting()}
     assert not found - set(REFUSES), "these tell kinds apart and are not tried"
     assert not set(REFUSES) - found, "these no longer tell kinds apart"
 

@@ -6,7 +6,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import assert_never
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
@@ -19,20 +18,9 @@ from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import (
-    AtLeast,
-    Before,
-    Contiguous,
-    Crossing,
-    Enough,
-    Forbid,
-    Lag,
-    Literal,
-    Move,
-    NoGood,
-    Pick,
-    Precede,
     by_kind,
     candidates_named,
+    holds,
 )
 from kerfwise.rules.stating.feasible_order import order_in_runs
 
@@ -232,62 +220,17 @@ class Way:
 
     def keeps(self, s: CanClash) -> bool:
         """Whether the statement holds, or may hold still where entries are open; moves and seconds are not asked."""
-        match s:
-            case Precede(i, j):
-                return self.place[i] < self.place[j]
-            case Forbid(c):
-                return c not in self.picked
-            case AtLeast():
-                if s.when is not None and s.when not in self.picked:
-                    return True
-                return self._span(s.literals, s.weights)[1] >= s.bound
-            case Contiguous(contours):
-                places = [self.place[k] for k in contours]
-                return not places or max(places) - min(places) < len(set(contours))
-            case Lag(i, j):
-                return abs(self.place[i] - self.place[j]) > s.cuts
-            case NoGood(out, left):
-                return any(self.place[k] < max((self.place[m] for m in out), default=0) for k in left)
-            case Move():
-                return not self._goes_straight_on(s)
-            case Crossing():
-                return True
-            case _:
-                assert_never(s)
+        return holds(s, self) is not False
 
-    def _goes_straight_on(self, s: Move) -> bool:
-        """Whether one of its contours surely follows another as it forbids."""
-        reached = {self.place[j]: j for j in s.reach}
-        straight = ((i, reached[self.place[i] + 1]) for i in s.leave if self.place[i] + 1 in reached)
-        return any(self._picked_of(i, s.leaving) and self._picked_of(j, s.reaching) for i, j in straight)
+    def picks(self, c: int) -> bool | None:
+        """As `KnownPlan` says."""
+        return True if c in self.picked else False if self.contour_of[c] in self.entered else None
 
-    def _picked_of(self, contour: int, some: frozenset[int] | None) -> bool:
-        """Whether a contour is surely cut by some of these candidates; None are all."""
-        return some is None or (
-            contour in self.entered and any(self.contour_of[c] == contour for c in self.picked & some)
-        )
-
-    def _span(self, literals: Sequence[Literal], weights: Sequence[int]) -> tuple[int, int]:
-        """The least and the most that the literals which are true may weigh."""
-        least = most = 0
-        for literal, weight in zip(literals, weights, strict=True):
-            true = self._value(literal)
-            may_be = (0, weight) if true is None else (weight * true,)
-            least, most = least + min(may_be), most + max(may_be)
-        return least, most
-
-    def _value(self, literal: Literal) -> bool | None:
-        """Whether a literal is true, None where that is open."""
-        match literal:
-            case Before(i, j):
-                return self.place[i] < self.place[j]
-            case Pick(c):
-                return None if self.contour_of[c] not in self.entered else c in self.picked
-            case Enough(literals, weights, bound):
-                least, most = self._span(literals, weights)
-                return True if least >= bound else False if most < bound else None
-            case _:
-                assert_never(literal)
+    def cuts_by(self, contour: int, some: frozenset[int]) -> bool | None:
+        """As `KnownPlan` says."""
+        if any(self.contour_of[c] == contour for c in self.picked & some):
+            return True
+        return False if contour in self.entered else None
 
 
 def whole_order(facts: Facts, groups: Sequence[Group], said: Sequence[Orders]) -> Way | None:

@@ -40,6 +40,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     by_kind,
+    contours_named,
     plain,
 )
 from kerfwise.rules.stating.feasible_order import ends_of, likely_order
@@ -133,27 +134,18 @@ def _loose(groups: Sequence[Group]) -> set[int]:
     """Contours only asked to come before or after one other: first or last of all, they are in no one's way."""
     partners: dict[int, set[int]] = defaultdict(set)
     firm: set[int] = set()
-    for s in (s for group in groups for s in group.statements):
-        match s:
-            case AtLeast():
-                for literal in s.literals:
-                    if isinstance(literal, Enough):
-                        firm |= {k for lit in plain([literal]) if isinstance(lit, Before) for k in (lit.i, lit.j)}
-                    elif isinstance(literal, Before):
-                        partners[literal.i].add(literal.j)
-                        partners[literal.j].add(literal.i)
-            case Precede(i, j) | Lag(i, j):
-                firm |= {i, j}
-            case Contiguous(contours):
-                firm |= set(contours)
-            case NoGood(out, left):
-                firm |= out | left
-            case Move():
-                firm |= {*s.leave, *s.reach}
-            case Forbid() | Crossing():
-                pass  # neither is about a contour's place
-            case _:
-                assert_never(s)
+    kinds = by_kind(s for group in groups for s in group.statements)
+    for s in kinds.at_least:
+        for literal in s.literals:
+            if isinstance(literal, Enough):
+                firm |= {k for lit in plain([literal]) if isinstance(lit, Before) for k in (lit.i, lit.j)}
+            elif isinstance(literal, Before):
+                partners[literal.i].add(literal.j)
+                partners[literal.j].add(literal.i)
+    aside = {id(s) for s in (*kinds.at_least, *kinds.crossing)}  # a move over a part is not about its place
+    for group in groups:
+        for statement in group.statements:
+            firm |= set() if id(statement) in aside else set(contours_named(statement))
     loose = {k for k, of in partners.items() if k not in firm and len(of) == 1 and k not in of}
     return {k for k in loose if not partners[k] & loose}
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import assert_never
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.cut import Direction
@@ -17,19 +15,10 @@ from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import broken, broken_orders, order_cost
 from kerfwise.rules.statements import (
     About,
-    AtLeast,
-    Before,
-    Contiguous,
-    Crossing,
-    Forbid,
-    IdleTravel,
-    Lag,
-    Link,
-    Move,
-    NoGood,
-    Precede,
     Statement,
     by_kind,
+    contours_named,
+    holds,
 )
 from kerfwise.rules.stating.lazy_statements import forbids_later, lazy_statements
 
@@ -212,34 +201,23 @@ def _broken(setting: PlanContext, order: Sequence[int], asked: Sequence[Statemen
     if len(setting.pairs):
         for k in np.flatnonzero(place[setting.pairs[:, 0]] > place[setting.pairs[:, 1]]).tolist():
             yield setting.orders[k].about
+    known = _OrderAlone(place.tolist())
     for s in setting.stated.statements if asked is None else asked:
-        if s.weight is None and not _holds(s, place):
+        if s.weight is None and holds(s, known) is False:
             yield s.about
 
 
-def _holds(statement: Statement, place: NDArray[np.int64]) -> bool:
-    """Whether an order keeps a statement; one that hangs on entries is taken to hold."""
-    match statement:
-        case Contiguous(contours):
-            at = place[list(contours)]
-            return bool(at.max() - at.min() < len(contours))
-        case NoGood(out, left):
-            return bool(place[sorted(out)].max() > place[sorted(left)].min())
-        case Lag(i, j):
-            return bool(abs(place[i] - place[j]) > statement.cuts)
-        case Move(leave, reach) if statement.leaving is None and statement.reaching is None:
-            after = place[list(leave)] + 1
-            return not np.isin(place[list(reach)], after).any()
-        case AtLeast():
-            if statement.when is not None:
-                return True
-            pairs = [lit for lit in statement.literals if isinstance(lit, Before)]
-            true = sum(w for lit, w in zip(pairs, statement.weights, strict=False) if place[lit.i] < place[lit.j])
-            return len(pairs) < len(statement.literals) or true >= statement.bound
-        case Precede() | Forbid() | Crossing() | IdleTravel() | Link() | Move():
-            return True  # `_broken` looks at orders, `resite` and `broken` at entries and moves
-        case _:
-            assert_never(statement)
+@dataclass(frozen=True, slots=True)
+class _OrderAlone:
+    """What is known of an order whose entries are open."""
+
+    place: Sequence[int]
+
+    def picks(self, c: int) -> bool | None:
+        return None
+
+    def cuts_by(self, contour: int, some: frozenset[int]) -> bool | None:
+        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -442,25 +420,11 @@ def other_statements(setting: PlanContext, contour: int, asked: Sequence[Stateme
 
     `asked` are those that may be such, if known.
     """
-    found = []
-    for s in setting.stated.statements if asked is None else asked:
-        if s.weight is not None:
-            continue
-        match s:
-            case Contiguous(contours):
-                mine = contour in contours
-            case NoGood(out, left):
-                mine = contour in out or contour in left
-            case Lag(i, j):
-                mine = contour in (i, j)
-            case Move(leave, reach):
-                mine = contour in leave or contour in reach
-            case Precede() | Forbid() | AtLeast() | Crossing() | IdleTravel() | Link():
-                mine = False  # orders are `blocking_orders`; entries, sums and moves are told elsewhere
-            case _:
-                assert_never(s)
-        if mine:
-            found.append(s.about)
+    found = [
+        s.about
+        for s in (setting.stated.statements if asked is None else asked)
+        if s.weight is None and contour in contours_named(s) and s.HOLDS_IN_PLACE
+    ]
     site = setting.route[setting.order.index(contour)]
     found += [c.about for c in setting.conditions.get(contour, ()) if c.cost is None and c.when in (None, site)]
     return tuple(dict.fromkeys(found))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, assert_never
+from typing import Any
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
@@ -21,18 +21,9 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import (
     EXEMPTION_MM,
     About,
-    AtLeast,
     Before,
-    Contiguous,
-    Crossing,
-    Forbid,
-    IdleTravel,
-    Lag,
-    Link,
-    Move,
-    NoGood,
-    Precede,
     Statement,
+    by_kind,
 )
 from kerfwise.rules.stating.state_rules import Stated
 
@@ -356,19 +347,16 @@ def _kept(setting: PlanContext, statement: Statement, contour: int) -> bool | No
     """Whether the plan keeps it; None where it asks nothing of how this contour is cut."""
     place = {contour: k for k, contour in enumerate(setting.order)}
     site_of = setting.problem.candidate_site
-    match statement:
-        case Precede(before, after):
-            return place[before] < place[after]
-        case Forbid(candidate):
-            return int(site_of[candidate]) not in setting.route if site_of[candidate] >= 0 else None
-        case AtLeast():
-            orders = [x for x in statement.literals if isinstance(x, Before) and contour in (x.i, x.j)]
-            unused = statement.when is not None and int(site_of[statement.when]) not in setting.route
-            if unused or len(orders) < len(statement.literals):
-                return None
-            true = (w for x, w in zip(orders, statement.weights, strict=True) if place[x.i] < place[x.j])
-            return sum(true) >= statement.bound
-        case Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel() | Link() | Move():
-            return None  # no price of heat is one of them
-        case _:
-            assert_never(statement)
+    kinds = by_kind([statement])  # no price of heat is of another kind
+    for order in kinds.precede:
+        return place[order.before] < place[order.after]
+    for entry in kinds.forbid:
+        return int(site_of[entry.candidate]) not in setting.route if site_of[entry.candidate] >= 0 else None
+    for s in kinds.at_least:
+        orders = [x for x in s.literals if isinstance(x, Before) and contour in (x.i, x.j)]
+        unused = s.when is not None and int(site_of[s.when]) not in setting.route
+        if unused or len(orders) < len(s.literals):
+            return None
+        true = (w for x, w in zip(orders, s.weights, strict=True) if place[x.i] < place[x.j])
+        return sum(true) >= s.bound
+    return None

@@ -173,6 +173,6 @@ def test_products_that_grow_too_large_are_refused_before_they_are_made(
     monkeypatch.setattr(flatzinc_to_expr, "MOST_MULTIPLIED", 10)
     product = "position[i] * position[j] >= 2 | i, j in CONTOUR where i < j"
     assert refused(tmp_path, product) == (
-        "small_first.mzn:4: rule small-first: products of what a plan decides come to more than 10 terms on 3 contours: "
-        "multiply by facts alone, or say the same by sums and conditions"
+        "small_first.mzn:4: rule small-first: products of what a plan decides come to more than 10 terms on 3 "
+        "contours: multiply by facts alone, or say the same by sums and conditions"
     )
