@@ -27,6 +27,7 @@ from .plan_request import PlanRequest
 from .session import Alternative, Packed, Session
 
 FORMAT = "kerfwise-viewer/1"
+INTERRUPTED = "the planning was interrupted: press Plan to take it up again"
 PLAN, PAGE, FILES = "plan.json", "page.z", "files/"
 """What a plan's file holds: what a list says of it, its page, and its files."""
 MOST_BYTES = 256_000_000
@@ -159,6 +160,7 @@ class KeptSessions:
             "made": session.made,
             "runs": session.runs,
             "saved": session.saved,
+            "planning": session.solving is not None,
             "kept": [one.number for one in session.alternatives if one.kept],
         }
         self._write(folder / "session.json", json.dumps(told).encode())
@@ -190,6 +192,7 @@ class KeptSessions:
             max([*numbers, told.get("made", 0)]),
             max([*(one.run for one in plans), told.get("runs", 0)]),
             told.get("saved"),
+            INTERRUPTED if told.get("planning") else "",
         )
 
     def state_of(self, key: str) -> str:
@@ -262,6 +265,7 @@ class KeptSession:
     made: int
     runs: int
     saved: dict[str, Any] | None
+    problem: str
 
     def into(self, session: Session) -> None:
         """Have a session go on where this one was."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import file_bytes
 from kerfwise.jobs.inputs import Inputs, Tell, drawn_nest, plant_of, silent
 from kerfwise.jobs.nest_job.job import Job, beside_name, job_of
@@ -20,6 +21,7 @@ from kerfwise.jobs.nest_job.request import NestRequest, locked_for, profile_for
 from kerfwise.jobs.resume import already_cut
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
+from kerfwise.rules.profile.profile import Profile
 
 BOM = "\ufeff"
 
@@ -132,10 +134,26 @@ def request_inputs(wanted: PlanRequest, tell: Tell = silent) -> Inputs:
     job = job_in(wanted)
     asked = NestRequest(job=False if job is None else job, last=old_plan(wanted))
     plant = profile_for(asked, job, tell, lambda named: plant_of(named, wanted.trust))
-    read = drawn_nest(name, plant, repair=wanted.repair)
+    read, as_cut = _nest_by(wanted, plant)
     for note in read.notes:
         tell(f"{note.severity}: {note.text}")
-    return locked_for(plant.as_cut(read), name, plant, asked, job, tell)
+    return locked_for(as_cut, name, plant, asked, job, tell)
+
+
+_MOST_READ = 3
+_read: list[tuple[tuple[str, str, bool], Profile, Nest, Nest]] = []
+"""The last nests that this process has read: another lock changes neither the drawing nor how it is cut."""
+
+
+def _nest_by(wanted: PlanRequest, plant: Profile) -> tuple[Nest, Nest]:
+    """The nest as it is drawn, and as a profile has it cut."""
+    key = wanted.nest, sha256_of(Path(wanted.nest)), wanted.repair
+    for known, by, *nests in _read:
+        if known == key and by == plant:
+            return nests[0], nests[1]
+    read = drawn_nest(Path(wanted.nest).name, plant, repair=wanted.repair)
+    _read[:] = [(key, plant, read, plant.as_cut(read)), *_read][:_MOST_READ]
+    return read, _read[0][-1]
 
 
 def old_plan(wanted: PlanRequest) -> Plan | None:

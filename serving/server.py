@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import json
 import shutil
@@ -77,6 +78,7 @@ class Server:
         self.folder, self.profile, self._trust = folder, profile, trust
         self.kept, self.nests = KeptSessions(state, folder.path, trust), NestList(folder)
         self.sessions: dict[str, Session] = {}
+        self._opening: dict[str, asyncio.Lock] = {}
         self._thumbnails: dict[tuple[Path, int], str] = {}
         self._dropped = Path(tempfile.mkdtemp(prefix="kerfwise-")).resolve()  # drawings that nobody has read yet
         installed = [Path(kerfwise.__file__).parent, *map(Path, {get_path("purelib"), get_path("platlib")})]
@@ -105,6 +107,10 @@ class Server:
         """
         name = path.relative_to(self.folder.path).as_posix()
         key = key_of(name)
+        async with self._opening.setdefault(key, asyncio.Lock()):  # two tabs open it once
+            return await self._opened(key, name, path, repair, answers)
+
+    async def _opened(self, key: str, name: str, path: Path, repair: bool, answers: Mapping[str, str]) -> Session:
         disk = self.text_beside(path)
         if answers:
             disk = await self._answered(path, disk, repair, answers)
@@ -134,11 +140,9 @@ class Server:
     async def _opened_first(self, key: str, name: str, wanted: PlanRequest, disk: str | None) -> Session:
         wanted = replace(wanted, trust=self._trust)
         opened = await self.asked("opened", wanted=wanted)
-        there = self.sessions.get(key)  # the desk took its time, and another tab did not wait
-        if there is None:
-            there = self.sessions[key] = Session(key, name, wanted, opened, self.news, on_disk=disk, keeper=self.kept)
-            there.seen = _seen(opened)
-            self.kept.keep(there)
+        there = self.sessions[key] = Session(key, name, wanted, opened, self.news, on_disk=disk, keeper=self.kept)
+        there.seen = _seen(opened)
+        self.kept.keep(there)
         return there
 
     async def _opened_again(
@@ -169,7 +173,8 @@ class Server:
             if isinstance(before, KeptSession):
                 before.into(there)
         shown = there.current
-        none: dict[str, Any] = {"conflict": None, "problem": "", "questions": []}
+        problem = before.problem if isinstance(before, KeptSession) else ""
+        none: dict[str, Any] = {"conflict": None, "problem": problem, "questions": []}
         none["shown"] = there.shown if shown is not None and shown.sha256 == opened["sha256"] else 0
         there.changed(wanted=wanted, opened=opened, on_disk=disk, changed_job=changed, **none)
         return there

@@ -45,7 +45,7 @@ export function planBar(app, work, history) {
     reached.textContent = solving ? `${reachedText(solving, work)} ${clockOf(solving)}` : `${upto && !fits ? `${tr("cuts 1 to {upto} are made", { upto })}; ` : ""}${stillText(work)}`;
     if (said.textContent && said.dataset.of !== work.saidOf) said.textContent = ""; // it was said of another plan
     app.set({ stale: !fits && Boolean(work.plan) });
-    if (wasSolving && !solving) {
+    if (wasSolving && !solving && !work.lost) {
       if (problem || work.state.conflict) work.say(problem || tr("the rules contradict each other"), "bad");
       else work.say(plannedText(work), work.plan?.ok ? "good" : "bad");
     }

@@ -47,10 +47,13 @@ export class Work {
   /** @param {boolean} lost */
   connected(lost) {
     if (lost === this.lost) return;
-    this.lost = lost;
-    if (lost && this.state) this.state.solving = null; // whatever was planned, nobody knows how it goes
+    if (!lost) { // not before it is known what is so now
+      this.catchUp().then(() => { this.lost = false; this.hear("connection"); }, () => {});
+      return;
+    }
+    this.lost = true;
+    if (this.state) this.state.solving = null; // whatever was planned, nobody knows how it goes
     this.hear("connection");
-    if (!lost) this.catchUp().then(() => this.hear("state"), () => this.connected(true));
   }
 
   /** @param {string} what */

@@ -18,10 +18,12 @@ from typing import Any
 
 import httpx
 import pytest
+from playwright.sync_api import Browser
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.serving.kept_sessions import KeptSessions, NotPrivate, private_folder
-from kerfwise.tests.serving.served import SMALL, Open, wait_for
+from kerfwise.tests.serving.conftest import Look
+from kerfwise.tests.serving.served import SMALL, Open, Tab, wait_for
 from kerfwise.tests.tools.amount import few
 
 pytestmark = pytest.mark.slow
@@ -37,6 +39,7 @@ class Killable:
     process: subprocess.Popen[str] | None = None
     client: httpx.Client = field(default_factory=httpx.Client)
     port: int = 0
+    entrance: str = ""
 
     def begin(self) -> None:
         token = self.folder.parent / "token"
@@ -53,7 +56,7 @@ class Killable:
         assert self.process.stdout is not None
         found = re.search(r"http://127\.0\.0\.1:(\d+)/\?code=\S+", self.process.stdout.readline())
         assert found is not None
-        self.port = int(found[1])
+        self.port, self.entrance = int(found[1]), found[0]
         address = f"http://127.0.0.1:{self.port}"
         headers = {"origin": address, "x-kerfwise-token": token.read_text(encoding="ascii")}
         self.client = httpx.Client(base_url=address, headers=headers, timeout=60)
@@ -191,10 +194,49 @@ def test_a_planning_that_was_killed_has_its_first_plans_and_goes_on(killable: Ki
     assert "plate.json" in page.text
     now = killable.state_of(key)
     assert now["solving"] is None  # nothing says that it is being planned for ever
+    assert now["problem"] == "the planning was interrupted: press Plan to take it up again"
     expect_kept([before], now)
     assert now["server"] != before["server"]
     killable.post(key, "edit", changes=[{"lock": "P1 first"}], plan=True)
     wait_for(lambda: any(one["locked"] for one in killable.state_of(key)["alternatives"]))
+
+
+@pytest.mark.browser
+def test_a_lost_connection_is_said_and_the_page_goes_on(look: Look, planned: Tab) -> None:
+    at = look()
+    at.page.route("**/api/events", lambda route: route.abort())
+    at.open(planned)
+    at.page.wait_for_selector("#hands-notices .lost")
+    assert at.page.locator("#hands-save").is_disabled()
+    planned.edit({"lock": "C.outer last"})  # another tab goes on meanwhile
+    at.page.unroute("**/api/events")
+    at.page.wait_for_selector("#hands-notices .lost", state="detached")
+    at.page.wait_for_selector("#hands-locks li:has-text('C.outer last')", state="attached")
+    at.wrong.clear()
+
+
+@pytest.mark.full
+@pytest.mark.browser
+def test_a_page_that_is_open_goes_on_with_the_next_server(killable: Killable, browser: Browser) -> None:
+    (killable.folder / "small.json").write_text(SMALL, encoding="utf-8")
+    killable.begin()
+    key = killable.open("small.json")["id"]
+    killable.planned(key)
+    page = browser.new_context().new_page()
+    page.goto(killable.entrance)
+    page.goto(f"http://127.0.0.1:{killable.port}/nest/{key}")
+    page.wait_for_selector("#row-3")
+    killable.post(key, "edit", changes=[{"lock": "C.outer last"}])
+    page.wait_for_selector("#hands-locks li:has-text('C.outer last')", state="attached")
+    killable.kill()
+    page.wait_for_selector("#hands-notices .lost")
+    killable.begin()
+    page.wait_for_selector("#hands-notices .lost", state="detached")
+    assert page.locator("#hands-plans li").count() == 1
+    assert page.locator("#hands-locks li").count() == 1
+    page.click("#hands-plan")
+    wait_for(lambda: len(killable.state_of(key)["alternatives"]) == 2)
+    page.context.close()
 
 
 @pytest.mark.parametrize("use", ["kept", "disk"])
