@@ -24,7 +24,7 @@ export function plansPanel(app, work) {
 /** @type {(work: Work, one: any, best: number) => HTMLElement} */
 function planRow(work, one, best) {
   const { light_mm, idle_mm, time_s, excuses } = one.figures, { shown } = work.state;
-  const keep = make("button", { type: "button", class: "compare", "aria-pressed": String(one.kept), title: tr("a plan that is kept is never thrown away"),
+  const keep = make("button", { type: "button", class: "keep", "aria-pressed": String(one.kept), title: tr("a plan that is kept is never thrown away"),
     onclick: () => work.change("keep", { number: one.number, kept: !one.kept }) }, one.kept ? tr("kept") : tr("keep"));
   const more = light_mm > best + 0.5 ? tr("costs {more} more than the least", { more: metres(light_mm - best) }) : tr("costs the least");
   const flags = [stageText(one), !one.of_now && tr("of the drawing before it was changed"), one.stopped && tr("cancelled"), one.upto && tr("after cut {upto}", { upto: one.upto })];

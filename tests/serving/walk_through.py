@@ -27,7 +27,7 @@ _QUALITY = 72
 
 def opened(page: Page) -> None:
     """The nest is chosen in the list of the folder."""
-    page.click(f"button:text-is('{NEST}')")
+    page.click(f"#nests button[aria-label='{NEST}']")
     page.wait_for_selector("[data-ready=yes]", state="attached")
     page.wait_for_selector("#hands-plan")
 
@@ -36,6 +36,7 @@ def planned(page: Page) -> None:
     page.click("#hands-plan")
     page.wait_for_selector("#hands-plans li", state="attached")
     page.wait_for_selector("#row-15")
+    page.wait_for_selector("#hands-cancel", state="hidden")
 
 
 def why(page: Page) -> None:
@@ -60,6 +61,7 @@ def compared(page: Page) -> None:
     """The row is let go: it is locked there, and the nest is planned again. Then both plans stand side by side."""
     page.mouse.up()
     page.wait_for_selector("#hands-plans li:nth-child(2)", state="attached")
+    page.wait_for_selector("#hands-cancel", state="hidden")
     page.click("#tab-plans")
     page.click("#hands-plans button.compare")
     page.wait_for_selector("#stages figure[data-side='1']")
@@ -83,6 +85,7 @@ def saved(page: Page) -> None:
     page.click("#hands-conflict button:has-text('undo: P3.outer first')")
     page.wait_for_selector("#hands-conflict", state="hidden")
     page.wait_for_selector("#hands-plans li:nth-child(3)", state="attached")
+    page.wait_for_selector("#hands-cancel", state="hidden")
     page.click("#hands-save")
     page.wait_for_selector("#hands-said:has-text('saved e1x_6.nc')")
 
@@ -114,7 +117,7 @@ def walk(browser: Browser, served: Served, see: Callable[[str, Page], None]) -> 
     """Do every step, and show the page after it."""
     shutil.copy(EXAMPLES / NEST, served.server.folder.path / NEST)
     page = browser.new_page(viewport={"width": WIDE, "height": HIGH})
-    page.set_default_timeout(300_000)
+    page.set_default_timeout(60_000)
     page.goto(f"{served.entrance}&list")
     page.wait_for_selector("h1")
     for name, does in STEPS.items():

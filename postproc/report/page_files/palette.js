@@ -2,6 +2,9 @@
 const NAMES = ["ground", "sheet", "edge", "part", "loose", "gap", "outer", "hole", "mark", "slit", "scrap", "pierce",
   "travel", "torch", "select", "alert", "text", "halo", "tab", "done", "unkept", "warn", "good", "bad", "strong"];
 
+/** Drawn in the colour of paper or ink, whichever the look has. */
+export const PAPER_COLOURS = new Set(["white", "black", "#ffffff", "#000000"]);
+
 /**
  * @typedef {object} Palette
  * @property {Record<string, string>} ink

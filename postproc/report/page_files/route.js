@@ -8,7 +8,7 @@ import { placeOn } from "./way.js";
 
 export const NUMBER_FONT_PX = 11;
 const ROOM_FOR_NUMBER = 2, MOST_NUMBERS = 1500, MOST_DASHED = 500, SQUARE_PX = 40;
-const ARROW_SQUARE_PX = 46, DOT_SQUARE_PX = 11, LEAST_ARROW_PX = 18, LEAST_TURN_PX = 26, AHEAD_PX = 14, PIERCE_PX = 1.9, AT_ENTRY_MM = 0.1;
+const ARROW_SQUARE_PX = 46, DOT_SQUARE_PX = 11, LEAST_ARROW_PX = 18, LEAST_TURN_PX = 26, AHEAD_PX = 14, PIERCE_PX = 1.9, AT_ENTRY_MM = 0.1, STARTS_AT_ONCE = 100;
 
 /** @typedef {[number, number, number, number]} Box x0, y0, x1, y1 in pixels */
 
@@ -56,10 +56,12 @@ export function* paintRoute(context, camera, palette, side, done, size) {
  * @param {Palette} palette
  * @param {Scenery} scenery
  * @param {number[]} seen contours
+ * @returns {Generator<void, void, void>}
  */
-export function paintStarts(context, camera, palette, scenery, seen) {
+export function* paintStarts(context, camera, palette, scenery, seen) {
   const dots = new Squares(DOT_SQUARE_PX), arrows = new Squares(ARROW_SQUARE_PX), leads = new Path2D(), pierces = new Path2D(), ways = new Path2D();
-  for (const k of seen) {
+  for (const [place, k] of seen.entries()) {
+    if (place % STARTS_AT_ONCE === STARTS_AT_ONCE - 1) yield;
     const number = scenery.cutOf.get(k);
     if (number === undefined) continue;
     const cut = scenery.cuts[number], [x, y] = camera.toScreen(...startOf(cut));

@@ -3,15 +3,14 @@
 /** @import { Palette } from "./palette.js" */
 import { pen, trace, write } from "./brush.js";
 import { Outlines } from "./outlines.js";
-import { notHeld } from "./unkept.js";
+import { PAPER_COLOURS } from "./palette.js";
 import { paintRemoved } from "./removed.js";
 import { NUMBER_FONT_PX, paintNumbers, paintRoute, paintStarts, paintZones } from "./route.js";
-import { zoneAreas } from "./zones.js";
+import { notHeld } from "./unkept.js";
 import { wayOf } from "./way.js";
+import { zoneAreas } from "./zones.js";
 
-const AT_ONCE = 80, MANY_SEEN = 600, TINY_PX = 14;
-/** Drawn in the colour of paper or ink, whichever the look has. */
-const PAPER_COLOURS = new Set(["white", "black", "#ffffff", "#000000"]);
+const AT_ONCE = 80, MANY_AT_ONCE = 400, MANY_SEEN = 600, TINY_PX = 14;
 
 /** What stands still: the sheet after so many cuts. It is painted in small steps: a large nest never holds the page up. */
 export class Scenery {
@@ -83,8 +82,10 @@ export class Scenery {
     const [x0, y1] = camera.toSheet(0, 0), [x1, y0] = camera.toSheet(look.wide, look.high);
     const seen = this.outlines.grid.within(x0, y0, x1, y1), level = Outlines.level(camera.scale);
     if (this.dense(seen, camera.scale)) {
-      this.#quickLines(context, camera, palette, seen, level, look.done);
-      yield;
+      for (let k = 0; k < seen.length; k += MANY_AT_ONCE) {
+        this.#quickLines(context, camera, palette, seen.slice(k, k + MANY_AT_ONCE), level, look.done);
+        yield;
+      }
       paintZones(context, camera, palette, this, look.done);
       return;
     }
@@ -107,7 +108,7 @@ export class Scenery {
     }
     if (look.travel && this.side) {
       yield* paintRoute(context, camera, palette, this.side, look.done, look);
-      paintStarts(context, camera, palette, this, seen);
+      yield* paintStarts(context, camera, palette, this, seen);
     }
     yield;
     if (look.numbers) paintNumbers(context, camera, palette, this, seen, look.font ?? NUMBER_FONT_PX);

@@ -9,7 +9,7 @@ import { palette } from "./palette.js";
 import { Scenery } from "./scenery.js";
 import { momentAt, timelineOf } from "./timeline.js";
 
-const NEAR_PX = 7, LEAST_ZOOM = 0.4, LEAST_SEEN_PX = 12;
+const NEAR_PX = 7, LEAST_ZOOM = 0.4, LEAST_SEEN_PX = 12, BUTTONS_PX = 40;
 
 /** @type {(values: number[]) => number} */
 const least = values => values.reduce((a, b) => Math.min(a, b));
@@ -67,18 +67,21 @@ export class Stage {
     return !this.camera.least || this.camera.same(this.whole);
   }
 
+  /** Height that the buttons over the drawing leave free. */
+  get #free() { return this.size.high > 5 * BUTTONS_PX ? this.size.high - BUTTONS_PX : this.size.high; }
+
   /** All parts in the window, whatever is free around them. */
   fitParts() {
     const boxes = this.scenery.outlines.bounds;
     if (!boxes.length) return this.fit();
-    this.camera.fit([0, 1, 2, 3].map(k => (k < 2 ? least : most)(boxes.map(box => box[k]))), this.size.wide, this.size.high);
+    this.camera.fit([0, 1, 2, 3].map(k => (k < 2 ? least : most)(boxes.map(box => box[k]))), this.size.wide, this.#free);
   }
 
   /** The whole sheet in the window. */
   fit() {
     const [x0, y0, x1, y1] = this.data.nest.bounds, home = this.plan ? this.plan.home : [x0, y0];
     const bounds = [Math.min(x0, home[0]), Math.min(y0, home[1]), Math.max(x1, home[0]), Math.max(y1, home[1])];
-    this.camera.fit(bounds, this.size.wide, this.size.high);
+    this.camera.fit(bounds, this.size.wide, this.#free);
     this.camera.least = this.camera.scale * LEAST_ZOOM;
     this.whole.like(this.camera);
   }

@@ -1,6 +1,7 @@
 /** @import { App } from "./app.js" */
 import { byId } from "./elements.js";
 import { warm } from "./heat.js";
+import { PAPER_COLOURS } from "./palette.js";
 import { tr } from "./say.js";
 
 /**
@@ -41,7 +42,7 @@ export function toggles(app) {
   };
   const show = () => {
     byId("travel").setAttribute("aria-pressed", String(app.state.travel));
-    byId("drawn").hidden = !app.data.nest.contours.some(contour => contour.colour || contour.text);
+    byId("drawn").hidden = !app.data.nest.contours.some(contour => contour.text || (contour.colour && !PAPER_COLOURS.has(contour.colour)));
     byId("drawn").setAttribute("aria-pressed", String(app.state.drawn));
     byId("numbers").setAttribute("aria-pressed", String(app.state.numbers));
     heat.setAttribute("aria-pressed", String(app.state.heat));

@@ -40,7 +40,7 @@ export function whyPanel(app) {
 function said(app, contour, why) {
   const { id, kind, part, drawn } = app.data.nest.contours[contour], k = app.cutOf(contour);
   const head = [make("h2", {}, id),
-    make("p", { class: "sub" }, [kindText(kind), part >= 0 ? tr("part {part}", { part: app.data.nest.parts[part] }) : "", drawn ?? ""].filter(Boolean).join(" · "))];
+    make("p", { class: "sub" }, [kindText(kind), part >= 0 ? tr("part {part}", { part: app.data.nest.parts[part] }) : "", app.side ? "" : drawn ?? ""].filter(Boolean).join(" · "))];
   const left = app.side?.left_out.find(one => one.contour === id);
   if (left) return [...head, make("p", {}, tr("Not cut: {why}", { why: left.why }))];
   if (k === undefined) return head;
