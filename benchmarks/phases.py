@@ -52,7 +52,8 @@ a phase had not begun or a figure was not kept.
 ## Starts
 
 `kerfwise solve` in a process of its own. A cold start finds no compiled kernels and no compiled Python files, as the
-first run after an installation does. `kernels` counts what was compiled.
+first run after an installation does. `kernels` counts what it has compiled itself; seconds are of those processes, too,
+that it begins.
 
 {starts}
 {remarks}"""
@@ -70,7 +71,7 @@ STARTS: dict[str, tuple[str, ...]] = {
 }
 """What is started: an example, or a plate made of so many contours, and the options of `solve`."""
 CHILD = """
-import atexit, sys, time
+import atexit, os, sys, time
 compiled = []
 def note():
     import numba.core.event as event
@@ -86,8 +87,14 @@ class Finder:
             note()
 sys.meta_path.insert(0, Finder())
 def told():
+    until = time.monotonic() + 60
+    while hasattr(os, "WNOHANG") and time.monotonic() < until:
+        try:
+            os.waitpid(-1, os.WNOHANG)[0] or time.sleep(0.1)
+        except ChildProcessError:
+            break
     own = sum(name.startswith("kerfwise.") for name in compiled)
-    sys.__stderr__.write(f"\\nused {time.process_time():.2f} {own}\\n")
+    sys.__stderr__.write(f"\\nused {sum(os.times()[:4]):.2f} {own}\\n")
 atexit.register(told)
 from kerfwise.cli import main
 main()

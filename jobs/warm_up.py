@@ -40,9 +40,12 @@ class Warmed(NamedTuple):
 def warm_up() -> Warmed:
     """Compile, or load, all that plans of nests take."""
     jit.take_plainly(0)
-    problem = _problem()
-    _search(problem)
-    _sweeps(problem)
+    try:
+        problem = _problem()
+        _search(problem)
+        _sweeps(problem)
+    finally:
+        jit.take_plainly(jit.PLAIN_STEPS)
     from kerfwise.models.numba_cache import compiled_and_kept
 
     kernels, folder = compiled_and_kept()
@@ -58,7 +61,8 @@ def compile_search() -> None:
 def search_beside(contours: int) -> None:
     """Have the search compiled by a process beside this one, if it will be needed and is not kept.
 
-    The process outlives this one by some seconds at the most, and says nothing; what it does not do is done here.
+    The process outlives this one by some seconds at the most, and says nothing; what it does not do is done here. It
+    imports nothing from the current folder.
     """
     if contours < SEARCHED or not sys.executable:
         return
@@ -70,7 +74,7 @@ def search_beside(contours: int) -> None:
         return
     quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
     try:
-        process = subprocess.Popen([sys.executable, "-c", BESIDE], **quiet)
+        process = subprocess.Popen([sys.executable, "-P", "-c", BESIDE], **quiet)
     except OSError:  # no second process may be begun here
         return
     compiled_beside(kernel.py_func, lambda: process.poll() is None)

@@ -74,8 +74,8 @@ def test_the_search_is_compiled_beside_where_it_is_needed(
     assert [runs() for runs in numba_cache._beside.values()] == [False] * begun
     assert isinstance(walk, jit.Kernel)
     for words in processes:
-        assert words[:2] == [sys.executable, "-c"]
-        compile(words[2], "beside", "exec")
+        assert words[:3] == [sys.executable, "-P", "-c"]
+        compile(words[3], "beside", "exec")
 
 
 def test_no_second_process_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,7 +35,7 @@ TEXTS = (
     "nothing", "\x1b[2J", "\udcff", "a\nb", "laser-wood", "water-jet", "plasma-carbon-steel", "linuxcnc", "'", "--x",
 )  # fmt: skip
 
-TRIED = tuple(verb for verb in VERBS if verb not in ("batch", "serve"))
+TRIED = tuple(verb for verb in VERBS if verb not in ("batch", "serve", "warm-up"))
 """A batch starts processes of its own, which the fuzzer's workers may not; what watches, or serves, never ends."""
 
 
