@@ -40,7 +40,7 @@ from .options import ReadOptions
 from .svg_page import page_of
 from .svg_text import TEXT, TROUBLE
 from .svg_validate import validate_svg
-from .svg_visible import CLIP, MASK, SHAPE, Seen, hidden_told
+from .svg_visible import CLIP, FILLED, MASK, SHAPE, Seen, hidden_told
 
 NUMBERED = re.compile(
     "(path|rect|circle|ellipse|line|polyline|polygon|g|group|use|text|tspan|image|layer|svg)[-_]?[0-9][-_0-9]*"
@@ -140,7 +140,8 @@ def _as_filled(
 ) -> tuple[list[tuple[Shown, list[Curve]]], list[Note]]:
     """The shapes with the outlines of what they fill, where they have no line and their subpaths cross.
 
-    Rings that do not cross, and of which their fill shows nothing, raise the question `fill`.
+    A filling closes what it fills. Rings that do not cross, and of which it shows nothing, raise the question `fill`.
+    Where nobody has said how a shape is drawn, it is filled by default only: its lines are what counts.
     """
     made: list[tuple[Shown, list[Curve]]] = []
     notes = []
@@ -149,7 +150,7 @@ def _as_filled(
         is_filled = _look(shape.element)[2]
         even_odd = str(shape.element.values.get("fill-rule") or "").strip() == "evenodd"
         filled = filled_outlines(own, even_odd) if is_filled else None
-        if filled is None and is_filled:  # a filling closes what it fills
+        if filled is None and is_filled and shape.element.values.get(FILLED):  # by its own words, not by default
             own = [Curve(c.vertices, True) if len(c.vertices) > 2 and not c.closed else c for c in own]
             if not even_odd and (rings := unseen_rings(own)):
                 unseen.append((own, rings, shape.layer))

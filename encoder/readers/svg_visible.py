@@ -21,6 +21,8 @@ XLINK = "{http://www.w3.org/1999/xlink}href"
 CLIP, SHAPE, MASK = "kerfwise-clip-", "kerfwise-clip-shape-", "kerfwise-mask-"
 """How the ids of groups begin that stand round what is clipped, round its clipping path, and round what is masked."""
 
+FILLED = "data-kerfwise-filled"
+"""An attribute of shapes of which the file says how they are filled; others are black for want of a word."""
 LEAVES = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
 _INHERITED = (
     "visibility", "fill", "stroke", "fill-opacity", "stroke-opacity", "stroke-width", "stroke-dasharray", "color",
@@ -267,6 +269,8 @@ def _without_hidden(
             if why := _why_hidden(child, own, said, clear, named):
                 seen.hidden[why] += 1
                 element.remove(child)
+            elif "fill" in own:
+                child.set(FILLED, "yes")
         elif _tag(child) not in ("defs", "symbol"):
             _without_hidden(child, own, clear, named, seen)
 

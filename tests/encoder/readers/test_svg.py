@@ -83,7 +83,7 @@ def test_beziers_stay_within_a_hundredth(tmp_path: Path) -> None:
 def test_polygons_rounded_rectangles_and_clones(tmp_path: Path) -> None:
     body = """<polygon points="20,20 60,20 60,60"/><rect x="100" y="20" width="60" height="40" rx="10"/>
     <defs><rect id="tile" width="40" height="40"/></defs><use href="#tile" x="200" y="20"/>
-    <path d="M 300 20 h 60 v 60 h -60 z m 10 10 v 20 h 20 v -20 z"/>"""
+    <path d="M 300 20 h 60 v 60 h -60 z m 10 10 h 20 v 20 h -20 z"/>"""
     found = areas(read(tmp_path, SHEET + body))
     rounded = round((60 * 40 - 400 + math.pi * 100) / 4, 3)
     assert found == {"P1.outer": 200, "P2.outer": rounded, "P3.outer": 400, "P4.outer": 900, "P4.hole1": 100}
