@@ -13,11 +13,13 @@ from .nest import Contour, Nest, Part
 class AlreadyCut:
     """The cuts that a stopped program has made, in order; `broken_off` is the one after them, where it is begun anew.
 
-    Nobody knows how far that one has come: all of its path may be void, and all of it may be metal.
+    Nobody knows how far that one has come: all of its path may be void, and all of it may be metal. `begun` are cuts
+    that left their contours unfinished, each with the number of the cut that came after it.
     """
 
     cuts: tuple[Cut, ...] = ()
     broken_off: Cut | None = None
+    begun: tuple[tuple[int, Cut], ...] = ()
 
     def __bool__(self) -> bool:
         return bool(self.cuts) or self.broken_off is not None

@@ -17,7 +17,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve, offset_together
 from kerfwise.encoder.geometry.segment import Point, Segment
 
-from .cut import Span, Tab
+from .cut import Cut, Span, Tab
 from .errors import InputError
 from .nest import Contour, Nest, Part, cached_with_nest, with_parts
 
@@ -81,6 +81,12 @@ def torch_way(
         return round_with_tabs(ring, join, tabs, kerf_mm)
     begin_mm, end_mm = ring.project(join)[0], ring.project(span.end)[0]
     return ring.between(begin_mm, (end_mm - begin_mm) % ring.length_mm), ()
+
+
+def way_along(contour: Contour, cut: Cut, kerf_mm: float) -> Iterator[Curve]:
+    """The stretch of the torch's round that a cut with a span follows."""
+    if cut.span is not None and contour.encloses:
+        yield torch_way(compensated(contour, kerf_mm).towards(cut.direction), cut.span.begin, cut.span, (), kerf_mm)[0]
 
 
 # Tabs: who needs them, and which stretches of the torch's way round they leave unlit.

@@ -14,7 +14,7 @@ from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.candidates.snake import rows_of, snake_of
 from kerfwise.encoder.candidates.split_rounds import split_ways, to_be_split
-from kerfwise.encoder.candidates.stretches import StretchWays, with_stretches
+from kerfwise.encoder.candidates.stretches import StretchWays, begun_by, past_ways, with_stretches
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
@@ -144,7 +144,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
         return facts_of_torches(facts, groups, profile)
     links = None if profile.no_links(nest) else profile.link_options()
     facts = with_links(facts, links, _burnt(already))
-    if made is not None:
+    if made is not None and made.ways:
         heat_kj = contour_heat_kj(made.nest, made.ways, profile)[len(nest.contours) :]
         facts = with_ways(facts, made, heat_kj)
     return _left(facts, already)
@@ -155,13 +155,17 @@ def _with_ways_along(
 ) -> tuple[tuple[Candidate, ...], OlderKerfs | None, StretchWays | None]:
     """The candidates of the nest, and its ways along rows of neighbours; a row whose ends have no room is none."""
     asked, kerf_mm = profile.snake_options(), leads.kerf_mm
-    left = [contour.id for contour in nest.contours if contour.id not in already.contours.union(loose)]
+    past = past_ways(nest, (cut for _, cut in already.begun), kerf_mm)
+    begun = {name for name in begun_by(past) if name not in already.contours}
+    out = [nest.index[name] for name in already.contours]
+    left = [c.id for c in nest.contours if c.id not in begun.union(already.contours, loose)]
     rows = [] if asked is None else rows_of(nest, kerf_mm, asked, left, leads.directions["outer"])
+    rows = [replace(row, name=f"{row.name}.{len(already.cuts)}") for row in rows] if past else rows
     taken = frozenset[str]().union(*(row.members for row in rows))
     split = to_be_split(nest, kerf_mm, profile.split_options(), [name for name in left if name not in taken])
     shared = CommonOptions(0.0, profile.cuts.common.gap_tolerance_mm, profile.machine.kerf_start)
-    while rows or split:
-        members = frozenset(split).union(*(row.members for row in rows))
+    while rows or split or begun:
+        members = frozenset({*split, *begun}).union(*(row.members for row in rows))
         led = {*split, *(name for row in rows for name in (row.contours[0].id, row.contours[-1].id))}
         candidates, met = build_with_older_kerfs(nest, leads, already, loose, members, led)
         ways = {row.name: snake_of(nest, row, candidates, leads) for row in rows}
@@ -170,7 +174,7 @@ def _with_ways_along(
         bare = {*split} - {way.along[0].contour for way in halves}
         if not unfit and not bare:
             sure = [*(way for way in ways.values() if way is not None), *halves]
-            made = with_stretches(nest, sure, candidates, met, leads, shared)
+            made = with_stretches(nest, sure, candidates, met, leads, shared, out, past)
             if isinstance(made, StretchWays):
                 of_rest = None if made.met is None else made.met.of_kept(range(len(made.rest)), made.count)
                 return made.rest, of_rest, made

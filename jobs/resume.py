@@ -87,8 +87,6 @@ def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, fil
     """
     if plan.pierces:
         raise _with_a_pass("plan", file)
-    if plan.begun:
-        raise _with_ways("plan", file)
     cuts = [planned.cut for planned in (*plan.already_cut, *plan.cuts)]
     _expect(upto, plan.resumed_after, len(cuts), "plan", file)
     for k, cut in enumerate(cuts[:upto], 1):
@@ -101,7 +99,7 @@ def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, fil
                 "nest that the plan was made from",
                 file=file,
             )
-    return _stopped(cuts, upto, redo_last, "plan", file)
+    return _stopped(cuts, [(k, planned.cut) for k, planned in plan.begun], upto, redo_last, "plan", file)
 
 
 def stopped_program(
@@ -122,8 +120,6 @@ def stopped_program(
     kerf_mm = profile.material.kerf_mm
     cuts_elsewhere(program, nest, kerf_mm, file)
     built = rebuild(nest, program, kerf_mm, profile.home_on(nest))
-    if built.cuts.begun:
-        raise _with_ways("program", file)
     made = built.cuts.made
     _expect(upto, made, made + max(len(program.burns), len(built.cuts.new)), "program", file)
     if told := [v.text for v in built.violations if not v.cuts and not v.text.startswith("line ")]:
@@ -133,7 +129,7 @@ def stopped_program(
         if k <= upto and run.contour is None:
             message = f"cut {k} runs along no contour of {_named(nest)}: is it the nest of this program?"
             raise InputError(message, file=file, line=program.burns[k - made - 1].line if a_run_a_burn else None)
-    return _stopped(built.cuts, upto, redo_last, "program", file)
+    return _stopped(built.cuts, _named_ways(built.cuts.begun), upto, redo_last, "program", file)
 
 
 def _with_a_pass(what: str, file: str) -> InputError:
@@ -143,11 +139,13 @@ def _with_a_pass(what: str, file: str) -> InputError:
     )
 
 
-def _with_ways(what: str, file: str) -> InputError:
-    text = f"the {what} cuts contours in several stretches (cuts.snake)"
-    return InputError(
-        f"{text}, and no work can go on from there; cut the rest by hand, or from the old program", file=file
-    )
+def _named_ways(begun: Sequence[tuple[int, Cut]]) -> list[tuple[int, Cut]]:
+    """The stretches with names of the ways that they belong to: a program tells its burns apart, and names none."""
+    found, count = list[tuple[int, Cut]](), 0
+    for k, cut in begun:
+        count += not cut.linked
+        found.append((k, cut if cut.way else replace(cut, way=f"way{count}")))
+    return found
 
 
 def _upto(count: int) -> str:
@@ -163,16 +161,22 @@ def _expect(upto: int, made: int, count: int, what: str, file: str) -> None:
         )
 
 
-def _stopped(cuts: Sequence[Cut], upto: int, redo_last: bool, what: str, file: str) -> AlreadyCut:
+def _stopped(
+    cuts: Sequence[Cut], begun: Sequence[tuple[int, Cut]], upto: int, redo_last: bool, what: str, file: str
+) -> AlreadyCut:
     first: dict[str, int] = {}
     for k, cut in enumerate(cuts[:upto], 1):
         if cut.contour in first:
             message = f"the {what} cuts {cut.contour} twice, as cut {first[cut.contour]} and as cut {k}"
             raise InputError(message, file=file)
         first[cut.contour] = k
+    before = tuple((k, cut) for k, cut in begun if k <= upto)
+    if redo_last and any(cut.contour == cuts[upto - 1].contour for _, cut in before):
+        message = f"cut {upto} finishes {cuts[upto - 1].contour}, which was begun before, and cannot be made again"
+        raise InputError(f"{message}: cut it by hand", file=file)
     if redo_last:
-        return AlreadyCut(tuple(cuts[: upto - 1]), cuts[upto - 1])
-    return AlreadyCut(tuple(cuts[:upto]))
+        return AlreadyCut(tuple(cuts[: upto - 1]), cuts[upto - 1], before)
+    return AlreadyCut(tuple(cuts[:upto]), None, before)
 
 
 def _named(nest: Nest) -> str:

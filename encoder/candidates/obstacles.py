@@ -15,7 +15,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.nest import Contour, Nest, lines_of_contours
-from kerfwise.encoder.torch_path import compensated
+from kerfwise.encoder.torch_path import compensated, way_along
 
 from .entries import Leads
 
@@ -262,6 +262,11 @@ class BurntArea:
                 if path is not None and path.segments:
                     lines.append(path.line(VOID_CHORD_MM))
                     round_of.append(joined)
+        for _, cut in already.begun:
+            for path in (cut.lead_in, *way_along(nest.contour(cut.contour), cut, kerf_mm)):
+                if path is not None and path.segments:
+                    lines.append(path.line(VOID_CHORD_MM))
+                    round_of.append(NOBODY)
         return (
             BurntArea(shapely.STRtree(lines), np.array(round_of, dtype=np.int64), kerf_mm, splash_mm) if lines else None
         )

@@ -10,7 +10,8 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import unique_pairs
-from kerfwise.encoder.cut import Stretch
+from kerfwise.encoder.cut import Cut, Stretch
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
@@ -88,6 +89,15 @@ class StretchWays:
         return len(self.rest) + len(self.ways)
 
 
+def past_ways(nest: Nest, begun: Iterable[Cut], kerf_mm: float) -> tuple[Contour, ...]:
+    """The ways that were burnt before a stop, from their stretches."""
+    along: dict[str, list[Stretch]] = {}
+    for cut in begun:
+        if cut.span is not None and cut.contour in nest.index:
+            along.setdefault(cut.way, []).append(Stretch(cut.contour, cut.span, cut.direction))
+    return tuple(way_of(nest, name, stretches, kerf_mm) for name, stretches in along.items())
+
+
 def begun_by(ways: Iterable[Contour]) -> dict[str, tuple[str, ...]]:
     """Contour id → the names of the ways along stretches of it."""
     found: dict[str, tuple[str, ...]] = {}
@@ -111,7 +121,7 @@ def rest_candidates(
     of = {k: {**shared.of.get(k, {}), **_runs(nest, k, begun, options.kerf_mm)} for k in numbers}
     edges = CommonEdges(of, {k: shared.junctions.get(k, ()) for k in numbers})
     found: list[Candidate] = []
-    for number in sorted(numbers):
+    for number in sorted({*numbers} - {*gone}):
         ring = compensated(nest.contours[number], options.kerf_mm)
         first = {nest.index[name] for name in begun[nest.contours[number].id]} | (of[number].keys() & set(gone))
         for out, run in states(ring, of[number], options.kerf_mm, edges.junctions[number], first):
@@ -176,14 +186,20 @@ def with_stretches(
     options: LeadOptions,
     common: CommonOptions,
     gone: Collection[int] = (),
+    past: Sequence[Contour] = (),
 ) -> StretchWays | str:
     """The nest with these ways, and the candidates that are then left of those that it has without them.
 
-    In place of that the name of a way that has no lead, would leave a contour in several pieces, or runs over all
-    leads of another contour.
+    Ways that are `past` were burnt before a stop, and so were contours that are `gone`. In place of all that the name
+    of a way that has no lead, would leave a contour in several pieces, or has a link over all leads of another contour.
+
+    Raises
+    ------
+    InputError
+        If a contour that was begun before the stop cannot be finished in one go.
     """
-    made = replace(nest, stretches=tuple(ways))
-    begun = {made.index[name] for name in begun_by(ways)}
+    made = replace(nest, stretches=(*ways, *past))
+    begun = {made.index[name] for name in begun_by(made.stretches)}
     along = rest_candidates(made, options, common, gone)
     leads = [(k, c) for k, c in enumerate(candidates) if c.contour in begun]
     others = [(k, c) for k, c in enumerate(candidates) if c.contour not in begun]
@@ -198,6 +214,12 @@ def with_stretches(
             return way.id
         items += found
         others = free
+    if missing := begun - {*gone} - {c.contour for c in along}:
+        raise InputError(
+            f"{made.contours[min(missing)].id} was begun before the stop, and no stretch of it is left that can be cut "
+            "in one go: cut it by hand, or from the old program"
+        )
+    made = replace(nest, stretches=tuple(ways))
     rows = sorted([*((c, k) for k, c in others), *((c, -1) for c in along)], key=_by_contour)
     rest_of, ways_in = tuple(c for c, _ in rows), tuple(c for _, c in items)
     if met is None:

@@ -19,7 +19,7 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import features_cut_across, narrow_because
 from kerfwise.encoder.small_holes import uncut_hole_reasons
 from kerfwise.encoder.text import join_names
-from kerfwise.encoder.torch_path import compensated, unlit_length_mm
+from kerfwise.encoder.torch_path import compensated, unlit_length_mm, way_along
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.physics.motion import Leg, idle_mm, schedule
 from kerfwise.models.physics.time_and_cost import feeds_of
@@ -99,7 +99,10 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         origin=machine.origin,
         zero=profile.frame_on(nest).corner,
         cuts=tuple(item for item in items if item.kind != "stretch"),
-        begun=tuple(_begun(nest, items, profile.material.kerf_mm, len(facts.already_cut))),
+        begun=(
+            *_begun_before(facts, profile.material.kerf_mm),
+            *_begun(nest, items, profile.material.kerf_mm, len(facts.already_cut)),
+        ),
         totals=Totals(
             cut_mm=sum(leg.length_mm for leg in legs),
             idle_mm=idle_mm(legs, home),
@@ -196,6 +199,15 @@ def _begun(nest: Nest, items: Sequence[PlannedCut], kerf_mm: float, made: int) -
             length_mm = lead_mm + run_of(contour, stretch, kerf_mm)[1]
             yield after, PlannedCut(begun, contour.part, contour.kind, length_mm, because)
             at, because = end, (f"a stretch of {way.id}",)
+
+
+def _begun_before(facts: Facts, kerf_mm: float) -> Iterator[tuple[int, PlannedCut]]:
+    """The stretches that an earlier program has cut, as a plan lists them."""
+    for k, cut in () if facts.past is None else facts.past.already.begun:
+        contour = facts.whole_nest.contour(cut.contour)
+        lead_mm = 0.0 if cut.lead_in is None else cut.lead_in.length_mm
+        along_mm = sum(way.length_mm for way in way_along(contour, cut, kerf_mm))
+        yield k, PlannedCut(cut, contour.part, contour.kind, lead_mm + along_mm)
 
 
 def _broken_off(facts: Facts) -> Cut | None:

@@ -251,7 +251,8 @@ class Plan:
     def already(self) -> AlreadyCut:
         """What was made before, as geometry."""
         broken_off = None if self.broken_off is None else self.broken_off.cut
-        return AlreadyCut(tuple(p.cut for p in self.already_cut), broken_off)
+        begun = tuple((k, planned.cut) for k, planned in self.begun if k <= self.resumed_after)
+        return AlreadyCut(tuple(p.cut for p in self.already_cut), broken_off, begun)
 
     @property
     def waits(self) -> tuple[PlannedCut, ...]:

@@ -219,7 +219,7 @@ def _judge_paths(
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
     made = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
-    before = burnt_before(nest, cuts[: cuts.made], kerf_mm)
+    before = burnt_before(nest, cuts[: cuts.made], kerf_mm, cuts.begun)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(open_contours(several, cuts.positions()))
     lost = list(wrong_edge_losses(nest, kerf_mm, _accepted(profile)))

@@ -107,14 +107,16 @@ def _rebuilt(
     matches = matcher.match(paths, [burn.tool != 0 for burn in burns], named)
     before = read_resumed(nest, program.comments)
     made_before = before.cuts or (() if planned is None else planned.cuts[: planned.cuts.made])
-    burnt_before = burnt_by(nest, made_before, kerf_mm)
+    begun: list[tuple[int, Cut]] = list(before.begun)
+    if planned is not None and not before.cuts:
+        begun = [row for row in planned.cuts.begun if row[0] <= planned.cuts.made]
+    burnt_before = burnt_by(nest, made_before, kerf_mm, begun)
     several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs, burnt_before)
     zones = _zones(program.comments, ids) if several or any(burn.torch > 1 for burn in burns) else {}
     excused = _excused(program, ids)
     cuts: list[Cut] = list(made_before)
     made = len(cuts)
     lines = [0] * made
-    begun: list[tuple[int, Cut]] = []
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []

@@ -202,7 +202,7 @@ _OUT = re.compile(
     re.IGNORECASE,
 )
 _LEAD = re.compile(
-    r"(?P<how>OUT|BROKEN) (?P<order>\d{1,9}) (?P<what>LEAD|LINK) (?P<which>IN|OUT) "
+    r"(?P<how>OUT|BROKEN|BEGUN) (?P<order>\d{1,9}) (?P<what>LEAD|LINK) (?P<which>IN|OUT) "
     rf"(?P<rows>{_NUMBER}(?: {_NUMBER})*)",
     re.IGNORECASE,
 )
@@ -210,6 +210,11 @@ _LEAD = re.compile(
 
 _TAB = re.compile(
     rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) TAB (?P<x>{_NUMBER}) (?P<y>{_NUMBER}) (?P<width>{_NUMBER})",
+    re.IGNORECASE,
+)
+_BEGUN = re.compile(
+    r"BEGUN (?P<order>\d{1,9}) BEFORE (?P<before>\d{1,9}) (?P<contour>.+) ZONE (?P<zone>\d{1,9}) (?P<way>CW|CCW) "
+    rf"FROM (?P<x0>{_NUMBER}) (?P<y0>{_NUMBER}) TO (?P<x1>{_NUMBER}) (?P<y1>{_NUMBER})",
     re.IGNORECASE,
 )
 _SLIT = re.compile(r"\.slit\d+$", re.IGNORECASE)
@@ -222,6 +227,7 @@ class ResumeState:
     cuts: tuple[Cut, ...] = ()
     broken_off: Cut | None = None
     violations: tuple[Violation, ...] = ()
+    begun: tuple[tuple[int, Cut], ...] = ()
 
 
 def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
@@ -263,8 +269,22 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
             cuts[order] = cut
     if sorted(cuts) != list(range(1, after + 1)):
         wrong.append(f"it goes on after cut {after}, but lists {len(cuts)} cuts that are out")
+    begun: list[tuple[int, Cut]] = []
+    for found in filter(None, map(_BEGUN.fullmatch, said)):
+        order, name = int(found["order"]), ids.get(normalize_name(found["contour"]))
+        if name is None:
+            wrong.append(f"a stretch is said to be of {found['contour']}, which the nest does not have")
+            continue
+        begin, end = ((float(found[f"x{k}"]), float(found[f"y{k}"])) for k in (0, 1))
+        lead_in, curve = _lead(leads.get(("BEGUN", order, "IN"), [])), nest.contour(name).curve
+        cut = Cut(
+            name, curve.point_at(curve.project(begin)[0]), "cw" if found["way"].upper() == "CW" else "ccw",
+            begin if lead_in is None else _xy(lead_in, 0), lead_in, Curve.of([end], closed=False), int(found["zone"]),
+            linked=("BEGUN", order, "IN") in linked, span=Span(begin, end),
+        )  # fmt: skip
+        begun.append((int(found["before"]), cut))
     told = tuple(Violation(_RULE, (), text) for text in wrong)
-    return ResumeState(tuple(cuts[k] for k in sorted(cuts)), broken_off, told)
+    return ResumeState(tuple(cuts[k] for k in sorted(cuts)), broken_off, told, tuple(begun))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -287,8 +307,8 @@ class BurntBefore:
 NOTHING_BURNT = BurntBefore()
 
 
-def burnt_before(nest: Nest, made: Sequence[Cut], kerf_mm: float) -> BurntBefore:
-    """What cuts before a stop have burnt."""
+def burnt_before(nest: Nest, made: Sequence[Cut], kerf_mm: float, begun: Sequence[tuple[int, Cut]] = ()) -> BurntBefore:
+    """What cuts before a stop have burnt, those among `begun` too that came before the last of them."""
     rows = [(c, cut) for cut in made if cut.contour in nest.index and (c := nest.contour(cut.contour)).kind != "mark"]
     rings = torch_rings([contour for contour, _ in rows], kerf_mm)
     rounds: list[shapely.LineString] = []
@@ -296,6 +316,12 @@ def burnt_before(nest: Nest, made: Sequence[Cut], kerf_mm: float) -> BurntBefore
     for (contour, cut), ring in zip(rows, rings, strict=True):
         if ring is not None:
             (rounds if contour.encloses else others).extend(_lit(ring, cut, kerf_mm))
+    for cut in (cut for k, cut in begun if k <= len(made) and cut.span is not None and cut.contour in nest.index):
+        ring = torch_rings([nest.contour(cut.contour)], kerf_mm)[0]
+        if ring is not None and cut.span is not None:
+            others.append(_stretch(ring, cut.span.begin, cut.span.end, cut.direction == "ccw"))
+        if cut.lead_in is not None and cut.lead_in.segments:
+            others.append(cut.lead_in.line())
     return BurntBefore(tuple(rounds), tuple(others), frozenset(contour.id for contour, _ in rows))
 
 

@@ -443,6 +443,8 @@ def out_comments(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iter
     """What is already cut, cut by cut, and what broke off."""
     for k, planned in enumerate(plan.already_cut, 1):
         yield from _cut_out(f"OUT {k}", planned, names, dialect)
+    for j, (k, planned) in enumerate((row for row in plan.begun if row[0] <= plan.resumed_after), 1):
+        yield from _begun_out(j, k, planned, names, dialect)
     if plan.broken_off is not None:
         yield from _cut_out(f"BROKEN {plan.resumed_after + 1}", plan.broken_off, names, dialect)
 
@@ -460,6 +462,22 @@ def _cut_out(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: 
                 yield comment(dialect, f"{head} {what} {name}", " ".join(words))
     for tab in cut.tabs:
         yield comment(dialect, f"{head} TAB", " ".join(number(v, DECIMALS) for v in (*tab.at, tab.width_mm)))
+
+
+def _begun_out(
+    count: int, before: int, planned: PlannedCut, names: Mapping[str, str], dialect: Dialect
+) -> Iterator[str]:
+    """A stretch that leaves its contour unfinished: before which cut, from where to where, and its lead or link."""
+    cut, span = planned.cut, planned.cut.span
+    if span is None:
+        return
+    ends = " TO ".join(" ".join(number(v, DECIMALS) for v in at) for at in (span.begin, span.end))
+    told = f"ZONE {cut.zone} {cut.direction.upper()} FROM {ends}"
+    yield comment(dialect, f"BEGUN {count} BEFORE {before}", names.get(cut.contour, cut.contour), told)
+    if cut.lead_in is not None:
+        what = "LINK" if cut.linked else "LEAD"
+        for words in _lines(cut.lead_in, room_for(dialect, f"BEGUN {count} {what} IN")):
+            yield comment(dialect, f"BEGUN {count} {what} IN", " ".join(words))
 
 
 def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:

@@ -241,6 +241,7 @@ def open_ways(facts: Facts) -> Iterator[AtLeast]:
     """
     index, gone = facts.nest.index, {cut.contour for cut in facts.already_cut}
     gone |= {way.id for way in facts.nest.stretches}
+    gone |= set() if facts.past is None else {cut.way for _, cut in facts.past.already.begun}
     for number, candidate in enumerate(facts.candidates):
         if not candidate.out and not candidate.still_in:
             continue

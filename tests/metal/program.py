@@ -16,6 +16,7 @@ from kerfwise.tests.metal.arcs import Floats, Point, chords, sweep_rad
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _CUT = re.compile(r"^(?:CUT|MARK|SPOT) (\d+) (.+?)(?: ZONE .*)?$")
+_STRETCH = re.compile(r"STRETCH \S")
 _RESUMED = re.compile(r"^RESUME AFTER CUT (\d+)")
 _CORNER = re.compile(r"^ORIGIN SHEET CORNER\b")
 _HARMLESS = {
@@ -98,6 +99,7 @@ class _Reader:
     started: int = 0
     points: list[Floats] = field(default_factory=list)
     order: int = 0
+    last: int = 0
     label: str = ""
     later: list[tuple[int, int]] = field(default_factory=list)
     paths: list[Path] = field(default_factory=list)
@@ -127,6 +129,9 @@ class _Reader:
                 self.order, self.label = int(found[1]), found[2]
             else:
                 self.later.append((int(found[1]), sum(map(len, self.points)) - 1))
+            self.last = int(found[1])
+        elif _STRETCH.match(said) and self.on is None:
+            self.order = self.last + 1
         elif found := _RESUMED.match(said):
             self.resumed_after = int(found[1])
         elif _CORNER.match(said):
