@@ -76,7 +76,7 @@ def rows_of(
 ) -> list[Row]:
     """The rows of neighbours among the contours that are `left`, longest first, each contour in one of them.
 
-    Parts that stand a kerf from one that is not their neighbour in the row, are in none, nor are those in holes.
+    Parts that stand within two kerfs of one that is not in the row are in none, nor are those in holes.
 
     Examples
     --------
@@ -98,7 +98,10 @@ def rows_of(
     chains = [chain for group in _by_direction(found) for chain in _chains(nest, group)]
     for chain in sorted(chains, key=lambda chain: (-len(chain), [edge.contour for edge in chain])):
         for part in _split(nest, chain, taken, apart, kerf_mm, options):
-            if len(part) + 1 >= options.parts and (row := _row(nest, part, apart, kerf_mm, len(rows) + 1)) is not None:
+            names = {nest.contours[k].id for edge in part for k in (edge.contour, edge.other)}
+            if len(names) < options.parts or apart.crowded(names):
+                continue
+            if (row := _row(nest, part, apart, kerf_mm, options.gap_mm, len(rows) + 1)) is not None:
                 rows.append(row)
                 taken |= row.members
     return [row for row in rows if directions]
@@ -155,8 +158,8 @@ def _split(
         pair = nest.contours[edge.contour].id, nest.contours[edge.other].id
         gap_mm = float(shapely.distance(nest.contours[edge.contour].line, nest.contours[edge.other].line))
         common = abs(gap_mm - kerf_mm) <= tolerance_mm(kerf_mm)
-        fits = (common and options.may_share) or 2 * kerf_mm <= gap_mm <= options.gap_mm + _CHORD_MM
-        if not fits or {*pair} & {*taken} or any(apart.crowded(name, pair) for name in pair):
+        fits = (common and options.may_share) or 2 * kerf_mm + 2 * _CHORD_MM <= gap_mm <= options.gap_mm + _CHORD_MM
+        if not fits or {*pair} & {*taken}:
             if piece:
                 yield piece
             piece = []
@@ -168,7 +171,7 @@ def _split(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Apart:
-    """Which contours stand within a kerf of others, and what a link must keep off."""
+    """Which contours stand within two kerfs of others, and what a link must keep off."""
 
     nest: Nest
     kerf_mm: float
@@ -180,7 +183,7 @@ class _Apart:
     @staticmethod
     def of(nest: Nest, kerf_mm: float) -> _Apart:
         lines = [contour.line for contour in nest.contours]
-        reach_mm = kerf_mm + 2 * tolerance_mm(kerf_mm) + _CHORD_MM
+        reach_mm = max(kerf_mm + 2 * tolerance_mm(kerf_mm), 2 * kerf_mm) + _CHORD_MM
         tree = shapely.STRtree(lines)
         near: dict[str, set[str]] = {}
         for a, b in tree.query(lines, "dwithin", distance=reach_mm).T.tolist():
@@ -190,14 +193,15 @@ class _Apart:
         sheet = shapely.buffer(shapely.make_valid(nest.sheet.polygon), -kerf_mm / 2)
         return _Apart(nest, kerf_mm, {k: frozenset(of) for k, of in near.items()}, metal, sheet, tree)
 
-    def crowded(self, name: str, beside: Collection[str]) -> bool:
-        """Whether a contour lies within a kerf of one that it is not beside in the row, or in a hole."""
-        contour = self.nest.contour(name)
-        inside = any(
-            other.kind == "hole" and other.part != contour.part and other.polygon.contains(contour.line)
-            for other in self.nest.contours
-        )
-        return inside or len(self.near.get(name, frozenset()) - {*beside}) > 1
+    def crowded(self, names: Collection[str]) -> bool:
+        """Whether one of these contours lies within two kerfs of another part that is none of them, or in a hole."""
+        lines = [self.nest.contour(name).line for name in names]
+        holes = [contour.polygon for contour in self.nest.contours if contour.kind == "hole"]
+        own = [self.nest.contour(name).part for name in names]
+        parts = [contour.part for contour in self.nest.contours if contour.kind == "hole"]
+        inside = shapely.STRtree(holes).query(lines, "within").T.tolist() if holes else []
+        near = frozenset[str]().union(*(self.near.get(name, frozenset()) for name in names))
+        return any(own[k] != parts[h] for k, h in inside) or not near <= {*names}
 
     def free(self, link: tuple[Point, Point], joined: Collection[str]) -> bool:
         """Whether a link burns no part, stays on the sheet, and keeps off the contours that it does not join."""
@@ -210,7 +214,9 @@ class _Apart:
         return {self.nest.contours[k].id for k in met.tolist()} <= {*joined}
 
 
-def _row(nest: Nest, chain: Sequence[FacingEdge], apart: _Apart, kerf_mm: float, number: int) -> Row | None:
+def _row(
+    nest: Nest, chain: Sequence[FacingEdge], apart: _Apart, kerf_mm: float, most_mm: float, number: int
+) -> Row | None:
     """A row of the parts of a chain along the side that lies nearer to the sheet's edge; None where no link is free."""
     contours = [nest.contours[edge.contour] for edge in chain] + [nest.contours[chain[-1].other]]
     along = _normal(chain[0])
@@ -228,7 +234,7 @@ def _row(nest: Nest, chain: Sequence[FacingEdge], apart: _Apart, kerf_mm: float,
 
     for right in sorted((True, False), key=lambda right: (round(room_mm(right), 3), not right)):
         links = [_link(nest, edge, along, right, apart, kerf_mm) for edge in chain]
-        if all(link is not None for link in links):
+        if all(link is not None and math.dist(*link) <= most_mm + _CHORD_MM for link in links):
             at = (float(along[0]), float(along[1]))
             sure = tuple(link for link in links if link is not None)
             return Row(f"snake{number}", tuple(contours), at, right, sure)

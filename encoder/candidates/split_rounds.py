@@ -43,7 +43,7 @@ class SplitOptions:
 def to_be_split(nest: Nest, kerf_mm: float, asked: SplitOptions, left: Collection[str]) -> dict[str, bool]:
     """Ids of the outer contours, of those that are `left`, that are cut in two, and whether in halves.
 
-    Contours that another part stands a kerf from are cut in one round.
+    Contours that another part stands within two kerfs of are cut in one round.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def to_be_split(nest: Nest, kerf_mm: float, asked: SplitOptions, left: Collectio
     {'Strip.outer': True, 'A.outer': False}
     """
     lines = [contour.line for contour in nest.contours]
-    near = shapely.STRtree(lines).query(lines, "dwithin", distance=kerf_mm + 2 * tolerance_mm(kerf_mm)).T.tolist()
+    near = shapely.STRtree(lines).query(lines, "dwithin", distance=2 * kerf_mm + 2 * tolerance_mm(kerf_mm)).T.tolist()
     crowded = {nest.contours[a].id for a, b in near if nest.contours[a].part != nest.contours[b].part}
     found: dict[str, bool] = {}
     for part in nest.parts:

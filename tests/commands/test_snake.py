@@ -153,3 +153,42 @@ def test_cuts_that_do_not_go_together_are_refused(folder: Path, cuts: str, said:
     done = solve()
     assert done.code == 2
     assert said in done.err
+
+
+@pytest.mark.parametrize("old", ["plan.json", "out.nc"])
+def test_a_stopped_snake_goes_on_along_what_is_left(folder: Path, old: str) -> None:
+    write(folder, nest_of(10.0, 4), LASER + SNAKE)
+    assert solve("-o", "out.nc").code == 0
+    words = ("--work", "0.5", "--lock-from", old, "--upto", "2", "-o", "rest.nc", "--plan", "rest.json")
+    done = kerfwise("solve", "nest.json", "-p", "plant.yaml", *words)
+    assert done.code == 0, done.err
+    rest = json.loads((folder / "rest.json").read_text(encoding="utf-8"))
+    assert rest["resumed_after"] == 2
+    assert rest["totals"]["pierces"] == 0
+    assert [row["order"] for row in rest["already_cut"] if "stretch" not in row] == [1, 2]
+    assert len([row for row in rest["already_cut"] if "stretch" in row]) == 4
+    assert not any("stretch" in row for row in rest["cuts"])
+    assert (folder / "rest.nc").read_text(encoding="utf-8").count("BEFORE 1 ") == 4
+    for words in (("rest.nc",), ("rest.nc", "--plan", "rest.json"), ("rest.json",)):
+        told = kerfwise("check", "nest.json", *words, "-p", "plant.yaml")
+        assert told.code == 0, told.out
+    lost = (folder / "rest.nc").read_text(encoding="utf-8").replace("BEGUN 1 BEFORE 1", "LOST")
+    (folder / "lost.nc").write_text(lost, encoding="utf-8")
+    assert kerfwise("check", "nest.json", "lost.nc", "-p", "plant.yaml").code == 1
+
+
+def test_a_cut_that_finishes_what_was_begun_cannot_be_made_again(folder: Path) -> None:
+    write(folder, nest_of(10.0, 3), LASER + SNAKE)
+    solve()
+    words = ("--lock-from", "plan.json", "--upto", "2", "--redo-last")
+    done = kerfwise("solve", "nest.json", "-p", "plant.yaml", *words)
+    assert done.code == 2
+    assert "which was begun before, and cannot be made again" in done.err
+
+
+def test_parts_near_others_that_are_not_in_the_row_are_cut_as_ever(folder: Path) -> None:
+    nest = nest_of(10.0, 4)
+    nest["parts"].append({"id": "Near", "outer": [[20, 80.39], [360, 80.39], [360, 110], [20, 110]]})
+    write(folder, nest, LASER + SNAKE)
+    assert solve().code == 0
+    assert not any("stretch" in row for row in plan(folder)["cuts"])
