@@ -29,7 +29,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.plant_sections import PRICES_MM
 
-from .reading import LockLike, Settings, nest_request, plan_or_path
+from .reading import LockLike, Settings, nest_request, plan_of, plan_or_path
 
 
 def solve(
@@ -53,6 +53,8 @@ def solve(
     resume_from: Plan | Result | str | Path | None = None,
     upto: int | None = None,
     redo_last: bool = False,
+    start: Plan | Result | str | Path | None = None,
+    first: bool = False,
     on_progress: OnProgress | None = None,
 ) -> Result:
     """Plan a nest: an order, pierces and directions that keep every hard rule, the NC program, and the verdict on both.
@@ -99,6 +101,12 @@ def solve(
     resume_from, upto, redo_last
         Go on after a stop: the plan (or its file, or that of the NC program) that was stopped, how many of its cuts
         are made, and whether the last of them broke off and is to be cut again.
+    start
+        A plan at hand (or its file), as of the nest before an edit: its order, entries and directions stay as far as
+        the rules allow, and the new plan costs no more than that.
+    first
+        Give the first lawful plan, which a moment's search finds, and stop. Moves over parts that are out cost nothing
+        then.
     on_progress
         Called now and then with what the engines have reached, perhaps from a thread of theirs. Return False to stop
         with the best plan so far. An exception that it raises ends the planning and is raised by `solve`.
@@ -153,7 +161,7 @@ def solve(
             given, limits,
             already=_stopped(given, resume_from, upto, redo_last, notes),
             relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
-            orders=orders,
+            orders=orders, start=None if start is None else plan_of(start), first=first,
         )  # fmt: skip
     except NoPlan:
         if listener.interrupted:

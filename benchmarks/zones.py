@@ -1,14 +1,16 @@
 """What zones cost: plans by the zones of geometry, by zones that have moved, and the best plan known without any.
 
 Usage: python benchmarks/zones.py [--contours 115 308 1000 3000 10000] [--default 115] [--sizes 308:40,50]
-       [--seeds 1 11] [--apart 21] [--work 30] [--without 0.03] [--kept rows.json] > docs/zones.md
+       [--many 40:20 115:20 308:5] [--seeds 1 11] [--apart 21] [--work 30] [--without 0.03] [--kept rows.json]
+       > docs/zones.md
 
 Made plates (examples/gen_sheet.py) under the default profile without no-tip-travel, which looks at every single move;
 those of `--default` contours with it. `--sizes` are plates on which geometry makes zones of so many contours, which do
 not move. Work is in deterministic seconds, so that other programs on the machine change no plan; that of `--without`,
 for plans without zones, is for every contour, but no more than `MOST_WITHOUT` in all. Of plates of a thousand contours
 and more one seed of each kind is planned. Every row is made in a process of its own; those that the file `--kept` has
-already are not made again.
+already are not made again. `--many` are so many plates of a number of contours, by seeds from 1001 on, which nobody
+tunes by: what zones cost there, on an average and at worst; up to 150 contours with no-tip-travel.
 """
 
 from __future__ import annotations
@@ -28,16 +30,19 @@ import numpy as np
 
 import kerfwise
 from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
-from kerfwise.jobs.adaptive_zones import FEW, LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS, better_zones, zoned_by
+from kerfwise.jobs.adaptive_zones import planned_by_zones
 from kerfwise.jobs.bench_child import load_kernels, peak_mb
+from kerfwise.jobs.plan_without_zones import FEW, LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS, MOST_MOVES, zoned_by
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 
-LARGE, MOST_WITHOUT = 1000, 60.0
-"""Contours from which on one seed of each kind is planned, and the most work for plans without zones."""
+LARGE, MOST_WITHOUT, APART = 1000, 60.0, 1001
+"""Contours from which on one seed of each kind is planned, the most work for plans without zones, and the first seed of
+many."""
 PAGE = """\
 # What zones cost
 
@@ -92,28 +97,44 @@ the best way through them, with four times the work 0 to 0.3 %, and 1.4 % in one
 of two of the six ended with their work before they had found any way through. Walks that remember seven neighbours in
 place of three add next to nothing. (By scripts that are not in the repository.)
 
+## Many plates
+
+Plates by seeds from 1001 on, by which nobody tunes, under the default profile, and beyond {moves} contours without
+no-tip-travel. What a plan costs more than the best one known without zones, in {work:g} of work; below 0 where the
+sweep of zones found a better one than any search. `excuses` counts plates whose plan has more of them than that one.
+
+| plates | contours | mean | worst | excuses | proven | processor, s each |
+|---:|---:|---:|---:|---:|---:|---:|
+{many}
+
 ## Where the extra comes from
 
 Geometry draws borders across the ways that the torch would take: that costs travel, and now and then an excuse. It is
 not the size of zones, nor their order: where the runs of a plan without zones are zones, the plan in them costs no more
 than that plan.
 
-So runs of the best plan known without zones take the place of the zones. They must be zones still: no more of them
-than geometry has made, or than a proof bears; what is left after each about as square, on an average, where sides that
-differ by no more than `square_ratio` are square; each lying about as much together; the first at the start side.
-Borders along a plan can lie in many places. First those are tried that lie as far on as a proof bears; then, of all
-places, those that leave the rest squarest and the zones most together, by a shortest way over the places between parts.
-Where a plan goes to and fro between parts for longer than a proof bears, borders lie between those parts all the same,
-in the order of their middles. Where a proof takes too long, zones that are more come next, with what is left of the
-work. Of all plans that were found so the one that costs least is taken, proven or not; where it is not proven, the plan
-says what is proven within other zones.
+So a plan without zones is looked for first, and runs of it take the place of the zones. They must be zones still: no
+more of them than geometry has made, or than a proof bears; what is left after each about as square, on an average,
+where sides that differ by no more than `square_ratio` are square; each lying about as much together; the first at the
+start side. Borders along a plan can lie in many places. First those are tried that lie as far on as a proof bears;
+then, of all places, those that leave the rest squarest and the zones most together, by a shortest way over the places
+between parts. Where a plan goes to and fro between parts for longer than a proof bears, borders lie between those parts
+all the same, in the order of their middles. Where a proof takes too long, zones that are more come next, with what is
+left of the work. Where all of these let the plan cost more than the one without zones, runs of any shape are zones, and
+up to 150 contours the whole sheet is one if need be. Of all plans that were found so the one that costs least is taken,
+proven or not; where it is not proven, the plan says what is proven within other zones.
+
+Looks for a plan without zones, and tries along it, come in rungs of 0.1, 0.3, 1, 3, 10, 30 … of work: up to each rung
+all is done as under every larger limit, each look from nothing by other random numbers, and the best of all looks is
+kept. So more work brings no dearer plan, where the plan without zones pays for all that the other pays for (up to 150
+contours). Up to 60 contours a plan by the zones of geometry comes before all this; it is mostly proven at once.
 
 Beyond {few} contours the plan by the zones of geometry is proven within a small part of the work, and other zones are
 proven about as fast. So the look without zones has what these two leave: from the plan with zones on, a large nest is
 annealed, and then improved region by region. Where that plan goes back to a part much later, the part lies in the zone
 in which it is cut last: the middle of its contours may be far off on the sheet. What rules state that do not look at
 zones is not stated again. A look is not begun with less than {least:g} of work a contour, or {least_s:g} s, and beyond
-{many:,} contours zones stay as geometry makes them.
+{most_contours:,} contours zones stay as geometry makes them.
 """
 
 
@@ -127,6 +148,7 @@ class Job:
     without: float
     whole: bool = False
     size: int | None = None
+    many: bool = False
 
     @property
     def profile(self) -> Profile:
@@ -179,12 +201,66 @@ class Sized:
         return f"| {' | '.join([*cells, _yes(self.proven), f'{self.processor_s:.0f}', f'{self.memory_mb:.0f}'])} |"
 
 
+@dataclass(frozen=True)
+class Tail:
+    """What zones cost on one of many plates: the plan, and the best one known without zones, mm."""
+
+    contours: int
+    seed: int
+    cost_mm: float
+    known_mm: float
+    proven: bool
+    processor_s: float
+
+    @property
+    def more(self) -> float:
+        """Share of what is known, excuses aside."""
+        return rest_mm(self.cost_mm) / rest_mm(self.known_mm) - 1.0
+
+    @property
+    def excused_more(self) -> bool:
+        """Whether the plan has more excuses."""
+        return self.cost_mm // EXEMPTION_MM > self.known_mm // EXEMPTION_MM
+
+    def __str__(self) -> str:
+        return f"{self.contours} contours, seed {self.seed}: {cost(self.cost_mm)} against {cost(self.known_mm)}"
+
+
+def many_lines(tails: list[Tail], many: list[str]) -> str:
+    """A line for each number of contours, which are listed as contours:plates."""
+    lines = []
+    for size in (int(named.split(":")[0]) for named in many):
+        some = [tail for tail in tails if tail.contours == size]
+        more = [tail.more for tail in some]
+        worse, proven = sum(tail.excused_more for tail in some), sum(tail.proven for tail in some)
+        took_s = sum(tail.processor_s for tail in some) / len(some)
+        figures = f"{sum(more) / len(more):.1%} | {max(more):.1%} | {worse} | {proven} | {took_s:.0f}"
+        lines.append(f"| {len(some)} | {size} | {figures} |")
+    return "\n".join(lines)
+
+
+def tail(job: Job) -> Tail:
+    """Plan one of many plates, and look for one without zones beside it."""
+    profile, nest = job.profile, made_plate(job.contours, job.seed)
+    asked, limits = make_request(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
+    began_s = time.process_time()
+    best = planned_by_zones(asked, profile, limits)
+    took_s = time.process_time() - began_s
+    known = [] if best.free is None or best.free.aside else [best.free.solution.objective]
+    work = min(job.without * job.contours, MOST_WITHOUT)
+    known += [found.objective for found in searched(asked, profile, best.solution, limits, work)]
+    solution = best.solution
+    return Tail(job.contours, job.seed, solution.objective, min(known), solution.status == "optimal", took_s)
+
+
 def _yes(said: bool) -> str:
     return "yes" if said else "no"
 
 
-def run(job: Job) -> Row | Sized:
+def run(job: Job) -> Row | Sized | Tail:
     """Plan a plate."""
+    if job.many:
+        return tail(job)
     return moved(job) if job.size is None else sized(job)
 
 
@@ -193,11 +269,10 @@ def moved(job: Job) -> Row:
     profile, nest = job.profile, made_plate(job.contours, job.seed)
     asked, limits = make_request(facts_of(nest, profile), profile), options_for(nest, profile, work=job.work)
     began_s = time.process_time()
+    best = planned_by_zones(asked, profile, limits)
+    took_s, memory_mb = time.process_time() - began_s, peak_mb()
     looks = lazy_statements(asked.facts, profile)
     stayed = solve(asked.facts, asked.stated.statements, limits, None, looks)
-    further = lazy_statements(asked.facts, profile)([asked.facts.candidates[c].contour for c in stayed.route])
-    best = better_zones(asked, further, profile, stayed, limits)
-    took_s, memory_mb = time.process_time() - began_s, peak_mb()
     known = [] if best.free is None or best.free.aside else [best.free.solution.objective]
     work = min(job.without * job.contours, MOST_WITHOUT)
     known += [found.objective for found in searched(best.asked, profile, best.solution, limits, work)]
@@ -259,9 +334,13 @@ def jobs_of(given: argparse.Namespace) -> Iterator[Job]:
         for size in sizes.split(","):
             for seed in (*given.seeds, *given.apart):
                 yield Job(int(contours), seed, given.work, given.without, size=int(size))
+    for named in given.many:
+        contours, count = map(int, named.split(":"))
+        for seed in range(APART, APART + count):
+            yield Job(contours, seed, given.work, given.without, contours <= MOST_MOVES, many=True)
 
 
-def row_of(job: Job, kept: dict[str, Any], into: Path | None) -> Row | Sized:
+def row_of(job: Job, kept: dict[str, Any], into: Path | None) -> Row | Sized | Tail:
     """The row of a plate, made in a process of its own unless it was kept."""
     name = json.dumps(asdict(job))
     if name not in kept:
@@ -269,7 +348,8 @@ def row_of(job: Job, kept: dict[str, Any], into: Path | None) -> Row | Sized:
             kept[name] = asdict(pool.apply(run, (job,)))
         if into is not None:
             into.write_text(json.dumps(kept), encoding="utf-8", newline="\n")
-    return (Row if job.size is None else Sized)(**kept[name])
+    kind = Tail if job.many else Row if job.size is None else Sized
+    return kind(**kept[name])
 
 
 def main() -> None:
@@ -278,6 +358,7 @@ def main() -> None:
     parser.add_argument("--contours", type=int, nargs="+", default=[115, 308, 1000, 3000, 10000])
     parser.add_argument("--default", type=int, nargs="*", default=[115], help="such with no-tip-travel")
     parser.add_argument("--sizes", nargs="*", default=["308:40,50"], help="contours:size,size…")
+    parser.add_argument("--many", nargs="*", default=[], help="contours:plates…")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 11], help="looked at while this was made")
     parser.add_argument("--apart", type=int, nargs="+", default=[21], help="not looked at")
     parser.add_argument("--work", type=float, default=30.0)
@@ -286,11 +367,11 @@ def main() -> None:
     given = parser.parse_args()
     load_kernels()
     kept = json.loads(given.kept.read_text(encoding="utf-8")) if given.kept and given.kept.exists() else {}
-    rows: list[Row | Sized] = []
+    rows: list[Row | Sized | Tail] = []
     for job in jobs_of(given):
         rows.append(row_of(job, kept, given.kept))
         print(rows[-1], file=sys.stderr, flush=True)
-    names = ("contours", "default", "sizes", "seeds", "apart")
+    names = ("contours", "default", "sizes", "many", "seeds", "apart")
     listed = {name: " ".join(map(str, getattr(given, name))) for name in names}
     page = PAGE.format(
         given=" ".join(f"--{name} {values}" for name, values in listed.items())
@@ -301,11 +382,13 @@ def main() -> None:
         without=given.without,
         most=MOST_WITHOUT,
         few=FEW,
-        many=MOST_CONTOURS,
+        most_contours=MOST_CONTOURS,
         least=LEAST_WORK,
         least_s=LEAST_LOOK_S,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
+        moves=MOST_MOVES,
+        many=many_lines([row for row in rows if isinstance(row, Tail)], given.many),
         rows="\n".join(str(row) for row in rows if isinstance(row, Row)),
         sizes="\n".join(str(row) for row in rows if isinstance(row, Sized)),
     )

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from kerfwise.jobs.plan_nest import OrdersOf
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.models.plan.plan import Plan
+    from kerfwise.models.plan.read_plan import read_plan
 
 
 # What solve says when there is no plan: which hard rules contradict each other, the way out, and a picture.
@@ -141,6 +142,9 @@ def drawings(
     "--conflict-picture", metavar="OUT.svg|.png", help="Picture of a conflict of rules. Default: NEST.conflict.svg."
 )
 @DATE
+@click.option("--first", is_flag=True, help="Write the first lawful plan, which a moment's search finds, and stop.")
+@click.option("--start", "start_path", metavar="OLD.plan.json",
+              help="Go on from this plan, as of the nest before an edit; today's costs no more.")  # fmt: skip
 @click.option("-v", "--verbose", is_flag=True, help="Report which engines ran, which did not, and why.")
 def command(
     output: str | None,
@@ -164,6 +168,8 @@ def command(
     relax: bool,
     conflict_picture: str | None,
     date: str,
+    first: bool,
+    start_path: str | None,
     verbose: bool,
     **options: Any,
 ) -> int:
@@ -189,7 +195,7 @@ def command(
     expect_drawings(svg, reordered_dxf)
     if dxf and Path(dxf).suffix.lower() != ".dxf":
         raise InputError("the torch's paths are written as DXF: give a name ending in .dxf", file=dxf)
-    _expect(outputs, (picture, conflict_picture), (file, lock_from))
+    _expect(outputs, (picture, conflict_picture), (file, lock_from, start_path))
     if by_default:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
     given = read_inputs(**options, last=lock_from, date=date)
@@ -197,6 +203,7 @@ def command(
     protect(given, options["nest"], (*outputs, *beside_program), lock_from)
     expect_as_drawn(given, svg, reordered_dxf)
     note_placing(given)
+    start = None if start_path is None else read_plan(Path(start_path))
     already = already_cut(given, lock_from, upto, redo_last, print_note)
     limits = options_for(
         given.nest, given.profile,
@@ -217,7 +224,7 @@ def command(
             given, limits,
             already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
             listener=listener, tell=print_note, whole=whole, planned_as=beside.begin,
-            orders=orders,
+            orders=orders, start=start, first=first,
         )  # fmt: skip
     except NoPlan as no_plan:
         code = print_conflict(no_plan, conflict_picture)
@@ -251,6 +258,8 @@ def command(
     if given.nest.reading is not None and given.nest.reading.taken:
         click.echo(escape_text(given.nest.reading.short()))
     click.echo(summary(made.plan, made.verdict))
+    if told := listener.first_line(made.plan.solve.objective, began_s):
+        click.echo(told)
     if found is not None:
         click.echo(found.line())
     if given.job is not None and (told := job_line(given.job, made.plan)):

@@ -21,7 +21,8 @@ from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.models.engines.baselines import Walk, random_order
+from kerfwise.models.engines.baselines import random_order
+from kerfwise.models.engines.lawful_walk import Walk
 from kerfwise.models.heat_prices import HeatPrices, HeatTerms, fit_prices, priced_statements
 from kerfwise.models.physics.heat.grid import Regions, make_grid
 from kerfwise.models.physics.heat.simulate import simulate

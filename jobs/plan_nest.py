@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.cut import Pierce
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
-from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.explain.context import solved_context
 from kerfwise.models.plan.explain.reasons import with_reasons
@@ -37,11 +37,13 @@ from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
 from kerfwise.rules.stating.state_rules import Stated
 
-from .adaptive_zones import FEW, SHARE, better_zones, is_look_worthwhile, zoned_by
+from .adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, rungs, zones_follow
 from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
+from .plan_at_hand import first_plan, plan_at_hand
+from .plan_without_zones import FEW, SHARE, is_look_worthwhile, zoned_by
 from .progress import Listener
-from .request import NoPlan, Request, common_cut_advice, facts_of, make_request, ways_on
+from .request import Found, NoPlan, Request, common_cut_advice, facts_of, make_request, ways_on
 from .resume import lock_broken_cut_first
 from .time_limits import CommandLimit, JobLimit
 
@@ -80,6 +82,8 @@ def plan_nest(
     planned_as: Callable[[Plan], None] | None = None,
     orders: OrdersOf | None = None,
     found: Found | None = None,
+    start: Plan | None = None,
+    first: bool = False,
 ) -> FinishedPlan:
     """Plan a nest, or what is left of it, write the program, and judge both.
 
@@ -107,11 +111,16 @@ def plan_nest(
         What finds orders by another simulation than that of heat, where the profile has a price on what that shows.
     found
         Told each better plan as it is found, as `solve_and_verify` does.
+    start
+        A plan at hand, as of the nest before an edit: the new one costs no more than this does under what is asked now.
+    first
+        Give the first lawful plan and stop, but where temperature, or a price on what a simulation shows, decides.
 
     Raises
     ------
     InputError
-        If a lock names what the nest does not have, the dialect does not fit, or a contour cannot be cut.
+        If a lock names what the nest does not have, the dialect does not fit, a contour cannot be cut, or an engine
+        other than the portfolio is to give its first plan or to go on from one.
     RulesConflict
         If contours cannot be cut and hard rules cannot hold in any order.
     NoPlan
@@ -121,6 +130,8 @@ def plan_nest(
     nest, profile = given.nest, lock_broken_cut_first(given.profile, already)
     dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     expect_words(nest, profile, dialect, resumes=bool(already))
+    if (start is not None or first) and (engine != "portfolio" or strategy != "ours"):
+        raise InputError("a first plan, or one that goes on from another, is made by the engine portfolio alone")
     if engine == "minizinc":
         expect_one_torch(profile, "the engine minizinc")
         from kerfwise.rules.minizinc.installation import solver_named
@@ -147,6 +158,8 @@ def plan_nest(
                 and_zones=True,
                 planned_as=planned_as,
                 found=found,
+                start=start,
+                first=first,
             )
     except RulesConflict as error:
         from kerfwise.models.engines.deadline import Deadline
@@ -169,9 +182,6 @@ def plan_nest(
 
 Write = Callable[[Plan, Nest, Profile], str]
 """Makes the program of a plan."""
-Found = Callable[[Request, Solution], None]
-"""Told of a better plan that is found while others are looked for: what it was asked, and its route. Nothing is proven
-of it, and no geometry has looked at its whole order: only a check says whether it is lawful."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -205,6 +215,8 @@ def solve_and_verify(
     trusted: Trusted | None = None,
     planned_as: Callable[[Plan], None] | None = None,
     found: Found | None = None,
+    start: Plan | None = None,
+    first: bool = False,
 ) -> VerifiedPlan:
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
@@ -214,6 +226,7 @@ def solve_and_verify(
     the program of the plan in another way; what of its words is `trusted` is not judged. `planned_as` is told the
     plan before it is judged: nothing but its rules and its cost will change. `found` is told each better plan of the
     portfolio meanwhile, which changes nothing; no plan by other zones, and none that a simulation has asked for.
+    `start` and `first` are as `plan_nest` has them.
 
     Raises
     ------
@@ -257,6 +270,9 @@ def solve_and_verify(
         return plan_of(Request(facts, request.stated), profile, solution, limits, seen, engine_named, reasons=reasons)
 
     plan: Plan | None = None
+    zoned: ZonedPlan | None = None
+    known: ZonedPlan | None = None
+    ends_s = None if whole.time_s is None else started_s + whole.time_s
     if (limit := profile.temperature_limit()) is not None:
         from .heat_control import Cooler
 
@@ -273,22 +289,60 @@ def solve_and_verify(
         cooler_orders = Cooler(facts, profile, limit, request.stated.statements, attempt, timed, planned, going)
         solution, plan = cooler_orders.find(again)
     else:
-        solution = solved(1.0, request.stated) if cool is None else cool
-    zones_cost = None
-    if and_zones:
-        ends_s = None if whole.time_s is None else started_s + whole.time_s
-        stays, first = limit is not None or cool is not None, solution
-        best = better_zones(
-            request, seen_in(solution.route), profile, solution, whole, ends_s, progress, may_move=not stays
-        )
-        request, solution = best.asked, best.solution
-        if solution is not first:
-            facts, plan = request.facts, None
-        zones_cost = best.cost(limits)
-    plan = replace(plan or planned(solution), zones_cost=zones_cost)
+        if cool is None and (first or start is not None):
+            at_hand = None if start is None else plan_at_hand(request, profile, limits, start)
+            if first or at_hand is not None:
+                known = first_plan(request, profile, limits, at_hand, progress, moves=not first)
+        if first and known is not None:
+            zoned = known
+        elif and_zones and cool is None and zones_follow(request):
+            zoned = plan_by_rungs(request, profile, whole, ends_s, progress, found=found)
+        if zoned is None and cool is None and engine == "portfolio" and strategy == "ours":
+            solution = with_less_work(partial(solved, stated=request.stated), facts.n, limits, progress)
+        else:
+            solution = zoned.solution if zoned else cool or solved(1.0, request.stated)
+    best = zoned or ZonedPlan(request, solution, None)
+    if and_zones and zoned is None:
+        stays = limit is not None or cool is not None
+        further = seen_in(solution.route)
+        best = better_zones(request, further, profile, solution, whole, ends_s, progress, may_move=not stays)
+    if known is not None and known.solution.objective < best.solution.objective:
+        best = replace(known, free=best.free)
+    if best.asked is not request:
+        facts, plan = best.asked.facts, None
+    request, solution = best.asked, best.solution
+    plan = replace(plan or planned(solution), zones_cost=best.cost(limits))
     if planned_as is not None:
         planned_as(plan)
     return verified(facts, profile, plan, solution, write or write_program, trusted)
+
+
+def with_less_work(
+    solved: Callable[[float], Solution], contours: int, limits: SolveOptions, progress: Progress | None = None
+) -> Solution:
+    """What a share of the work, 1 at first, brings, or, where that is not proven, what less of it would have brought.
+
+    More work takes other ways, and may end in a dearer plan: so it is done with each of the lower rungs, too, which
+    comes to half as much again. What is proven at one of them is proven.
+    """
+    best = solved(1.0)
+    if limits.time_s is not None or limits.gap is not None or limits.no_improvement_s is not None or contours > FEW:
+        return best
+    for rung in list(rungs(contours, limits.work))[:-1]:
+        if best.status == "optimal" or (progress is not None and not progress("portfolio", None, None)):
+            break
+        try:
+            other = solved(rung / limits.work)
+        except RulesConflict:  # so little work may find none
+            continue
+        if other.left_out != best.left_out:
+            continue
+        cheaper = other if other.objective < best.objective else best
+        known = max(best, other, key=lambda one: one.bound or 0.0)
+        proven = known.bound is not None and known.bound >= cheaper.objective
+        status: Status = "optimal" if proven else "feasible"
+        best = replace(cheaper, bound=known.bound, proved_by=known.proved_by, status=status, notes=best.notes)
+    return best
 
 
 def seen_after(facts: Facts, profile: Profile, route: tuple[int, ...]) -> tuple[Statement, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -29,7 +29,7 @@ from kerfwise.encoder.progress_notice import amount, long_job
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
-from kerfwise.models.engines.solution import MEMORY_GB, SolveOptions
+from kerfwise.models.engines.solution import MEMORY_GB, Solution, SolveOptions
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
@@ -71,6 +71,11 @@ class Request:
     facts: Facts
     stated: Stated
     seconds: float = 0.0
+
+
+Found = Callable[[Request, Solution], None]
+"""Told of a better plan that is found while others are looked for: what it was asked, and its route. Nothing is proven
+of it, and no geometry has looked at its whole order: only a check says whether it is lawful."""
 
 
 def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, limit: JobLimit | None = None) -> str:

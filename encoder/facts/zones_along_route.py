@@ -52,21 +52,23 @@ def movable(facts: Facts) -> bool:
     return not decided and facts.past is None and not facts.nest.scrap and not facts.nest.stretches
 
 
-def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
+def zones_along(facts: Facts, order: Sequence[int], *, any_shape: bool = False) -> Iterator[Ints]:
     """Zones of all contours (n,) as runs of an order (n,) of them that keeps the hard orders, but for those of zones.
 
     Large zones come first. Of those that are about as large, first come those that join runs one after the other while
-    a proof bears them, then those that do best what zones are for, the fewest first. Each does what zones are for.
+    a proof bears them, then those that do best what zones are for, the fewest first. Each does what zones are for, or,
+    with `any_shape`, may be as long, as narrow and as far off the start side as the order has it: of these only those
+    come that join runs one after the other.
     """
     found = list[Ints]()
     for contours in MOST_CONTOURS:
-        for zone in _zones_of(facts, order, contours):
+        for zone in _zones_of(facts, order, contours, any_shape):
             if not any(np.array_equal(zone, other) for other in found):
                 found.append(zone)
                 yield zone
 
 
-def _zones_of(facts: Facts, order: Sequence[int], most_contours: int) -> Iterator[Ints]:
+def _zones_of(facts: Facts, order: Sequence[int], most_contours: int, any_shape: bool) -> Iterator[Ints]:
     """The same where a zone has no more than so many contours, unless they cannot be divided."""
     outlines, options = outlines_of(facts.nest), facts.options
     respected = respected_orders(facts.contains, facts.level_ahead, facts.in_hull, options)
@@ -83,10 +85,13 @@ def _zones_of(facts: Facts, order: Sequence[int], most_contours: int) -> Iterato
     if too_large:
         small = _taken_apart(small, np.isin(small, too_large), cut, blocks.of, kept)
         bears, count = _bearing(small, cut, units, most_contours)
+    one_by_one = merge_zones_while(bears, small, count)
+    if any_shape:
+        yield one_by_one
+        return
     given = _by_block(facts.zone, blocks)
     square = options.square_ratio
     most = LESS_SQUARE * _ratio(given, blocks, square), LESS_TOGETHER * _around_mm2(given, blocks)
-    one_by_one = merge_zones_while(bears, small, count)
     if _do_what_zones_do(one_by_one, facts, blocks, most):
         yield one_by_one
     found = np.unique([zone[small - 1] for zone in _drawn(small, blocks, facts, bears, most)], axis=0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -19,9 +18,7 @@ from kerfwise.models.physics.heat.physical import SheetSimulation
 from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath, events_of
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.rules.profile.profile import Profile
@@ -29,72 +26,9 @@ from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
 
 from . import Strategy
 from .deadline import Progress
+from .lawful_walk import Walk
 from .solution import Solution, SolveOptions
 from .solve import solve
-
-# Building an order step by step, always knowing what may lawfully be cut next.
-
-_EXCUSE_UM = round(EXEMPTION_MM * UM_PER_MM)
-
-
-class Walk:
-    """A route that grows; `options` are the sites that keep every hard statement which the sets cut so far decide.
-
-    A walk may end where nothing lawful is left though contours are: then it must begin again.
-    """
-
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        self.route: list[int] = []
-        self._done: set[int] = set()
-        self._waits = problem.before.sum(axis=0).astype(np.int64)
-        self._of: dict[int, list[Condition]] = defaultdict(list)
-        for condition in problem.conditions:
-            if condition.cost is None or condition.cost >= _EXCUSE_UM:
-                self._of[condition.contour].append(condition)
-
-        self._apart = {frozenset(pair) for pair in problem.apart()}
-
-    @property
-    def finished(self) -> bool:
-        """Whether every contour has its place."""
-        return len(self.route) == self.problem.n
-
-    def options(self) -> list[int]:
-        """Sites that may come next; those that need an excuse only where there are no others."""
-        free: list[int] = []
-        excused: list[int] = []
-        ready = self._ready()
-        sites = self.problem.sites_of(ready)
-        if self.route:
-            sites = sites[self.problem.travel(self.route[-1:], sites)[0] <= LAWFUL_MOST]
-        for contour in ready:
-            for site in sites[self.problem.site_contour[sites] == contour].tolist():
-                unmet = [c for c in self._of[contour] if c.when in (None, site) and not c.met(self._done)]
-                if any(c.cost is None for c in unmet):
-                    continue
-                (excused if unmet or self.problem.site_cost[site] >= _EXCUSE_UM else free).append(site)
-        return free or excused
-
-    def take(self, site: int) -> None:
-        """Cut this one next."""
-        contour = int(self.problem.site_contour[site])
-        self.route.append(site)
-        self._done.add(contour)
-        self._waits -= self.problem.before[contour]
-
-    def _ready(self) -> list[int]:
-        """Contours whose turn the orders, blocks and bans on moves allow."""
-        problem = self.problem
-        last = int(problem.site_contour[self.route[-1]]) if self.route else None
-        ready = [c for c in range(problem.n) if c not in self._done and self._waits[c] == 0]
-        if last is not None:
-            block = problem.block[last]
-            if any(problem.block[c] == block for c in range(problem.n) if c not in self._done):
-                ready = [c for c in ready if problem.block[c] == block]
-            ready = [c for c in ready if frozenset((last, c)) not in self._apart]
-        return ready
-
 
 # Random lawful orders: the strategy "random transitions" of Verkhoturov et al.
 

@@ -63,13 +63,13 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     best plan bears: as long as there are few sets of contours that may be out while a zone is cut. Where locks put
     parts in zones, these are strips of about 12 contours.
 
-    After the first plan, a better one without zones is looked for. Runs of it take the place of the zones where the
-    plan is then shorter, and they are zones still: no more than there were, or than a proof bears, what is left stays
-    about as square (up to `square_ratio` it is square), they reach into each other about as little, and the first is
-    at the start side. Of all borders along that plan those are drawn that do this best. Where its runs are no zones, a
-    plan is looked for that mixes zones which follow each other, and no others. So a zone does not force an excuse, or a
-    long way, that another border avoids. The shortest plan is taken, proven or not; where it is not, the plan says what
-    is proven within other zones. Zones stay as they are where the plant gives a number, locks or a budget of heat.
+    Borders that geometry draws can cost travel, so a plan without zones is looked for, and runs of it take the place of
+    the zones where the plan is then cheaper. They are zones still: no more than there were, or than a proof bears, what
+    is left stays about as square (up to `square_ratio` it is square), they reach into each other about as little, and
+    the first is at the start side. Of all borders along that plan those are drawn that do this best. Where all such
+    zones let the plan cost more than without them, runs of any shape are zones, or the whole sheet is one. The cheapest
+    plan is taken, proven or not; where it is not, the plan says what is proven within other zones. Zones stay as they
+    are where the plant gives a number, locks or a budget of heat.
 
     With `zone_heat`, a strip ends before the heat of its contours passes that budget: `heat.absorbed_power_w` for as
     long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then

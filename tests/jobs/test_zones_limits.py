@@ -17,18 +17,10 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import adaptive_zones
-from kerfwise.jobs.adaptive_zones import (
-    FEW,
-    MOST_CONTOURS,
-    Free,
-    better_zones,
-    is_look_worthwhile,
-    look_again,
-    look_for,
-    planned_by_zones,
-)
+from kerfwise.jobs import adaptive_zones, plan_nest, plan_without_zones
+from kerfwise.jobs.adaptive_zones import better_zones, planned_by_zones
 from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.plan_without_zones import FEW, MOST_CONTOURS, Free, is_look_worthwhile, look_for
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
@@ -51,15 +43,14 @@ def test_few_contours_have_their_share_whatever_the_first_plan_took() -> None:
     for first in (0.1, 5.0, 10.0):
         found = look_for(1000, SolveOptions(work=10.0), None, planned(first))
         assert found is not None
-        assert found.work == pytest.approx(adaptive_zones.SHARE * 10.0)
-        assert look_again(1000, SolveOptions(work=10.0), None) == found
-    assert is_look_worthwhile(FEW, SolveOptions(work=0.01))
+        assert found.work == pytest.approx(plan_without_zones.SHARE * 10.0)
+        assert is_look_worthwhile(FEW, SolveOptions(work=0.01))
 
 
 def test_many_contours_have_what_two_proofs_leave() -> None:
     found = look_for(10_000, SolveOptions(work=10.0), None, planned(1.0))
     assert found is not None
-    assert found.work == pytest.approx(10.0 - 1.0 - adaptive_zones.PROOF * 1.0)
+    assert found.work == pytest.approx(10.0 - 1.0 - plan_without_zones.PROOF * 1.0)
     slow = look_for(10_000, SolveOptions(work=10.0), None, planned(6.0))
     assert slow is not None
     assert slow.work == pytest.approx(2.0), "half of what is left"
@@ -73,29 +64,27 @@ def test_what_cannot_get_anywhere_is_not_begun() -> None:
     assert is_look_worthwhile(10_000, SolveOptions(work=10.0))
     assert is_look_worthwhile(10_000, SolveOptions(time_s=300.0))
     assert look_for(10_000, SolveOptions(work=3.0), None, planned(3.0)) is None
-    assert look_again(10_000, SolveOptions(work=3.0), None) is None
 
 
 def test_a_limit_in_seconds_keeps_what_other_zones_take(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(adaptive_zones, "running_s", lambda: 1000.0)
+    monkeypatch.setattr(plan_without_zones, "running_s", lambda: 1000.0)
     limits = SolveOptions(time_s=300.0)
     found = look_for(10_000, limits, 1200.0, planned(20.0))
     assert found is not None
-    assert found.time_s == pytest.approx(200.0 - adaptive_zones.PROOF * 20.0)
+    assert found.time_s == pytest.approx(200.0 - plan_without_zones.PROOF * 20.0)
     assert look_for(10_000, limits, 1015.0, planned(100.0)) is None
     slow = look_for(10_000, limits, 1100.0, planned(100.0), 20.0)
     assert slow is not None
-    beside_s = adaptive_zones.STATED * 20.0 + adaptive_zones.PROVEN_S * 10_000
+    beside_s = plan_without_zones.STATED * 20.0 + plan_without_zones.PROVEN_S * 10_000
     assert slow.time_s == pytest.approx(100.0 - beside_s)
     in_vain = look_for(10_000, limits, 1050.0, planned(100.0), 20.0)
     assert in_vain is not None
     assert in_vain.time_s == pytest.approx(25.0), "zones have no time to move, but the plan says what they cost"
-    assert look_again(10_000, limits, 1015.0) is None
 
 
 @pytest.fixture
 def _all_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (adaptive_zones, adaptive_zones):
+    for module in (adaptive_zones, plan_without_zones, plan_nest):
         monkeypatch.setattr(module, "FEW", 3)
 
 
@@ -119,7 +108,7 @@ def test_all_together_keep_to_what_is_documented(first: float, found: bool, monk
         worse = replace(solution, objective=solution.objective + 1.0, seconds=limits.work, status="feasible")
         return (Request(facts, asked.stated), worse) if found else None
 
-    def along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
+    def along(facts: Facts, order: Sequence[int], *, any_shape: bool = False) -> Iterator[Ints]:
         yield from (np.minimum(np.arange(1, 7), k) for k in count(2))
 
     monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
@@ -127,7 +116,7 @@ def test_all_together_keep_to_what_is_documented(first: float, found: bool, monk
     monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     best = better_zones(asked, (), profile, solution, SolveOptions(work=10.0)).solution  # type: ignore[arg-type]
     assert best is solution
-    assert len(spent) == 7, "the plan, a look, two tries, and once more"
+    assert len(spent) == 6, "the plan, a look, two tries, zones of any shape, and a single one"
     assert sum(spent) <= MOST_TIMES * 10.0
 
 
@@ -144,10 +133,10 @@ def test_a_plan_by_other_zones_says_what_it_took(first: float, monkeypatch: pyte
 
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
         spent.append(0.5 * limits.work)
-        return Request(facts, asked.stated), replace(solution, objective=solution.objective - 1.0, seconds=spent[-1])
+        return Request(facts, asked.stated), replace(solution, objective=solution.objective - 2.0, seconds=spent[-1])
 
     monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
-    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
+    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_, **__: iter([np.minimum(np.arange(1, 7), 2)]))
     monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
     best = better_zones(asked, (), profile, solution, SolveOptions(work=10.0)).solution  # type: ignore[arg-type]
     assert best.seconds == pytest.approx(sum(spent))
@@ -209,4 +198,4 @@ def test_the_pages_on_zones_and_on_limits_tell_them() -> None:
     assert f"With more than {FEW} contours, that look has what two proofs leave" in page
     assert f"{MOST_TIMES} times the work at the most" in page
     assert f"beyond {MOST_CONTOURS:,} contours" in scale
-    assert adaptive_zones.MOST_CONTOURS == MOST_CONTOURS
+    assert plan_without_zones.MOST_CONTOURS == MOST_CONTOURS

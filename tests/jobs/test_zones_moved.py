@@ -5,86 +5,72 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zones
-from kerfwise.encoder.facts.zones_along_route import zones_along
+from kerfwise.encoder.facts import Facts, zones
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import adaptive_zones
-from kerfwise.jobs.adaptive_zones import Free, ZonedPlan, better_zones, planned_by_zones, without_neighbour_orders
+from kerfwise.jobs.adaptive_zones import Free, ZonedPlan, better_zones, planned_by_zones
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.engines.solve import solve
-from kerfwise.models.problem.precedence import transitive
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
-
-def test_neighbours_may_be_mixed_and_no_others() -> None:
-    """Six plates in a row, a mark on each: a zone for every plate."""
-    plates = (
-        part(str(k), rect(10 + 100 * k, 10, 80, 80), marks=[[(20 + 100 * k, 20), (40 + 100 * k, 20)]]) for k in range(6)
-    )
-    facts = compute_facts(nest(600, 100, *plates), FactOptions(zone_contours=1))
-    index = facts.nest.index
-    outer = [index[f"{k}.outer"] for k in range(6)]
-    assert facts.zone[outer].tolist() == [1, 2, 3, 4, 5, 6]
-    found = [
-        (outer.index(s.before), outer.index(s.after)) for s in without_neighbour_orders(facts, frozenset({"some-rule"}))
-    ]
-    before = np.zeros((6, 6), dtype=np.bool_)
-    before[tuple(np.transpose(found))] = True
-    assert (transitive(before) == (np.arange(6)[:, None] + 2 <= np.arange(6))).all()
-    assert (0, 4) not in found, "it follows from the others"
-
-
+MORE = [(32, 115), (43, 115), (2, 60), (5, 41)]
+"""Seeds and contours of plates for a longer run."""
 ROW = nest(600, 100, *(part(str(k), rect(10 + 100 * k, 10, 80, 80)) for k in range(6)))
 """Six plates in a row."""
 
 
 def chosen(
-    monkeypatch: pytest.MonkeyPatch, first: tuple[float, Status], others: Sequence[tuple[float, Status]], tries: int = 9
-) -> tuple[ZonedPlan, list[float]]:
-    """What becomes of a first plan of that cost where other zones, one more each time, make such plans; and the work
-    that each of those was given. After so many `tries` somebody says stop."""
+    monkeypatch: pytest.MonkeyPatch,
+    first: tuple[float, Status],
+    others: Sequence[tuple[float, Status]],
+    free_mm: float = 90.0,
+    work: float = 0.1,
+    shaped: int = 9,
+) -> tuple[ZonedPlan, list[tuple[int, float]]]:
+    """What becomes of a first plan of that cost where one without zones costs `free_mm`, and other zones, one more
+    each time, make such plans; `shaped` of them do what zones are for. And which were tried, with how much work."""
     profile = load_profile()
     facts = replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2]))
     asked = make_request(facts, profile)
-    left, works = list(others), list[float]()
+    left, tried = list(others), list[tuple[int, float]]()
 
     def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
-        works.append(limits.work)
-        cost, status = left.pop(0)
-        return Request(facts, asked.stated), replace(solution, objective=cost, status=status, seconds=1.0)
+        tried.append((int(facts.zone.max()), limits.work))
+        cost, status = left.pop(0) if left else (free_mm, "feasible")
+        return Request(facts, asked.stated), replace(solution, objective=cost, status=status, seconds=0.01)
 
-    def along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
-        yield from (np.minimum(np.arange(1, 7), count) for count in range(2, 2 + len(others)))
+    def along(facts: Facts, order: Sequence[int], *, any_shape: bool = False) -> Iterator[Ints]:
+        yield from (np.minimum(np.arange(1, 7), count) for count in ((9,) if any_shape else range(2, 2 + shaped)))
 
     solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0))
     solution = replace(solution, objective=first[0], status=first[1], seconds=2.0)
-    free = Free(asked.stated, replace(solution, objective=90.0), 0.5)
-    monkeypatch.setattr(adaptive_zones, "without_zones", lambda *given: free)
+    free = Free(asked.stated, replace(solution, objective=free_mm), 0.02)
+    monkeypatch.setattr(adaptive_zones, "searched", lambda *given, **_: free)
     monkeypatch.setattr(adaptive_zones, "zones_along", along)
     monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
-    limits = SolveOptions(work=10.0)
-    return better_zones(asked, (), profile, solution, limits, progress=lambda *_: len(works) < tries), works
+    return better_zones(asked, (), profile, solution, SolveOptions(work=work)), tried
 
 
 @pytest.mark.parametrize(
     ("first", "others", "cost", "elsewhere"),
     [
-        ((100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")], 95.0, 97.0),
-        ((100.0, "optimal"), [(95.0, "feasible"), (96.0, "feasible")], 95.0, 100.0),
-        ((100.0, "feasible"), [(95.0, "feasible"), (97.0, "feasible")], 95.0, None),
-        ((100.0, "feasible"), [(101.0, "optimal"), (102.0, "optimal")], 100.0, 101.0),
-        ((100.0, "optimal"), [(95.0, "feasible"), (95.0, "optimal")], 95.0, None),
-        ((100.0, "optimal"), [(95.0, "optimal")], 95.0, None),
-        ((100.0, "feasible"), [(100.0, "optimal")], 100.0, None),
+        ((100.0, "optimal"), [(90.0, "feasible"), (97.0, "optimal")], 90.0, 97.0),
+        ((100.0, "optimal"), [(90.0, "feasible"), (96.0, "feasible")], 90.0, 100.0),
+        ((100.0, "feasible"), [(90.0, "feasible"), (97.0, "feasible")], 90.0, None),
+        ((100.0, "optimal"), [(89.0, "feasible"), (89.0, "optimal")], 89.0, None),
+        ((100.0, "optimal"), [(90.0, "optimal")], 90.0, None),
+        ((90.0, "feasible"), [(90.0, "optimal")], 90.0, None),
+        ((80.0, "optimal"), [(90.0, "optimal")], 80.0, None),
     ],
 )
 def test_the_best_plan_is_taken_proven_or_not(
@@ -104,66 +90,35 @@ def test_the_best_plan_is_taken_proven_or_not(
     assert (found.solution.status == "optimal") == bool(proven)
 
 
-def test_what_the_first_plan_has_left_is_for_other_zones(monkeypatch: pytest.MonkeyPatch) -> None:
-    _, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")])
-    assert works == pytest.approx([adaptive_zones.A_TRY * 8.0, 7.0])
+def test_where_zones_cost_more_others_and_a_single_one_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, tried = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "optimal"), (95.0, "optimal"), (93.0, "optimal")])
+    assert [zones for zones, _ in tried] == [2, 3, 6, 1]
+    assert found.solution.objective == 90.0
+    assert found.asked.facts.zone.max() == 1
+    assert "the whole sheet is one" in " ".join(found.solution.notes)
+    cost = found.cost(SolveOptions(work=10.0))
+    assert cost is not None
+    assert (cost.mm, cost.proven_elsewhere_mm) == (0.0, 93.0)
+    found, tried = chosen(monkeypatch, (100.0, "optimal"), [(90.0, "optimal")], shaped=0)
+    assert [zones for zones, _ in tried] == [6], "no zones do what zones are for"
+    assert found.solution.objective == 90.0
 
 
-def test_tries_of_no_avail_are_counted_where_neighbouring_zones_are_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_up_to_each_rung_all_is_done_as_under_larger_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    dear: list[tuple[float, Status]] = [(95.0, "feasible")] * 40
+    tried = {work: chosen(monkeypatch, (100.0, "optimal"), dear, work=work)[1] for work in (0.1, 0.3, 1.0, 3.0)}
+    for less, more in pairwise(tried.values()):
+        assert more[: len(less)] == less
+        assert len(more) > len(less)
+
+
+def test_told_to_stop_it_tries_no_more_zones() -> None:
     profile = load_profile()
     asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
-    solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=2.0)
-    routes = iter((solution.route, solution.route[::-1]))
-    works: list[float] = []
-
-    def without_zones(*given: object) -> Free:
-        better = replace(solution, objective=solution.objective - 1.0, route=next(routes))
-        return Free(asked.stated, better, 0.5)
-
-    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> None:
-        works.append(limits.work)
-
-    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
-    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_: iter(np.minimum(np.arange(1, 7), k) for k in (2, 3)))
-    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
-    better_zones(asked, (), profile, solution, SolveOptions(work=10.0))
-    first = adaptive_zones.A_TRY * 8.0
-    least = adaptive_zones.SHARE * 10.0
-    assert works == pytest.approx([first, 8.0 - first, adaptive_zones.A_TRY * least, least])
-
-
-@pytest.mark.parametrize("timed", [False, True])
-def test_a_plan_by_other_zones_says_all_that_it_took(timed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    profile = load_profile()
-    asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
-    solution = replace(solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0)), seconds=2.0)
-    routes, costs, clock = iter((solution.route, solution.route[::-1])), iter((1.0, -1.0)), [100.0]
-
-    def without_zones(*given: object) -> Free:
-        clock[0] += 0.75
-        better = replace(solution, objective=solution.objective - 2.0, route=next(routes))
-        return Free(asked.stated, better, 0.5)
-
-    def by_zones(facts: Facts, profile: object, start: Solution, limits: SolveOptions, *_: object) -> object:
-        clock[0] += 1.5
-        return Request(facts, asked.stated), replace(solution, objective=solution.objective + next(costs), seconds=1.0)
-
-    monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
-    monkeypatch.setattr(adaptive_zones, "running_s", lambda: clock[0])
-    monkeypatch.setattr(adaptive_zones, "running_s", lambda: clock[0])
-    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *_: iter([np.minimum(np.arange(1, 7), 2)]))
-    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
-    limits = SolveOptions(time_s=10.0) if timed else SolveOptions(work=10.0)
-    moved = better_zones(asked, (), profile, solution, limits, 108.0 if timed else None).solution
-    assert moved.objective == solution.objective - 1.0
-    assert moved.seconds == (2.0 + 2 * 0.75 + 2 * 1.5 if timed else 2.0 + 2 * 0.5 + 2 * 1.0)
-
-
-@pytest.mark.parametrize("tries", [0, 1])
-def test_told_to_stop_it_tries_no_more_zones(tries: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    found, works = chosen(monkeypatch, (100.0, "optimal"), [(95.0, "feasible"), (97.0, "optimal")], tries)
-    assert len(works) == tries
-    assert found.solution.objective == (100.0, 95.0)[tries]
+    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0))
+    found = better_zones(asked, (), profile, solution, SolveOptions(work=10.0), progress=lambda *_: False)
+    assert found.solution is solution
+    assert found.free is None
 
 
 def test_zones_that_the_other_plan_does_not_keep_to_and_no_proof_applies_to_are_passed_over(
@@ -176,32 +131,30 @@ def test_zones_that_the_other_plan_does_not_keep_to_and_no_proof_applies_to_are_
     asked = make_request(replace(facts_of(ROW, profile), zone=np.array([1, 1, 1, 2, 2, 2])), profile)
     solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=0.2))
     free = Free(asked.stated, replace(solution, objective=solution.objective - 1.0), 0.5)
-    monkeypatch.setattr(adaptive_zones, "without_zones", lambda *given: free)
-    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *given: iter([np.array([1, 2, 1, 2, 1, 2])]))
+    monkeypatch.setattr(adaptive_zones, "searched", lambda *given, **_: free)
+    monkeypatch.setattr(adaptive_zones, "zones_along", lambda *given, **_: iter([np.array([1, 2, 1, 2, 1, 2])]))
     assert better_zones(asked, (), profile, solution, SolveOptions(work=1.0)).solution is solution
 
 
-@pytest.mark.slow
-def test_where_runs_are_no_zones_neighbouring_zones_are_mixed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
+@pytest.mark.parametrize(
+    ("seed", "contours", "works"),
+    [(3, 24, (0.1, 0.3, 1.0)), *(pytest.param(s, n, (0.1, 0.3, 1.0, 3.0), marks=pytest.mark.full) for s, n in MORE)],
+)
+def test_more_work_makes_no_dearer_plan(
+    seed: int, contours: int, works: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And the plan costs no more than the best one that it knows without zones, where that pays for the same."""
+    if contours < 100:
+        monkeypatch.setattr(zones, "MOST_OF_ONE", 10)
+        monkeypatch.setattr(adaptive_zones, "GEOMETRY", 0)
     profile = load_profile()
-    off = replace(profile.rules["no-tip-travel"], strength="off", weight=None)
-    profile = replace(profile, rules={**profile.rules, "no-tip-travel": off})
-    sheet = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions())
-    asked, limits = make_request(facts_of(sheet, profile), profile), options_for(sheet, profile, work=5.0)
-    orders: list[Sequence[int]] = []
-
-    def none_at_first(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
-        orders.append(order)
-        yield from () if len(orders) == 1 else zones_along(facts, order)
-
-    monkeypatch.setattr(adaptive_zones, "zones_along", none_at_first)
-    found = planned_by_zones(asked, profile, limits)
-    by, moved = found.asked, found.solution
-    assert found.free is not None
-    assert len(orders) == 2
-    place = {k: at for at, k in enumerate(orders[1])}
-    for statement in without_neighbour_orders(asked.facts, frozenset({"zone-order"})):
-        assert place[statement.before] < place[statement.after]
-    assert moved.status == "optimal"
-    assert (by.facts.zone != asked.facts.zone).any()
+    sheet = read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions())
+    asked = make_request(facts_of(sheet, profile), profile)
+    assert asked.facts.zone.max() > 1
+    costs = []
+    for work in works:
+        found = planned_by_zones(asked, profile, options_for(sheet, profile, work=work))
+        costs.append(found.solution.objective)
+        assert found.free is not None
+        assert not found.free.dearer(found.asked, found.solution, options_for(sheet, profile))
+    assert costs == sorted(costs, reverse=True)

@@ -16,7 +16,7 @@ import pytest
 import kerfwise
 from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.facts.facts import Copies
-from kerfwise.jobs.adaptive_zones import without_moves
+from kerfwise.jobs.plan_without_zones import without_moves
 from kerfwise.jobs.resequence.burn_order import _with_chains
 from kerfwise.models.engines.baselines import solve_by
 from kerfwise.models.engines.minizinc_model import condition_arrays, conditions, data_text
@@ -171,7 +171,7 @@ REFUSES: dict[str, list[Refuses]] = {
     ],
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
     "jobs/resequence/burn_order.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
-    "jobs/adaptive_zones.py": [lambda _: without_moves([INVENTED])],
+    "jobs/plan_without_zones.py": [lambda _: without_moves([INVENTED])],
     "models/engines/baselines.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }
 """File → what is called there with the invented statement."""

@@ -8,7 +8,8 @@ import pytest
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
-from kerfwise.models.engines.baselines import Walk, random_order, realtime_order
+from kerfwise.models.engines.baselines import random_order, realtime_order
+from kerfwise.models.engines.lawful_walk import Walk
 from kerfwise.models.physics.heat.timed_path import RoutePaths
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem

@@ -1,0 +1,133 @@
+"""Building an order step by step, always knowing what may lawfully be cut next; and one that is like a known order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.problem.moves import LAWFUL_MOST
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import EXEMPTION_MM
+
+_EXCUSE_UM = round(EXEMPTION_MM * UM_PER_MM)
+
+
+class Walk:
+    """A route that grows; `options` are the sites that keep every hard statement which the sets cut so far decide.
+
+    A walk may end where nothing lawful is left though contours are: then it must begin again.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.route: list[int] = []
+        self._left = np.ones(problem.n, dtype=np.bool_)
+        self._waits = problem.before.sum(axis=0, dtype=np.int64)
+        self._in_block = np.bincount(problem.block, minlength=problem.n)
+        self._block = -1
+        self._apart = {frozenset(pair) for pair in problem.apart()}
+        # conditions, one a row, and for every contour the rows that it is a member of
+        given = [c for c in problem.conditions if c.cost is None or c.cost >= _EXCUSE_UM]
+        sizes = np.array([len(c.members) for c in given], dtype=np.int64)
+        member = np.fromiter((k for c in given for k in c.members), np.int64, int(sizes.sum()))
+        weight = np.fromiter((w for c in given for w in c.weights), np.int64, int(sizes.sum()))
+        by_member = np.argsort(member, kind="stable")
+        self._row, self._weight = np.repeat(np.arange(len(given)), sizes)[by_member], weight[by_member]
+        self._rows_of = np.searchsorted(member[by_member], np.arange(problem.n + 1))
+        self._contour = np.array([c.contour for c in given], dtype=np.int64)
+        self._site = np.array([-1 if c.when is None else c.when for c in given], dtype=np.int64)
+        self._hard = np.array([c.cost is None for c in given], dtype=np.bool_)
+        self._short = np.array([c.bound for c in given], dtype=np.int64)
+        self._unmet_of_site = np.zeros((2, problem.m), dtype=np.int64)  # that may be excused, and that may not
+        self._unmet_of_site[0] = problem.site_cost >= _EXCUSE_UM
+        self._unmet_of_contour = np.zeros((2, problem.n), dtype=np.int64)
+        self._count(np.flatnonzero(self._short > 0), 1)
+
+    @property
+    def finished(self) -> bool:
+        """Whether every contour has its place."""
+        return len(self.route) == self.problem.n
+
+    def options(self) -> list[int]:
+        """Sites that may come next, in order; those that need an excuse only where there are no others."""
+        sites = self.problem.sites_of(self._ready())
+        if self.route:
+            sites = sites[self.problem.travel(self.route[-1:], sites)[0] <= LAWFUL_MOST]
+        unmet = self._unmet_of_site[:, sites] + self._unmet_of_contour[:, self.problem.site_contour[sites]]
+        lawful, free = unmet[1] == 0, unmet[0] == 0
+        found: list[int] = sites[lawful & free if (lawful & free).any() else lawful].tolist()
+        return found
+
+    def take(self, site: int) -> None:
+        """Cut this one next."""
+        contour, block = int(self.problem.site_contour[site]), int(self.problem.block[self.problem.site_contour[site]])
+        self.route.append(site)
+        self._left[contour] = False
+        self._waits -= self.problem.before[contour]
+        self._in_block[block] -= 1
+        self._block = block if self._in_block[block] > 0 else -1
+        touched = slice(int(self._rows_of[contour]), int(self._rows_of[contour + 1]))
+        rows = self._row[touched]
+        was = self._short[rows] > 0
+        self._short[rows] -= self._weight[touched]
+        now = self._short[rows] > 0
+        self._count(rows[now & ~was], 1)
+        self._count(rows[was & ~now], -1)
+
+    def _ready(self) -> Ints:
+        """Contours whose turn the orders, blocks and bans on moves allow."""
+        ready = np.flatnonzero(self._left & (self._waits == 0))
+        if self._block >= 0:
+            ready = ready[self.problem.block[ready] == self._block]
+        if self._apart and self.route:
+            last = int(self.problem.site_contour[self.route[-1]])
+            ready = ready[[frozenset((last, c)) not in self._apart for c in ready.tolist()]]
+        return ready
+
+    def _count(self, rows: Ints, more: int) -> None:
+        """Count conditions that are not met any more, or, with -1, that are met now."""
+        whole = self._site[rows] < 0
+        kind = self._hard[rows].astype(np.int64)
+        np.add.at(self._unmet_of_contour, (kind[whole], self._contour[rows[whole]]), more)
+        np.add.at(self._unmet_of_site, (kind[~whole], self._site[rows[~whole]]), more)
+
+
+def route_like(problem: Problem, wanted: Sequence[int]) -> tuple[int, ...] | None:
+    """A route as much like a wanted one as a walk allows, or None where that comes to no end.
+
+    Parameters
+    ----------
+    wanted
+        Sites in cutting order, each of another contour; contours that are missing come after those that they lie
+        nearest to, by their nearest sites.
+    """
+    walk, centre = Walk(problem), _centres(problem)
+    rank, liked = np.arange(problem.n, dtype=np.float64), np.full(problem.n, -1, dtype=np.int64)
+    for place, site in enumerate(wanted):
+        rank[problem.site_contour[site]], liked[problem.site_contour[site]] = place, site
+    known = np.flatnonzero(liked >= 0)
+    for contour in np.flatnonzero(liked < 0).tolist() if len(known) else ():
+        rank[contour] = rank[known[np.hypot(*(centre[known] - centre[contour]).T).argmin()]] + 0.5
+    while not walk.finished:
+        options = np.array(walk.options(), dtype=np.int64)
+        if not len(options):
+            return None
+        contours = problem.site_contour[options]
+        chosen = contours[rank[contours].argmin()]
+        sites = options[contours == chosen]
+        if liked[chosen] in sites:
+            walk.take(int(liked[chosen]))
+        else:
+            here = np.full(len(sites), walk.route[-1] if walk.route else problem.m)
+            walk.take(int(sites[problem.legs(here, sites).argmin()]))
+    return tuple(walk.route)
+
+
+def _centres(problem: Problem) -> Floats:
+    """Where contours are pierced, on an average, (n, 2), µm."""
+    if not problem.n:
+        return np.zeros((0, 2))
+    return np.add.reduceat(problem.pierce_um.astype(np.float64), problem.first[:-1]) / np.diff(problem.first)[:, None]

@@ -1,0 +1,147 @@
+"""A first plan at once, and plans that go on from one at hand: before an edit, under other rules, by other zones."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kerfwise
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.plan_at_hand import first_plan, plan_at_hand
+from kerfwise.jobs.plan_nest import solve_and_verify, with_less_work
+from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines.lawful_walk import route_like
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.profile.load import load_profile
+
+PROFILE = load_profile()
+
+
+def row(*names: str, wide: float = 80) -> kerfwise.Nest:
+    return nest(120 * len(names), 120, *(part(name, rect(20 + 110 * k, 20, wide, 80)) for k, name in enumerate(names)))
+
+
+def test_a_route_is_kept_where_it_is_lawful_and_mended_where_it_is_not() -> None:
+    sheet = nest(
+        400, 140, part("A", rect(20, 20, 100, 100), holes=[rect(50, 50, 30, 30)]), part("B", rect(150, 20, 80, 80))
+    )
+    facts = facts_of(sheet, PROFILE)
+    problem = make_problem(facts, make_request(facts, PROFILE).stated.statements, (0.0, 0.0))
+    plain = route_like(problem, ())
+    assert plain is not None
+    assert not broken(problem, plain)
+    assert route_like(problem, plain) == plain, "what is lawful stays, entries and all"
+    for wanted in (plain[::-1], plain[1:], plain[:1], plain[1:][::-1]):
+        mended = route_like(problem, wanted)
+        assert mended is not None
+        assert not broken(problem, mended)
+
+
+def test_the_first_plan_is_lawful_and_soon_there() -> None:
+    made = kerfwise.solve(row("A", "B", "C", "D"), first=True, work=30.0)
+    assert made.ok
+    assert made.plan.solve.status == "feasible"
+    assert made.plan.solve.seconds < 0.1
+    assert [dropped.rule for dropped in made.plan.dropped] == ["no-tip-travel"]
+
+
+def test_an_edit_goes_on_from_the_plan_at_hand_and_costs_no_more() -> None:
+    before = kerfwise.solve(row("A", "B", "C", "D", "E"), work=0.5).plan
+    edited = row("A", "C", "New", "E", wide=70)
+    facts = facts_of(edited, PROFILE)
+    asked, limits = make_request(facts, PROFILE), options_for(edited, PROFILE, work=0.5)
+    at_hand = plan_at_hand(asked, PROFILE, limits, before)
+    assert at_hand is not None
+    first = first_plan(asked, PROFILE, limits, at_hand, moves=True)
+    assert first is not None
+    best = kerfwise.solve(edited, start=before, work=0.5)
+    assert best.ok
+    assert best.plan.solve.objective <= first.solution.objective
+    left = [facts.nest.contours[facts.candidates[c].contour].id for c in at_hand.route]
+    known = [name for name in left if name != "New.outer"]
+    assert known == [cut.cut.contour for cut in before.cuts if cut.cut.contour in known]
+
+
+def test_the_zones_of_the_plan_at_hand_are_kept_where_geometry_may_choose(monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet = row("A", "B", "C", "D", "E", "F")
+    plan = kerfwise.solve(sheet, work=0.5).plan
+    cuts = tuple(replace(one, cut=replace(one.cut, zone=1 + 3 * (k > 2))) for k, one in enumerate(plan.cuts))
+    facts = replace(facts_of(sheet, PROFILE), zone=np.array([1, 1, 2, 2, 3, 3]))
+    asked = make_request(facts, PROFILE)
+    limits = options_for(sheet, PROFILE, work=0.5)
+    at_hand = plan_at_hand(asked, PROFILE, limits, replace(plan, cuts=cuts))
+    assert at_hand is not None
+    order = [facts.candidates[c].contour for c in at_hand.route]
+    assert at_hand.asked.facts.zone[order].tolist() == [1, 1, 1, 2, 2, 2]
+    fixed = replace(facts, options=replace(facts.options, zone_contours=2))
+    at_hand = plan_at_hand(replace(asked, facts=fixed), PROFILE, limits, replace(plan, cuts=cuts))
+    assert at_hand is None or (at_hand.asked.facts.zone == facts.zone).all(), "a plant has asked for these"
+
+
+def test_a_plan_that_is_known_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even where the search finds nothing as good: no plan comes out dearer than the one that went in."""
+    from kerfwise.jobs import plan_nest
+
+    sheet = row("A", "B", "C", "D")
+    known = kerfwise.solve(sheet, work=0.5).plan
+    solved = plan_nest._solved
+
+    def worse(*given: object) -> object:
+        return replace(solved(*given), objective=1e6)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(plan_nest, "_solved", worse)
+    asked, limits = make_request(facts_of(sheet, PROFILE), PROFILE), options_for(sheet, PROFILE, work=0.5)
+    made = solve_and_verify(asked, PROFILE, limits, start=known)
+    assert made.plan.solve.objective == pytest.approx(known.solve.objective)
+
+
+def test_what_is_not_proven_costs_no_more_than_with_less_work() -> None:
+    costs = {0.1: (97.0, 50.0), 0.3: (90.0, 40.0), 1.0: (95.0, 60.0), 3.0: (99.0, 55.0)}
+
+    def planned(work: float) -> Solution:
+        def solved(share: float) -> Solution:
+            if share * work < 0.2:
+                raise RulesConflict("none found", ())
+            cost, bound = costs[round(share * work, 3)]
+            return Solution((0,), cost, bound, "optimal" if cost == bound else "feasible", "search", str(bound), 1.0)
+
+        return with_less_work(solved, 10, SolveOptions(work=work))
+
+    assert [planned(work).objective for work in (0.3, 1.0, 3.0)] == [90.0, 90.0, 90.0]
+    assert (planned(3.0).bound, planned(3.0).proved_by) == (60.0, "60.0")
+    costs[3.0] = (90.0, 90.0)
+    assert planned(3.0).status == "optimal"
+    costs[3.0] = (93.0, 90.0)
+    assert planned(3.0).status == "optimal", "the bound proves what less work has found"
+
+
+def test_what_the_portfolio_alone_can_do_is_said() -> None:
+    with pytest.raises(InputError, match="by the engine portfolio alone"):
+        kerfwise.solve(row("A"), first=True, engine="ideals")
+    with pytest.raises(InputError, match="by the engine portfolio alone"):
+        kerfwise.solve(row("A"), first=True, strategy="random")
+
+
+def test_a_plan_of_another_nest_is_no_start() -> None:
+    other = kerfwise.solve(row("X", "Y"), work=0.2).plan
+    made = kerfwise.solve(row("A", "B"), start=other, work=0.2)
+    assert made.ok
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("seed", "contours"), [(1, 115), (2, 308)])
+def test_first_plans_of_large_plates_are_near_the_best(seed: int, contours: int, tmp_path: Path) -> None:
+    file = tmp_path / "plate.json"
+    file.write_text(json.dumps(make_sheet(seed, contours)))
+    first, best = (kerfwise.solve(file, first=also, work=1.0) for also in (True, False))
+    assert first.ok
+    assert first.plan.solve.excuses <= best.plan.solve.excuses + 1
+    assert first.plan.totals.idle_mm < 1.2 * best.plan.totals.idle_mm
