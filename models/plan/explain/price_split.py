@@ -52,11 +52,12 @@ def _paid(setting: PlanContext) -> Iterator[tuple[About, int]]:
     for cost, about in broken_conditions(problem, route):
         if cost is not None:
             yield about, cost
-    for move, k in broken_moves(problem, route):
-        if move.weight is not None:
-            yield _of_move(setting, move, order[k], order[k + 1]), cost_um(move.weight)
     for group in problem.soft_groups:
         yield group.about, group.cost * (pieces(order, group.contours) - 1)
+    number = {id(s): k for k, s in enumerate(problem.moves.statements)}  # several of one rule as it states them
+    for move, k in sorted(broken_moves(problem, route), key=lambda of: number[id(of[0])]):
+        if move.weight is not None:
+            yield _of_move(setting, move, order[k], order[k + 1]), cost_um(move.weight)
     place = {c: k for k, c in enumerate(order)}
     times = times_ms(problem, route) if any(lag.seconds for lag in problem.lags) else {}
     for lag in problem.lags:
