@@ -89,6 +89,7 @@ def test_the_list_of_nests(look: Look, opened: Open, served: Served, wide: int) 
     at.wrong.clear()
 
 
+@pytest.mark.full
 def test_a_drawing_that_is_broken_or_asks(look: Look, served: Served) -> None:
     at = look()
     at.page.goto(f"{served.address}/?list")
@@ -145,6 +146,7 @@ def test_what_a_drop_comes_to_is_told_apart(planned: Tab) -> None:
     assert set(how.values()) <= {"goes", "gives way", "others move", "no"}
 
 
+@pytest.mark.full
 def test_a_message_goes_with_the_plan_that_it_is_about(look: Look, planned: Tab) -> None:
     planned.edit({"lock": "C.outer first"})
     at = look(planned)

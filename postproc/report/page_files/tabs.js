@@ -43,7 +43,7 @@ export function tabsOf(app) {
   return {
     step,
     add: (name, title) => {
-      const panel = make("div", { id: `panel-${name}`, class: "panel", role: "tabpanel", "aria-labelledby": `tab-${name}` });
+      const panel = make("div", { id: `panel-${name}`, class: "panel", role: "tabpanel", tabindex: 0, "aria-labelledby": `tab-${name}` });
       bar.append(make("button", { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": panel.id }, title));
       panels.append(panel);
       show();
