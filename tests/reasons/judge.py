@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import combinations, pairwise, product
 from typing import assert_never
 
 import shapely
@@ -174,11 +174,12 @@ class Judge:
             newly = there.broken - self.now.broken
             newly |= {k for k, mm in there.paid_mm.items() if mm > self.now.paid_mm.get(k, 0.0)}
             rules = {self.statements[k].about.rule for k in newly}
-            free = named | (rules if len(rules - named) <= further else set())
-            without = {k for k in newly if self.statements[k].about.rule in free}
-            lawful = there.broken <= self.now.broken | without
-            if lawful and there.mm(without) < self.now.mm(without) - SOMETHING_MM:
-                return ""
+            others = rules - named
+            for some in combinations(sorted(others), min(further, len(others))):
+                without = {k for k in newly if self.statements[k].about.rule in named.union(some)}
+                lawful = there.broken <= self.now.broken | without
+                if lawful and there.mm(without) < self.now.mm(without) - SOMETHING_MM:
+                    return ""
         return "in no other place the plan costs less without these rules"
 
     def _not_shortest(self, contour: int, at: tuple[str, str], between: tuple[str, str]) -> str:
