@@ -84,8 +84,11 @@ class Killable:
 
     def planned(self, key: str, **said: Any) -> dict[str, Any]:
         self.post(key, "solve", **said)
-        wait_for(lambda: self.state_of(key)["solving"] is None)
-        return self.state_of(key)
+        ends_s = time.monotonic() + 120
+        while (state := self.state_of(key))["solving"] is not None:
+            assert time.monotonic() < ends_s, state["solving"]
+            time.sleep(0.05)
+        return state
 
 
 @pytest.fixture
@@ -99,7 +102,7 @@ def killable(tmp_path: Path) -> Iterator[Killable]:
 
 def watch(server: Killable, key: str, seen: list[dict[str, Any]], ended: threading.Event) -> None:
     """Note whatever the server tells of a nest, until it is killed."""
-    with contextlib.suppress(httpx.HTTPError, ValueError):
+    with contextlib.suppress(httpx.HTTPError, ValueError, RuntimeError):  # the client is closed as the server is killed
         while not ended.is_set():
             told = server.state_of(key)
             if told not in seen:
@@ -108,7 +111,7 @@ def watch(server: Killable, key: str, seen: list[dict[str, Any]], ended: threadi
 
 def work_on(server: Killable, key: str) -> None:
     """Plan, lock, plan, save and go back, as quickly as the server answers."""
-    with contextlib.suppress(httpx.HTTPError, ValueError, KeyError):
+    with contextlib.suppress(httpx.HTTPError, ValueError, KeyError, RuntimeError):
         server.post(key, "solve")
         time.sleep(0.4)
         for k, locks in enumerate(STEPS[1:]):
