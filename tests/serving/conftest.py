@@ -29,7 +29,7 @@ FIRST = ["A.hole1", "A.outer", "B.outer", "C.outer"]
 
 @pytest.fixture(scope="package")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    with serving(tmp_path_factory.mktemp("nests")) as made:
+    with serving(tmp_path_factory.mktemp("nests"), also=[tmp_path_factory.mktemp("also")]) as made:
         yield made
 
 

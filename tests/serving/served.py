@@ -8,7 +8,7 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -98,6 +98,7 @@ class Served:
     server: InThread
     port: int
     keys: Keys
+    also: Sequence[Path] = ()
 
     @property
     def address(self) -> str:
@@ -128,17 +129,17 @@ class Served:
 
 
 @contextlib.contextmanager
-def serving(folder: Path, work: float = 1.0) -> Iterator[Served]:
-    """A server of a folder, on loopback, until the end of the context."""
+def serving(folder: Path, work: float = 1.0, also: Sequence[Path] = ()) -> Iterator[Served]:
+    """A server of a folder, on loopback, until the end of the context; it reads in `also`, too."""
     listening = socket.create_server(("127.0.0.1", 0))
     port = listening.getsockname()[1]
-    server = InThread(Folder(folder.resolve()), work=work)
+    server = InThread(Folder(folder.resolve()), work=work, also=also)
     keys = Keys(TOKEN, COOKIE)
     running = uvicorn.Server(config_of(make_app(server, keys, port)))
     thread = threading.Thread(target=running.run, args=([listening],), daemon=True)
     thread.start()
     try:
-        yield Served(server, port, keys)
+        yield Served(server, port, keys, also)
     finally:
         running.should_exit = True
         thread.join(30)

@@ -117,7 +117,7 @@ def test_a_file_that_has_changed_is_not_written_over(tab: Tab) -> None:
 
 
 def test_a_profile_outside_the_folder_is_not_written(served: Served, opened: Open, tmp_path: Path) -> None:
-    outside = tmp_path / "outside.yaml"
+    outside = served.also[0] / "outside.yaml"
     outside.write_text(PLANT, encoding="utf-8", newline="\n")
     link = served.server.folder.path / tmp_path.name / "linked.yaml"
     link.parent.mkdir()
@@ -127,7 +127,7 @@ def test_a_profile_outside_the_folder_is_not_written(served: Served, opened: Ope
         written(tab, ("heat-lag", "weight", "80 mm"), expected=422, **said)
     assert "lies outside the folder" in tab.get("profile")["why_not"]
     assert outside.read_text(encoding="utf-8") == PLANT
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["outside.yaml"]
+    assert sorted(file.name for file in served.also[0].iterdir()) == ["outside.yaml"]
     served.server.profile = str(outside)
     try:
         written(tab, ("heat-lag", "weight", "80 mm"))

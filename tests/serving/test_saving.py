@@ -107,8 +107,10 @@ def test_the_old_plan_takes_no_place_of_another_nests(opened: Open) -> None:
     assert "small.dxf" in before.read_text(encoding="utf-8")
 
 
-def test_a_profile_that_changed_on_disk_judges_the_moves_of_its_plans(opened: Open, tmp_path: Path) -> None:
-    plant = tmp_path / "plant.yaml"
+def test_a_profile_that_changed_on_disk_judges_the_moves_of_its_plans(
+    opened: Open, served: Served, tmp_path: Path
+) -> None:
+    plant = served.server.folder.path / f"{tmp_path.name}.yaml"
     strength = "based_on: plasma-carbon-steel\nrules:\n  level-ahead: {strength: %s}\n"
     plant.write_text(strength % "hard", encoding="utf-8")
     tab = opened(job=f"profile: {plant.as_posix()}\n")
