@@ -40,7 +40,7 @@ class Came:
     def cost(self) -> str:
         """Its cost, m, and its excuses."""
         excuses = self.plan.figures["excuses"]
-        return f"{self.plan.figures['light_mm'] / 1000:.2f}" + (f" and {excuses} excuses" if excuses else "")
+        return f"{self.plan.figures['light_mm'] / 1000:.2f}" + (f" and {excuses} excused" if excuses else "")
 
 
 async def ended(server: Server, session: Session, work: float | None = None) -> list[Came]:
