@@ -344,6 +344,7 @@ def loose_in(nest: Nest, out: frozenset[str]) -> dict[str, str]:
     """Contours that can no longer be cut, each with the contour around it that is out."""
     if not out:
         return {}
+    nest = nest.without_stretches
     ids = [c.id for c in nest.contours]
     parents = parents_of(outlines_of(nest)).tolist()
     return loose_contours(nest, {ids[k]: ids[p] for k, p in enumerate(parents) if p >= 0}, out)

@@ -79,3 +79,11 @@ def test_both_can_be_had_at_once_and_explain_says_why_a_last_stretch_waits(folde
     assert told.code == 0, told.err
     assert "B.most has cut the rest of B.outer" in told.out
     assert "last stretches come when all of the zone hang by theirs" in told.out
+
+
+def test_work_goes_on_where_ways_are_still_to_be_begun(folder: Path) -> None:
+    planned(folder, "halves: 4")
+    words = ("--work", "1", "--lock-from", "plan.json", "--upto", "1", "-o", "rest.nc")
+    done = kerfwise("solve", "nest.json", "-p", "plant.yaml", *words)
+    assert done.code == 0, done.err
+    assert kerfwise("check", "nest.json", "rest.nc", "-p", "plant.yaml").code == 0
