@@ -129,11 +129,11 @@ class _Reader:
                 self.order, self.label = int(found[1]), found[2]
             else:
                 self.later.append((int(found[1]), sum(map(len, self.points)) - 1))
-            self.last = int(found[1])
+            self.last = int(found[1]) if " ZONE " in said else self.last  # and not the length that the header tells
         elif _STRETCH.match(said) and self.on is None:
             self.order = self.last + 1
         elif found := _RESUMED.match(said):
-            self.resumed_after = int(found[1])
+            self.resumed_after = self.last = int(found[1])
         elif _CORNER.match(said):
             self.from_corner = True
 
