@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +12,48 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.inputs import plant_of, reading
 
-from .shared_options import draw_seen, input_options, print_note, protect, read_inputs, seen_nest
+from .shared_options import (
+    OF_READING,
+    input_options,
+    nest_request,
+    print_note,
+    protect,
+    read_inputs,
+    reading_options,
+)
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import Seen
+    from kerfwise.jobs.nest_job.job import Job
+    from kerfwise.jobs.nest_job.request import NestRequest
 
 
 # kerfwise read: what a drawing is taken for, before anything is made of it.
+
+
+def seen_nest(given: Mapping[str, Any]) -> tuple[Seen, NestRequest, Job | None]:
+    """How a nest is understood, whether it can be cut or not, what the command line asks of it, and its job file."""
+    from kerfwise.encoder.readers.read import seen
+    from kerfwise.jobs.nest_job.request import job_for, profile_for
+
+    of_nest = {k: v for k, v in given.items() if k not in (*OF_READING, "nest", "profile", "trust", "origin")}
+    request = nest_request(given["profile"], **of_nest)
+    job = job_for(given["nest"], request.job, print_note)
+    plant = profile_for(request, job, print_note, lambda named: plant_of(named, given["trust"]))
+    options = reading_options(*(given[name] for name in OF_READING))
+    return seen(given["nest"], reading(plant, **options)), request, job
+
+
+def draw_seen(found: Seen, nest: str, output: str) -> None:
+    """A picture of how a nest is understood: what is cut, marked, left out and unclear in colours of their own."""
+    from kerfwise.postproc.output_files import write_files
+    from kerfwise.postproc.report.simple_pictures import reading_picture
+
+    title = escape_text(f"{Path(nest).name}: as it was understood")
+    write_files({Path(output): reading_picture(found.lines, found.nest, title, Path(output).suffix)})
 
 
 @click.command()

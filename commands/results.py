@@ -13,18 +13,17 @@ from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import escape_text
 
+from .read import draw_seen, seen_nest
 from .shared_options import (
     FEED,
     KERF,
     LANGUAGE,
-    draw_seen,
     input_options,
     print_note,
     program_alone,
     protect,
     read_inputs,
     read_program_alone,
-    seen_nest,
     trusted_if,
 )
 

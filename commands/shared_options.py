@@ -25,8 +25,6 @@ from kerfwise.rules.profile.plant_sections import ORIGINS, Origin
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName, ReadOptions
-    from kerfwise.encoder.readers.read import Seen
-    from kerfwise.jobs.nest_job.job import Job
     from kerfwise.jobs.nest_job.request import NestRequest
     from kerfwise.jobs.programs import OldJob, ProgramRequest
     from kerfwise.postproc.check.reader.read_program import Trusted
@@ -154,28 +152,6 @@ def read_inputs(
 
 
 OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
-
-
-def seen_nest(given: Mapping[str, Any]) -> tuple[Seen, NestRequest, Job | None]:
-    """How a nest is understood, whether it can be cut or not, what the command line asks of it, and its job file."""
-    from kerfwise.encoder.readers.read import seen
-    from kerfwise.jobs.nest_job.request import job_for, profile_for
-
-    of_nest = {k: v for k, v in given.items() if k not in (*OF_READING, "nest", "profile", "trust", "origin")}
-    asked = nest_request(given["profile"], **of_nest)
-    job = job_for(given["nest"], asked.job, print_note)
-    plant = profile_for(asked, job, print_note, lambda named: plant_of(named, given["trust"]))
-    said = reading_options(*(given[name] for name in OF_READING))
-    return seen(given["nest"], reading(plant, **said)), asked, job
-
-
-def draw_seen(found: Seen, nest: str, output: str) -> None:
-    """A picture of how a nest is understood: what is cut, marked, left out and unclear in colours of their own."""
-    from kerfwise.postproc.output_files import write_files
-    from kerfwise.postproc.report.simple_pictures import reading_picture
-
-    title = escape_text(f"{Path(nest).name}: as it was understood")
-    write_files({Path(output): reading_picture(found.lines, found.nest, title, Path(output).suffix)})
 
 
 def reading_of(given: Inputs, options: Mapping[str, Any]) -> ReadOptions:

@@ -17,8 +17,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import answers_of
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.nest_job.job import LOCKS, SET, TABS, Job, job_of
-from kerfwise.jobs.nest_job.request import Names, with_kept
+from kerfwise.jobs.nest_job.job import LOCKS, SET, TABS, Job, job_of, with_kept
+from kerfwise.jobs.nest_job.request import Names
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of, read_lock
 

@@ -21,10 +21,10 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Number, OptionKind, Pairs, Text, Unfit, scalar_text
 from kerfwise.rules.options.option import option, options_of
 from kerfwise.rules.options.quantities import OrWord, PointOrOff, PointXY
-from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items
+from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items, with_value
+from kerfwise.rules.profile.key_places import where_it_belongs
 from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profiles
 from kerfwise.rules.profile.overrides import Setting, read_lock, read_settings
-from kerfwise.rules.profile.sections import where_it_belongs
 from kerfwise.rules.registry import RULES
 
 # A day, as job files have it: 2026-12-24.
@@ -302,3 +302,25 @@ def schema_text() -> str:
 
 if __name__ == "__main__":
     sys.stdout.write(schema_text())
+
+
+def with_kept(text: str, answers: Answers, file: str) -> str:
+    """The text of a job file with these answers in it, all else as it is.
+
+    Raises
+    ------
+    InputError
+        If the text is no job file.
+
+    Examples
+    --------
+    >>> print(with_kept("quantity: 4  # sheets\\n", (("frame", "sheet"),), "plate.job.yaml"), end="")
+    quantity: 4  # sheets
+    <BLANKLINE>
+    answers: {"frame": "sheet"}
+    """
+    job = job_of(text, file) if text.strip() else Job()
+    told = json.dumps(dict(job.answers) | dict(answers), ensure_ascii=False)
+    made = with_value(text, ["answers"], told)
+    job_of(made, file)
+    return made

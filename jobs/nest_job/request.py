@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -33,13 +32,13 @@ from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.read_program import read_on_machine
 from kerfwise.postproc.output_files import write_files
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.yaml_positions import with_value, wrong_at
+from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.overrides import Setting, lines_of, with_settings
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import ForOneNest, rule_option_problems
 
-from .job import Job, beside_name, job_beside, job_of, misnamed, read_job
+from .job import Job, beside_name, job_beside, misnamed, read_job, with_kept
 
 JobLike = Job | str | Path | Literal[False] | None
 """A job, the path of its file, False for none, or None for the one beside the nest."""
@@ -479,25 +478,3 @@ def kept_answers(nest: str | Path, job: Job | None, asked: NestRequest, read: Ne
         return job
     tell(f"kept in {path}: {', '.join(f'{q}={c}' for q, c in new)}")
     return read_job(path)
-
-
-def with_kept(text: str, answers: Answers, file: str) -> str:
-    """The text of a job file with these answers in it, all else as it is.
-
-    Raises
-    ------
-    InputError
-        If the text is no job file.
-
-    Examples
-    --------
-    >>> print(with_kept("quantity: 4  # sheets\\n", (("frame", "sheet"),), "plate.job.yaml"), end="")
-    quantity: 4  # sheets
-    <BLANKLINE>
-    answers: {"frame": "sheet"}
-    """
-    job = job_of(text, file) if text.strip() else Job()
-    told = json.dumps(dict(job.answers) | dict(answers), ensure_ascii=False)
-    made = with_value(text, ["answers"], told)
-    job_of(made, file)
-    return made

@@ -9,7 +9,8 @@ import pytest
 
 from kerfwise.models.engines import cpsat, solution
 from kerfwise.models.engines.ideals import Count
-from kerfwise.models.engines.portfolio import Run, run_portfolio, swept_at_once
+from kerfwise.models.engines.portfolio import run_portfolio, swept_at_once
+from kerfwise.models.engines.shared_state import Run
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.tests.models.problems import scattered
