@@ -30,10 +30,9 @@ WORDS = {
         "rules/profile/profile_sections.py",
         "rules/profile/load.py",
         "rules/profile/schema.py",
-        "rules/profile/sections.py",
+        "rules/profile/key_places.py",
     },
     "pierce": {
-        "jobs/work_sheet.py",
         "jobs/display.py",
         "jobs/programs.py",
         "encoder/candidates/lead_errors.py",

@@ -1,11 +1,12 @@
 /** @import { Camera } from "./camera.js" */
 /** @import { PageData, SideData } from "./types.js" */
 /** @import { Palette } from "./palette.js" */
-import { pen, trace, write } from "./brush.js";
+import { pen, trace } from "./brush.js";
+import { NUMBER_FONT_PX, paintNumbers, paintTexts } from "./numbers.js";
 import { Outlines } from "./outlines.js";
 import { PAPER_COLOURS } from "./palette.js";
 import { paintRemoved } from "./removed.js";
-import { NUMBER_FONT_PX, paintNumbers, paintRoute, paintStarts, paintZones } from "./route.js";
+import { paintRoute, paintStarts, paintZones } from "./route.js";
 import { notHeld } from "./unkept.js";
 import { wayOf } from "./way.js";
 import { zoneAreas } from "./zones.js";
@@ -99,7 +100,7 @@ export class Scenery {
       this.#lines(context, camera, palette, seen.slice(k, k + AT_ONCE), level, look);
       yield;
     }
-    if (look.drawn) this.#texts(context, camera, palette, seen);
+    if (look.drawn) paintTexts(context, camera, palette, this, seen);
     this.#shapes(context, camera, this.outlines.leftOut, "", ink.edge);
     const cuts = this.#inOrder(seen, look.done);
     for (let k = 0; k < cuts.length; k += AT_ONCE) {
@@ -112,25 +113,6 @@ export class Scenery {
     }
     yield;
     if (look.numbers) paintNumbers(context, camera, palette, this, seen, look.font ?? NUMBER_FONT_PX);
-  }
-
-  /** The writing that marks are strokes of, once each, below its strokes. */
-  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, seen: number[]) => void} */
-  #texts(context, camera, palette, seen) {
-    /** @type {Map<string, [number, number]>} */
-    const places = new Map();
-    for (const k of seen) {
-      const { text, part } = this.data.nest.contours[k], [x, y] = this.outlines.bounds[k], name = `${part} ${text}`;
-      const before = places.get(name) ?? [Infinity, Infinity];
-      if (text) places.set(name, [Math.min(before[0], x), Math.min(before[1], y)]);
-    }
-    context.font = "600 11px system-ui, 'DejaVu Sans', sans-serif";
-    context.textAlign = "left";
-    context.textBaseline = "top";
-    for (const [name, [x, y]] of places) {
-      const [px, py] = camera.toScreen(x, y);
-      write(context, name.slice(name.indexOf(" ") + 1), px, py + 2, palette.ink.text, palette.ink.halo);
-    }
   }
 
   /** Outlines alone, those that are cut in the colour of what is gone. */

@@ -24,6 +24,7 @@ OTHERS: dict[str, object] = {
     "tabs": (Tab((1.0, 1.0), 0.5),),
     "torch": 2,
     "together": "A.outer",
+    "way": "snake1",
 }
 NOT_IN_BLOCKS = {"start_s": 12.0, "end_s": 13.0, "excused": ("part-rigidity",), "entry": (1.0, 1.0)}
 

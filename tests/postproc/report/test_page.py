@@ -38,7 +38,8 @@ class Read(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.seen.append((tag, dict(attrs)))
-        self._inside = str(dict(attrs).get("type", tag)) if tag in ("script", "style") else ""
+        named = dict(attrs)
+        self._inside = str(named.get("id", named.get("type", tag))) if tag in ("script", "style") else ""
 
     def handle_endtag(self, tag: str) -> None:
         self._inside = ""
@@ -49,7 +50,7 @@ class Read(HTMLParser):
 
     @property
     def data(self) -> dict[str, Any]:
-        found: dict[str, Any] = json.loads(self.texts["application/json"])
+        found: dict[str, Any] = json.loads(self.texts["data"])
         return found
 
 
@@ -77,7 +78,7 @@ def test_the_page_has_the_gap_without_the_weight_of_excuses(plate: Nest, excuses
     page = Read(draw(plate, replace(plan, solve=solve), ".html").decode())
     (side,) = page.data["sides"]
     assert (side["figures"]["gap"], side["figures"]["light_gap"]) == (1 / 1010, light)
-    assert "without the weight of excuses" in page.texts["module"]
+    assert "places that are not kept aside" in page.texts["module"]
 
 
 def test_the_page_of_a_spot_names_what_is_wrong(plate: Nest) -> None:
@@ -87,11 +88,14 @@ def test_the_page_of_a_spot_names_what_is_wrong(plate: Nest) -> None:
 
 
 def test_a_name_cannot_break_out_of_the_page() -> None:
-    plate = nest(300, 300, part(EVIL, rect(0, 0, 200, 200)))
-    page = draw(plate, plausible_plan(plate), ".html").decode()
+    def drawn(name: str) -> str:
+        plate = nest(300, 300, part(name, rect(0, 0, 200, 200)))
+        return draw(plate, plausible_plan(plate), ".html").decode()
+
+    page = drawn(EVIL)
     read = Read(page)
-    assert page.count("</script>") == 2
-    assert [tag for tag, _ in read.seen] == [tag for tag, _ in Read(page_html({})).seen]
+    assert page.count("</script>") == 3
+    assert [tag for tag, _ in read.seen] == [tag for tag, _ in Read(drawn("A")).seen]
     assert read.data["nest"]["parts"] == [EVIL]
 
 
