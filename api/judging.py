@@ -186,8 +186,8 @@ def distort(
     """
     from kerfwise.distortion.predict import distort_made  # scipy: only those who ask pay for it
 
-    given = inputs_for(nest, nest_request(profile, job, last=made))
-    return distort_made(given, plan_or_path(made), grid_mm=grid_mm, yields=yields)
+    inputs = inputs_for(nest, nest_request(profile, job, last=made))
+    return distort_made(inputs, plan_or_path(made), grid_mm=grid_mm, yields=yields)
 
 
 def simulate(
@@ -269,16 +269,16 @@ def draw(
     >>> kerfwise.draw("examples/nests/e1x_6.json").content[:4]
     b'<svg'
     """
-    given = inputs_for(nest, nest_request(profile, job, last=made))
+    inputs = inputs_for(nest, nest_request(profile, job, last=made))
     plan = None if made is None else plan_of(made)
-    plant = given.profile if plan is None else given.profile.at_origin(plan.origin)
+    plant = inputs.profile if plan is None else inputs.profile.at_origin(plan.origin)
     named = frozenset([contours] if isinstance(contours, str) else contours)
     spot = Spot(named, caption) if named else None
     if kind == "html" and plan is not None and spot is None:
         from kerfwise.jobs.page import page_bytes, page_data
 
-        return Picture(page_bytes(page_data(given, plan)), kind)
-    return Picture(drawn(given.nest, plan, f".{kind}", plant.home_on(given.nest), spot), kind)
+        return Picture(page_bytes(page_data(inputs, plan)), kind)
+    return Picture(drawn(inputs.nest, plan, f".{kind}", plant.home_on(inputs.nest), spot), kind)
 
 
 def compare(
@@ -341,27 +341,27 @@ def compare(
     ('optimal', True, 'moved, entry 32.6 mm away')
     """
     on, off = _listed(with_), _listed(without)
-    first, second = (None if made is None else plan_or_path(made) for made in (a, b))
+    first, second = (None if side is None else plan_or_path(side) for side in (a, b))
     profiles = [profile] if profile_b is None else [profile, profile_b]
     expect_two(first, second, len(profiles), on, off)
     notes: list[str] = []
-    given = [inputs_for(nest, nest_request(one, job, settings, locks, a), notes.append) for one in profiles]
+    inputs = [inputs_for(nest, nest_request(one, job, settings, locks, a), notes.append) for one in profiles]
     limits = {"work": work, "seed": seed, "time_s": time_s}
-    of_a, of_b = pair_of((given[0], given[-1]), first, second, on, off, limits, relax)
+    of_a, of_b = pair_of((inputs[0], inputs[-1]), first, second, on, off, limits, relax)
     side_a, side_b = _side("A", of_a, heat, on_progress, notes), _side("B", of_b, heat, on_progress, notes)
     return compared(side_a, side_b, notes=tuple(dict.fromkeys(notes)))
 
 
-def _side(letter: str, asked: SideAsked, heat: bool, on_progress: OnProgress | None, notes: list[str]) -> Side:
+def _side(letter: str, request: SideAsked, heat: bool, on_progress: OnProgress | None, notes: list[str]) -> Side:
     listener = Listener(on_progress)
     try:
-        return side_of(asked, heat, listener, lambda text: notes.append(f"{letter}: {text}"))
+        return side_of(request, heat, listener, lambda text: notes.append(f"{letter}: {text}"))
     except NoPlan as error:
         if listener.interrupted:
             raise KeyboardInterrupt from None
-        error.add_note(f"{letter}: {asked.name}")
+        error.add_note(f"{letter}: {request.name}")
         raise
 
 
-def _listed(given: Iterable[str] | str) -> list[str]:
-    return [given] if isinstance(given, str) else list(given)
+def _listed(names: Iterable[str] | str) -> list[str]:
+    return [names] if isinstance(names, str) else list(names)

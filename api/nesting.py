@@ -119,9 +119,9 @@ def nest(
     """
     notes: list[str] = []
     how = _How((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
-    asked = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
-    found = nest_groups(asked, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
-    return nests_of_job(asked, [Done(one, result) for one, result in found], seed, notes)
+    request = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
+    found = nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
+    return nests_of_job(request, [Done(one, result) for one, result in found], seed, notes)
 
 
 def make(
@@ -179,8 +179,8 @@ def make(
     """
     notes: list[str] = []
     how = _How((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
-    asked = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
-    found = nest_groups(asked, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
+    request = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
+    found = nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
     done = [
         Done(
             one,
@@ -189,7 +189,7 @@ def make(
         )
         for one, result in found
     ]
-    return nests_of_job(asked, done, seed, notes)
+    return nests_of_job(request, done, seed, notes)
 
 
 def edit(
@@ -236,14 +236,14 @@ def edit(
     >>> len(changed.nest.parts), len(changed.undo().nest.parts)
     (6, 7)
     """
-    given = inputs_for(nest, nest_request(profile, job, settings, locks, cut_by, answers))
+    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, cut_by, answers))
     done: set[str] = set()
     if cut_by is not None:
         file = nest if isinstance(nest, str | Path) else None
-        cuts = last_plan(cut_by, given.nest, file, given.profile).cuts
+        cuts = last_plan(cut_by, inputs.nest, file, inputs.profile).cuts
         done = {contour for number, contour in cuts.items() if upto is None or number <= upto}
-    made = editing(given.nest, given.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=done)
-    return made.do(*changes) if changes else made
+    edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=done)
+    return edited.do(*changes) if changes else edited
 
 
 def _always(plant: Profile) -> Callable[[object, int], Profile]:
@@ -279,8 +279,8 @@ class _How:
     def request(self, plant: Profile, wanted: Demand, notes: list[str]) -> NestingRequest:
         """What is to be laid under a profile."""
         spacing = spacing_of(plant, *self.distances_mm)
-        if said := spacing_warning(plant, spacing):
-            notes.append(said)
+        if warning := spacing_warning(plant, spacing):
+            notes.append(warning)
         return NestingRequest(
             plant, wanted, spacing, self.effort, self.engine, self.purpose, self.weigh, self.weigh_work
         )
@@ -298,9 +298,9 @@ def _asked(
     notes: list[str],
 ) -> ListRequest:
     how.expect()
-    given = tuple((answers or {}).items())
+    pairs = tuple((answers or {}).items())
     named = [profile] if isinstance(profile, str | Path | Profile) else list(profile)
-    plants = [answered(plant_of(one), None, given) for one in named]
+    plants = [answered(plant_of(one), None, pairs) for one in named]
     expect_engine(how.engine)
     for plant in plants:
         spacing_of(plant, *how.distances_mm)
@@ -308,7 +308,7 @@ def _asked(
     options = reading(plants[0], units=units, repair=repair)
     order = order_of(parts, sheets, remnants, options, notes.append, skip_bad=skip_bad, name_pattern=name_pattern)
     return request_list(
-        order, plants, lambda plant, wanted: how.request(plant, wanted, notes), skip_bad=skip_bad, answers=given
+        order, plants, lambda plant, wanted: how.request(plant, wanted, notes), skip_bad=skip_bad, answers=pairs
     )
 
 

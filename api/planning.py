@@ -141,10 +141,10 @@ def solve(
     '(KERFWISE FOR LINUXCNC, QTPLASMAC)'
     """
     notes: list[str] = []
-    given = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from, answers), notes.append)
+    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from, answers), notes.append)
     engine = OLD_NAMES.get(engine, engine)
     limits = options_for(
-        given.nest, given.profile,
+        inputs.nest, inputs.profile,
         work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s, engine=engine,
         memory_gb=memory_gb,
     )  # fmt: skip
@@ -152,14 +152,14 @@ def solve(
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))
     listener = Listener(on_progress)
     orders = None
-    if given.profile.objective.distortion:
+    if inputs.profile.objective.distortion:
         from kerfwise.distortion.straighter import straighter_for
 
-        orders = straighter_for(given.profile)
+        orders = straighter_for(inputs.profile)
     try:
         done = plan_nest(
-            given, limits,
-            already=_stopped(given, resume_from, upto, redo_last, notes),
+            inputs, limits,
+            already=_stopped(inputs, resume_from, upto, redo_last, notes),
             relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
             orders=orders, start=None if start is None else plan_of(start), first=first,
         )  # fmt: skip
@@ -167,9 +167,18 @@ def solve(
         if listener.interrupted:
             raise KeyboardInterrupt from None
         raise
-    made, cut = done.made, done.given
-    told = (*notes, *made.notes)
-    return Result(cut.nest, cut.profile, made.plan, made.program, made.verdict, done.facts, told, listener.stopped)
+    verified, cut = done.made, done.given
+    all_notes = (*notes, *verified.notes)
+    return Result(
+        cut.nest,
+        cut.profile,
+        verified.plan,
+        verified.program,
+        verified.verdict,
+        done.facts,
+        all_notes,
+        listener.stopped,
+    )
 
 
 def conflict(
@@ -216,11 +225,11 @@ def conflict(
     >>> kerfwise.conflict(nest) is None
     True
     """
-    given = inputs_for(nest, nest_request(profile, job, settings, locks))
-    limits = options_for(given.nest, given.profile, work=work, time_s=time_s)
-    known = facts_of(given.nest, given.profile)
+    inputs = inputs_for(nest, nest_request(profile, job, settings, locks))
+    limits = options_for(inputs.nest, inputs.profile, work=work, time_s=time_s)
+    known = facts_of(inputs.nest, inputs.profile)
     try:
-        return find_conflict(known, given.profile, Deadline.of(limits))
+        return find_conflict(known, inputs.profile, Deadline.of(limits))
     except NotAnswered:
         raise KerfwiseError(f"{NOT_SHOWN}: give more time_s or work") from None
 
@@ -247,8 +256,8 @@ def facts(nest: NestLike, profile: ProfileLike | None = None, *, job: JobLike = 
     >>> found.n, len(found.candidates) > found.n
     (16, True)
     """
-    given = inputs_for(nest, nest_request(profile, job))
-    return facts_of(given.nest, given.profile)
+    inputs = inputs_for(nest, nest_request(profile, job))
+    return facts_of(inputs.nest, inputs.profile)
 
 
 def trade_off(
@@ -302,22 +311,22 @@ def trade_off(
     >>> len(offer.front)
     1
     """
-    given = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from))
+    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from))
     prices = tuple(prices_mm)
     for price in prices:
         if not isinstance(price, int | float) or not 0 <= price < float("inf"):
             raise InputError(f"prices_mm: expected numbers from 0, got {price!r}")
     limits = options_for(
-        given.nest, given.profile, work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s
+        inputs.nest, inputs.profile, work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s
     )
     return made_trade_off(
-        given, prices, limits, lambda: Listener(on_progress), given.nest.file,
-        already=_stopped(given, resume_from, upto, redo_last, []), relax=relax,
+        inputs, prices, limits, lambda: Listener(on_progress), inputs.nest.file,
+        already=_stopped(inputs, resume_from, upto, redo_last, []), relax=relax,
     )  # fmt: skip
 
 
 def _stopped(
-    given: Inputs,
+    inputs: Inputs,
     resume_from: Plan | Result | str | Path | None,
     upto: int | None,
     redo_last: bool,
@@ -325,7 +334,7 @@ def _stopped(
 ) -> AlreadyCut:
     """What is cut already; what a user should know of the old plan goes to `notes`."""
     old = None if resume_from is None else plan_or_path(resume_from)
-    return already_cut(given, old, upto, redo_last, notes.append)
+    return already_cut(inputs, old, upto, redo_last, notes.append)
 
 
 def resequence(
@@ -385,8 +394,8 @@ def resequence(
     >>> better.save(old.with_name("better.nc")).name
     'better.nc'
     """
-    asked = ProgramRequest(feed_mm_min, kerf_mm, sheet_mm)
+    request = ProgramRequest(feed_mm_min, kerf_mm, sheet_mm)
     return resequenced(
-        program, profile, paths=paths, asked=asked, without_rules=without_rules,
+        program, profile, paths=paths, request=request, without_rules=without_rules,
         work=work, time_s=time_s, seed=seed, listener=Listener(on_progress),
     )  # fmt: skip

@@ -157,16 +157,16 @@ def read_job(path: str | Path) -> Job:
     return read_job_file(path)
 
 
-def plan_or_path(made: PlanOrResult) -> Plan | str | Path:
-    if isinstance(made, Plan | str | Path):
-        return made
-    if isinstance(made, Result):
-        return made.plan
-    raise InputError(f"expected a plan, a result or a path, got {type(made).__name__}")
+def plan_or_path(plan: PlanOrResult) -> Plan | str | Path:
+    if isinstance(plan, Plan | str | Path):
+        return plan
+    if isinstance(plan, Result):
+        return plan.plan
+    raise InputError(f"expected a plan, a result or a path, got {type(plan).__name__}")
 
 
-def plan_of(made: PlanOrResult) -> Plan:
-    found = plan_or_path(made)
+def plan_of(plan: PlanOrResult) -> Plan:
+    found = plan_or_path(plan)
     return found if isinstance(found, Plan) else read_plan(found)
 
 
@@ -189,11 +189,11 @@ def _listed(locks: Iterable[LockLike] | LockLike) -> list[LockLike]:
     return [locks] if isinstance(locks, Lock | str | Mapping) else list(locks)
 
 
-def _settings(given: Settings) -> tuple[Setting, ...]:
-    if isinstance(given, Mapping):
-        lines = [f"{key}={value if isinstance(value, str) else json.dumps(value)}" for key, value in given.items()]
+def _settings(settings: Settings) -> tuple[Setting, ...]:
+    if isinstance(settings, Mapping):
+        lines = [f"{key}={value if isinstance(value, str) else json.dumps(value)}" for key, value in settings.items()]
     else:
-        lines = [given] if isinstance(given, str) else list(given)
+        lines = [settings] if isinstance(settings, str) else list(settings)
     return tuple(map(read_setting, lines))
 
 
@@ -203,13 +203,13 @@ def locked(profile: Profile, locks: Iterable[LockLike] | LockLike) -> Profile:
     return replace(profile, locks=(*profile.locks, *map(lock_of, listed))) if listed else profile
 
 
-def lock_of(given: LockLike) -> Lock:
-    if isinstance(given, str):
-        return read_lock(given)
-    if isinstance(given, Mapping):
-        return read_lock(json.dumps(dict(given), ensure_ascii=False))
-    if not isinstance(given, Lock):
-        raise InputError(f"locks: expected a Lock, a line of text or a mapping, got {type(given).__name__}")
-    if wrong := given.wrong():
+def lock_of(lock: LockLike) -> Lock:
+    if isinstance(lock, str):
+        return read_lock(lock)
+    if isinstance(lock, Mapping):
+        return read_lock(json.dumps(dict(lock), ensure_ascii=False))
+    if not isinstance(lock, Lock):
+        raise InputError(f"locks: expected a Lock, a line of text or a mapping, got {type(lock).__name__}")
+    if wrong := lock.wrong():
         raise InputError(wrong)
-    return given
+    return lock

@@ -98,9 +98,9 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
             yield f"{escape_text(row.nest)} on {row.machine}: {row.figures.state}"
     for group in groups_of(batch.rows):
         yield f"{group.head}. {group.remedy}"
-        for nest, told, machines in group.said():
-            short = truncate(told)
-            text = f"{short.told}\n  {short.more}, all of them in the index" if short.more else told
+        for nest, notes, machines in group.said():
+            short = truncate(notes)
+            text = f"{short.told}\n  {short.more}, all of them in the index" if short.more else notes
             yield f"  {escape_text(nest)} on {', '.join(machines)}: {text}".replace("\n", "\n    ")
     if gone := sum(not one.given for one in batch.left):
         of = f"{counted(gone, 'program')} {'is' if gone == 1 else 'are'} left from earlier runs"
@@ -174,10 +174,10 @@ def command(
         raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
     if tidy and watch:
         raise click.UsageError("--tidy is for one run: with --watch a folder may be away for a while")
-    given, out, options = [Path(name) for name in nests], Path(output), Options(time_s=time_limit, **limits)
+    paths, out, options = [Path(name) for name in nests], Path(output), Options(time_s=time_limit, **limits)
     machines = _machines(profiles, trust)
-    sources = sources_in(given, out)
-    _expect_apart(given, out)
+    sources = sources_in(paths, out)
+    _expect_apart(paths, out)
     if not sources and not watch:
         raise InputError("holds no nest", file=nests[0])
     with lock_folder(out), _runner(scheduler, jobs) as run:
@@ -185,8 +185,8 @@ def command(
 
         def one_round(found: Sequence[Source], now: Machines) -> Batch:
             with BatchProgress() as progress:
-                asked = {"refused_again": refused_again, "sheets": sheets, "tidied": tidy}
-                batch = run_batch(found, now, store, options, __version__, run, progress, **asked)
+                settings = {"refused_again": refused_again, "sheets": sheets, "tidied": tidy}
+                batch = run_batch(found, now, store, options, __version__, run, progress, **settings)
             click.echo(printed(batch, out))
             for text in batch.papers.told:
                 print_note(text)
@@ -197,7 +197,7 @@ def command(
             return batch
 
         if watch:
-            keep_on(given, out, machines, one_round, print_note)
+            keep_on(paths, out, machines, one_round, print_note)
         return one_round(sources, machines).exit_code
 
 
@@ -232,16 +232,16 @@ def _machines(profiles: Sequence[str], trust: bool) -> Machines:
         if not equals:
             name, profile = name_of(text), text
         if not _NAME.fullmatch(name):
-            said = f"{name!r} is no name for a machine: write NAME=PROFILE, the name in letters, digits, - and _"
-            raise InputError(f"-p {text}: {said}")
+            problem = f"{name!r} is no name for a machine: write NAME=PROFILE, the name in letters, digits, - and _"
+            raise InputError(f"-p {text}: {problem}")
         if name.casefold() in found:
             raise InputError(f"-p {text}: two machines have the name {name!r}: write NAME=PROFILE, with another name")
         found[name.casefold()] = machine_of(name, profile, trust)
     return Machines(tuple(found.values()), trust)
 
 
-def _expect_apart(given: Sequence[Path], out: Path) -> None:
+def _expect_apart(paths: Sequence[Path], out: Path) -> None:
     """Refuse to write where nests are looked for."""
-    for place in given:
+    for place in paths:
         if place.resolve() == out.resolve():
             raise InputError("is read from, and cannot be the folder of the programs: give another with -o", file=out)

@@ -76,39 +76,39 @@ def command(
 
     _expect_two(a, b, profiles, with_, without)
     _expect_outputs(outputs, (options["nest"], a, b))
-    given = _given_twice(profiles or [None], options | {"last": a})
-    for side in given:
+    inputs = _given_twice(profiles or [None], options | {"last": a})
+    for side in inputs:
         protect(side, options["nest"], outputs, a, b)
-    for text in dict.fromkeys(text for side in given for text in side.profile.time_and_price_notes()):
+    for text in dict.fromkeys(text for side in inputs for text in side.profile.time_and_price_notes()):
         print_note(text)
     limits = {"work": work, "seed": seed, "time_s": time_limit}
-    pair = pair_of(given, a, b, with_, without, limits, relax)
-    made = _compared(pair, heat)
-    if made is None:
+    pair = pair_of(inputs, a, b, with_, without, limits, relax)
+    comparison = _compared(pair, heat)
+    if comparison is None:
         return 1
     if distortion:
-        made = _with_distortion(made, pair)
-    files = made.save(*outputs)
-    click.echo(json.dumps(made.as_json(), ensure_ascii=False) if as_json else made)
+        comparison = _with_distortion(comparison, pair)
+    files = comparison.save(*outputs)
+    click.echo(json.dumps(comparison.as_json(), ensure_ascii=False) if as_json else comparison)
     if files and not as_json:
         click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
-    return 130 if made.interrupted else 0
+    return 130 if comparison.interrupted else 0
 
 
-def _with_distortion(made: Comparison, pair: Sequence[SideAsked]) -> Comparison:
+def _with_distortion(comparison: Comparison, pair: Sequence[SideAsked]) -> Comparison:
     """The same with two more figures: how far parts will be off, at the most and on average, mm."""
     from kerfwise.distortion.predict import distort_made
     from kerfwise.jobs.compare.differences import Figure
 
     a, b = (
-        distort_made(side.given, str(asked.file) if side.plan is None else side.plan)
-        for side, asked in zip((made.a, made.b), pair, strict=True)
+        distort_made(side.given, str(request.file) if side.plan is None else side.plan)
+        for side, request in zip((comparison.a, comparison.b), pair, strict=True)
     )
     more = (
         Figure("off_max_mm", "worst part off", "mm", a.max_mm, b.max_mm),
         Figure("off_mean_mm", "parts off, mean", "mm", a.mean_mm, b.mean_mm),
     )
-    return replace(made, figures=(*made.figures, *more))
+    return replace(comparison, figures=(*comparison.figures, *more))
 
 
 def _expect_two(
@@ -137,16 +137,16 @@ def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tup
     if len(profiles) < 2 or profiles[0] == profiles[1]:
         first = read_inputs(profile=profiles[0], **options)
         return first, first
-    said = io.StringIO()
+    captured = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(captured):
             return read_inputs(profile=profiles[0], **options), read_inputs(profile=profiles[1], **options)
     finally:
-        for line in dict.fromkeys(said.getvalue().splitlines()):
+        for line in dict.fromkeys(captured.getvalue().splitlines()):
             click.echo(line, err=True)
 
 
-def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
+def _compared(requests: Sequence[SideAsked], heat: bool) -> Comparison | None:
     """Both sides; None where one has no plan, which is said."""
     from kerfwise.jobs.compare import compare, side_of
     from kerfwise.jobs.request import NoPlan
@@ -154,12 +154,12 @@ def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
     from .progress import ProgressLine
 
     sides = []
-    for letter, side in zip("AB", asked, strict=True):
-        said: set[str] = set()
+    for letter, side in zip("AB", requests, strict=True):
+        already: set[str] = set()
 
-        def tell(text: str, letter: str = letter, said: set[str] = said) -> None:
-            if text not in said:
-                said.add(text)
+        def tell(text: str, letter: str = letter, seen: set[str] = already) -> None:
+            if text not in seen:
+                seen.add(text)
                 print_note(f"{letter}: {text}")
 
         try:

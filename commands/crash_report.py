@@ -33,18 +33,18 @@ def crash_message(error: BaseException, argv: Sequence[str]) -> str:
     >>> crash_message(MemoryError(), []).split(";")[0]
     'a fault of kerfwise itself: MemoryError'
     """
-    said = escape_text(" ".join(str(error).split()))
-    what = type(error).__name__ + (f": {said[:200]}" if said else "")
+    text = escape_text(" ".join(str(error).split()))
+    what = type(error).__name__ + (f": {text[:200]}" if text else "")
     rule = rule_of(error)
     where = f", in rule {rule}" if rule else ""
-    given = next(
+    file = next(
         (f"{escape_text(word)}: " for word in argv[1:] if not word.startswith("-") and os.path.isfile(word)), ""
     )
     try:
         kept = f"please send {escape_text(str(_kept(_report(error, argv))))} to whoever looks after kerfwise"
     except Exception as another:  # a full disk, or no memory left
         kept = f"a report of it could not be written ({type(another).__name__})"
-    return f"{given}a fault of kerfwise itself{where}: {what}; {kept}"
+    return f"{file}a fault of kerfwise itself{where}: {what}; {kept}"
 
 
 def _report(error: BaseException, argv: Sequence[str]) -> str:

@@ -83,5 +83,5 @@ def _told(name: str, programs: tuple[str, ...], like: str | None) -> str:
     from kerfwise.jobs.inputs import program_text
     from kerfwise.jobs.proposed_dialect import propose_dialect, try_proposal
 
-    made = propose_dialect([program_text(old) for old in programs], like)
-    return try_proposal(made, name, [Path(old).name for old in programs])
+    proposal = propose_dialect([program_text(old) for old in programs], like)
+    return try_proposal(proposal, name, [Path(old).name for old in programs])

@@ -63,9 +63,9 @@ def command(
         protect(job.given, given["nest"], [output])
         found = distort_old(job, grid_mm, not elastic)
     else:
-        asked = read_inputs(**given, last=made)
-        protect(asked, given["nest"], [output], made)
-        found = distort_made(asked, str(made), print_note, grid_mm, not elastic, trusted_if(feed))
+        inputs = read_inputs(**given, last=made)
+        protect(inputs, given["nest"], [output], made)
+        found = distort_made(inputs, str(made), print_note, grid_mm, not elastic, trusted_if(feed))
     if output:
         write_files({Path(output): found.picture().content})
     click.echo(json.dumps(found.as_json()) if as_json else found)

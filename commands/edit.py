@@ -66,9 +66,9 @@ def command(
     if path.suffix.lower() != ".json":
         raise InputError("an edited nest is JSON: give a name ending in .json", file=path)
     sheet, options["sheet"] = options["sheet"], None
-    given = read_inputs(**options, last=lock_from)
-    protect(given, options["nest"], [path], lock_from)
-    reading = reading_of(given, options)
+    inputs = read_inputs(**options, last=lock_from)
+    protect(inputs, options["nest"], [path], lock_from)
+    reading = reading_of(inputs, options)
     edits: list[Edit] = [Keep(keep)] if keep else []
     edits += [Drop(drop)] if drop else []
     edits += [Turn(part, degrees % 360.0) for part, degrees in turn]
@@ -83,12 +83,12 @@ def command(
         )
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     edge_mm = None if edge is None else length_or_zero("--edge", edge)
-    cut = _cut_by(given, options["nest"], lock_from, upto)
-    made = editing(given.nest, given.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=cut).do(*edits)
-    return _write(made, given, path)
+    cut = _cut_by(inputs, options["nest"], lock_from, upto)
+    edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=cut).do(*edits)
+    return _write(edited, inputs, path)
 
 
-def _cut_by(given: Inputs, nest: str, old: str | None, upto: int | None) -> set[str]:
+def _cut_by(inputs: Inputs, nest: str, old: str | None, upto: int | None) -> set[str]:
     """The contours that a plan or program has cut, all of them where no number is given."""
     from kerfwise.jobs.nest_job.request import last_plan
 
@@ -96,30 +96,30 @@ def _cut_by(given: Inputs, nest: str, old: str | None, upto: int | None) -> set[
         if upto is not None:
             raise click.UsageError("--upto is for --lock-from")
         return set()
-    cuts = last_plan(old, given.nest, nest, given.profile).cuts
+    cuts = last_plan(old, inputs.nest, nest, inputs.profile).cuts
     if upto is not None and upto > len(cuts):
         raise InputError(f"--upto {upto}: {old} has {len(cuts)} cuts only")
     return {contour for number, contour in cuts.items() if upto is None or number <= upto}
 
 
-def _write(made: EditedNest, given: Inputs, path: Path) -> int:
+def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
     """Write the nest, and its job file where the old nest has one that fits; say what it has."""
     from kerfwise.jobs.edit.edits import job_text_for
     from kerfwise.jobs.nest_job.job import beside_name
     from kerfwise.postproc.output_files import write_files
 
-    files: dict[Path, str | bytes] = {path: made.text()}
+    files: dict[Path, str | bytes] = {path: edited.text()}
     beside = path.with_name(beside_name(path))
-    if given.job is not None and not is_file(beside):
+    if inputs.job is not None and not is_file(beside):
         try:
-            files[beside] = job_text_for(given.job, made.nest, beside)
+            files[beside] = job_text_for(inputs.job, edited.nest, beside)
         except InputError as error:
-            print_note(f"the job file {given.job.name} is not copied: {error.message}")
+            print_note(f"the job file {inputs.job.name} is not copied: {error.message}")
     write_files(files)
-    x0, y0, x1, y1 = made.nest.sheet.bounds
-    count = counted(len(made.nest.parts), "part")
-    click.echo(f"{count} of {len(made.base.parts)} before, on a sheet of {x1 - x0:g} × {y1 - y0:g} mm")
-    if made.off:
-        click.echo(f"off the sheet, left out: {escape_text(', '.join(made.off))}")
+    x0, y0, x1, y1 = edited.nest.sheet.bounds
+    count = counted(len(edited.nest.parts), "part")
+    click.echo(f"{count} of {len(edited.base.parts)} before, on a sheet of {x1 - x0:g} × {y1 - y0:g} mm")
+    if edited.off:
+        click.echo(f"off the sheet, left out: {escape_text(', '.join(edited.off))}")
     click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
-    return 1 if made.off else 0
+    return 1 if edited.off else 0

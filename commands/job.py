@@ -68,8 +68,8 @@ def _beside(job: str) -> Path | None:
 def _told(job: Job, profile: str) -> list[str]:
     from kerfwise.postproc.report.legend import counted
 
-    said = [f"profile {profile}", counted(job.quantity, "sheet")]
-    said += [f"order {job.order}"] if job.order else []
-    said += [f"due {job.due}"] if job.due else []
-    said += [counted(len(job.locks), "lock")] if job.locks else []
-    return said + ([counted(len(job.settings), "value") + " of its own"] if job.settings else [])
+    phrases = [f"profile {profile}", counted(job.quantity, "sheet")]
+    phrases += [f"order {job.order}"] if job.order else []
+    phrases += [f"due {job.due}"] if job.due else []
+    phrases += [counted(len(job.locks), "lock")] if job.locks else []
+    return phrases + ([counted(len(job.settings), "value") + " of its own"] if job.settings else [])

@@ -167,8 +167,8 @@ def read_list_request(
 
     if output is None:
         raise click.UsageError("Missing option '-o' / '--output'.")
-    given, out = answers_of(answers), Path(output)
-    named = [answered(plant_of(name, trust), None, given) for name in profiles or (DEFAULT,)]
+    chosen, out = answers_of(answers), Path(output)
+    named = [answered(plant_of(name, trust), None, chosen) for name in profiles or (DEFAULT,)]
     plants = [with_settings(plant, [read_setting(one) for one in settings]) for plant in named]
     expect_engine(engine)
     expect_folder(out)
@@ -182,16 +182,16 @@ def read_list_request(
 
     def request(plant: Profile, wanted: Demand) -> NestingRequest:
         spacing = spacing_of(plant, gap_mm, edge_mm)
-        if said := spacing_warning(plant, spacing):
-            print_note(said)
+        if warning := spacing_warning(plant, spacing):
+            print_note(warning)
         for text in plant.chart_notes():
             print_note(text)
         return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
 
-    return request_list(order, plants, request, skip_bad=skip_bad, answers=given), out
+    return request_list(order, plants, request, skip_bad=skip_bad, answers=chosen), out
 
 
-def looked_for(asked: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
+def looked_for(request: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
     """The nests: progress on a terminal, Ctrl-C that keeps the best so far, or says that nothing was laid."""
     from kerfwise.jobs.nesting.find_nests import NOTHING_LAID
     from kerfwise.jobs.nesting.nest_list import nest_groups
@@ -199,25 +199,25 @@ def looked_for(asked: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
     from .progress import ProgressLine
 
     try:
-        return nest_groups(asked, NestProgress, lambda name: ProgressLine(), print_note)
+        return nest_groups(request, NestProgress, lambda name: ProgressLine(), print_note)
     except KeyboardInterrupt:
         print_note(NOTHING_LAID)
         raise
 
 
-def _end(asked: ListRequest, out: Path, files: list[Path]) -> None:
+def _end(request: ListRequest, out: Path, files: list[Path]) -> None:
     from kerfwise.jobs.nesting.nest_list import left_out_text
 
-    if asked.bad:
-        click.echo(left_out_text(asked.bad))
+    if request.bad:
+        click.echo(left_out_text(request.bad))
     click.echo(f"written: {len(files)} files in {escape_text(str(out))}")
 
 
-def _code(asked: ListRequest, found: list[tuple[GroupRequest, NestingResult]], interrupted: bool) -> int:
+def _code(request: ListRequest, found: list[tuple[GroupRequest, NestingResult]], interrupted: bool) -> int:
     """The exit code: 130 after Ctrl-C, 1 where parts are missing or left out."""
-    if interrupted or len(found) < len(asked.groups):
+    if interrupted or len(found) < len(request.groups):
         return 130
-    return 1 if asked.bad or any(any(result.nested.layout.missing) for _, result in found) else 0
+    return 1 if request.bad or any(any(result.nested.layout.missing) for _, result in found) else 0
 
 
 def print_nests(nested: Nested, found: NestingResult, plant: Profile) -> None:
@@ -261,16 +261,16 @@ def nest_command(dxf: bool, picture: str, **options: Any) -> int:
     from kerfwise.jobs.nesting.nest_list import write_list
     from kerfwise.jobs.nesting.nests import nest_files
 
-    asked, out = read_list_request(**options)
-    found = looked_for(asked)
+    request, out = read_list_request(**options)
+    found = looked_for(request)
     files = [(one, result.nested, nest_files(result.nested, f".{picture}", dxf)) for one, result in found]
-    written = write_list(out, asked, files, seed=asked.groups[0].asked.effort.seed)
+    written = write_list(out, request, files, seed=request.groups[0].asked.effort.seed)
     for one, result in found:
-        if head := asked.head(one):
+        if head := request.head(one):
             click.echo(head)
         print_nests(result.nested, result, one.cutting.plant)
-    _end(asked, out, written)
-    return _code(asked, found, any(result.interrupted for _, result in found))
+    _end(request, out, written)
+    return _code(request, found, any(result.interrupted for _, result in found))
 
 
 def _new_list(output: str | None) -> int:
@@ -315,14 +315,14 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
 
     from .progress import ProgressLine
 
-    asked, out = read_list_request(**options)
-    found = looked_for(asked)
+    request, out = read_list_request(**options)
+    found = looked_for(request)
     files: list[tuple[GroupRequest, Nested, dict[str, str | bytes]]] = []
     programs: list[Programs] = []
     for one, result in found:
         made = make_programs(
             result.nested,
-            partial(plant_of_sheet, one, out / asked.folder(one)),
+            partial(plant_of_sheet, one, out / request.folder(one)),
             work,
             relax,
             lambda name: ProgressLine(),
@@ -335,12 +335,12 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
         files.append((one, made.nested, {**made.files(dxf, picture), **pages}))
         if made.interrupted:
             break
-    written = write_list(out, asked, files, seed=asked.groups[0].asked.effort.seed)
+    written = write_list(out, request, files, seed=request.groups[0].asked.effort.seed)
     for (one, result), made in zip(found, programs, strict=False):
-        if head := asked.head(one):
+        if head := request.head(one):
             click.echo(head)
         print_nests(made.nested, result, one.cutting.plant)
         click.echo("\n".join(made.told))
-    _end(asked, out, written)
+    _end(request, out, written)
     stopped = any(made.interrupted for made in programs) or any(result.interrupted for _, result in found)
-    return _code(asked, found, stopped) or int(any(made.unplanned for made in programs))
+    return _code(request, found, stopped) or int(any(made.unplanned for made in programs))

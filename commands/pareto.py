@@ -79,24 +79,24 @@ def command(
         expect_folders([Path(output)])
     if plans:
         expect_place(Path(plans))
-    given = read_inputs(**options, last=lock_from)
-    protect(given, options["nest"], [output], lock_from)
-    note_placing(given)
-    already = already_cut(given, lock_from, upto, redo_last, print_note)
-    limits = options_for(given.nest, given.profile, work=work, seed=seed, time_s=time_limit)
+    inputs = read_inputs(**options, last=lock_from)
+    protect(inputs, options["nest"], [output], lock_from)
+    note_placing(inputs)
+    already = already_cut(inputs, lock_from, upto, redo_last, print_note)
+    limits = options_for(inputs.nest, inputs.profile, work=work, seed=seed, time_s=time_limit)
     name = Path(options["nest"]).name
-    offer = trade_off(given, prices, limits, ProgressLine, name, already=already, relax=relax)
+    offer = trade_off(inputs, prices, limits, ProgressLine, name, already=already, relax=relax)
     if offer.refused is not None:
         click.echo(f"kerfwise: {offer.refused}", err=True)
     if distortion:
-        offer = _with_distortion(given, offer)
+        offer = _with_distortion(inputs, offer)
     files: dict[Path, str | bytes] = {}
     if plans:
         make_folder(Path(plans))
         files |= {Path(plans) / name: content for name, content in offer.files().items()}
     if output:
         files[Path(output)] = offer.picture().content
-    protect(given, options["nest"], files, lock_from)
+    protect(inputs, options["nest"], files, lock_from)
     write_files(files)
     click.echo(json.dumps(offer.rows()) if as_json else offer)
     if not as_json:
@@ -106,8 +106,8 @@ def command(
     return 0 if offer.refused is None and all(trade.lawful for trade in offer.trades) else 1
 
 
-def _with_distortion(given: Inputs, offer: Offer) -> Offer:
+def _with_distortion(inputs: Inputs, offer: Offer) -> Offer:
     """The same with how far the parts of each plan will be off, mean of their worst places, mm."""
     from kerfwise.distortion.predict import distort_made
 
-    return replace(offer, off_mm=tuple(distort_made(given, trade.plan).mean_mm for trade in offer.trades))
+    return replace(offer, off_mm=tuple(distort_made(inputs, trade.plan).mean_mm for trade in offer.trades))

@@ -67,10 +67,10 @@ def show(
 
     if profile is None and job is None:
         raise click.UsageError("Missing argument 'PROFILE', or --job JOB.")
-    asked = nest_request(profile, job, job is None, settings, lock)
-    read = job_for("", asked.job, print_note)
-    loaded = profile_for(asked, read, print_note, lambda named: load_profile(str(named), trust=trust))
-    click.echo(profile_yaml(profile_with_locks(loaded, asked, read), sources), nl=False)
+    request = nest_request(profile, job, job is None, settings, lock)
+    read = job_for("", request.job, print_note)
+    loaded = profile_for(request, read, print_note, lambda named: load_profile(str(named), trust=trust))
+    click.echo(profile_yaml(profile_with_locks(loaded, request, read), sources), nl=False)
     expect_printed()
 
 
@@ -131,14 +131,14 @@ def chart(name: str | None, output: str | None) -> None:
         return
     if name not in shipped and not Path(name).suffix:
         raise InputError(unknown("chart", name, shipped))
-    made = read_chart(shipped.get(name, Path(name)))
+    loaded = read_chart(shipped.get(name, Path(name)))
     if output is None:
-        click.echo(read_limited(made.file).decode("utf-8-sig"), nl=False)
+        click.echo(read_limited(loaded.file).decode("utf-8-sig"), nl=False)
         return
     if Path(output).suffix != ".cfg":
         raise InputError("QtPlasmaC's material file is called MACHINE_material.cfg", file=output)
-    expect_outputs([Path(output)], [Path(made.file)])
-    write_files({Path(output): qtplasmac_text(made)})
+    expect_outputs([Path(output)], [Path(loaded.file)])
+    write_files({Path(output): qtplasmac_text(loaded)})
     click.echo(f"written: {output}")
 
 
@@ -191,9 +191,9 @@ def _asked(trust: bool) -> tuple[str, Mapping[tuple[str, str], str]]:
     base: Profile = load_profile(like, trust=trust)
     answers = {}
     for question in questions(base):
-        said: str = click.prompt(question.text, default=question.default, value_proc=_asking_again(question.answered))
-        if said != question.default:
-            answers[question.key] = said
+        answer: str = click.prompt(question.text, default=question.default, value_proc=_asking_again(question.answered))
+        if answer != question.default:
+            answers[question.key] = answer
     return like, answers
 
 

@@ -73,9 +73,9 @@ def read_command(output: str | None, as_json: bool, **given: Any) -> int:
     if output:
         expect_picture(Path(output).suffix, output)
         expect_outputs([Path(output)], [Path(nest)])
-    found, asked, job = seen_nest(given)
-    if found.nest is not None and asked.answers and not isinstance(found.error, InputError):
-        kept_answers(nest, job, asked, found.nest, print_note)
+    found, request, job = seen_nest(given)
+    if found.nest is not None and request.answers and not isinstance(found.error, InputError):
+        kept_answers(nest, job, request, found.nest, print_note)
     if output:
         draw_seen(found, nest, output)
     if as_json:
@@ -125,13 +125,13 @@ def facts_command(output: str | None, **given: Any) -> None:
 
     expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
     try:
-        asked = read_inputs(**given)
+        inputs = read_inputs(**given)
     except Questions:
         nest = escape_text(given["nest"])
         print_note(f"the facts wait for the answers; kerfwise read {nest} -o READING.png draws what is read so far")
         raise
-    protect(asked, given["nest"], [output])
-    facts = facts_of(asked.nest, asked.profile)
+    protect(inputs, given["nest"], [output])
+    facts = facts_of(inputs.nest, inputs.profile)
     facts = facts if facts.copies is None else facts.copies.whole
     if output is None:
         click.echo(facts_json(facts), nl=False)

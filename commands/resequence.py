@@ -61,9 +61,9 @@ def command(
 
     from .progress import ProgressLine
 
-    plant, asked = plant_of(profile, trust), program_request(**given)
+    plant, request = plant_of(profile, trust), program_request(**given)
     limits: dict[str, Any] = {"work": work, "time_s": time_limit, "seed": seed}
-    limits |= {"paths": paths, "asked": asked, "without_rules": without_rules}
+    limits |= {"paths": paths, "asked": request, "without_rules": without_rules}
     if is_folder(Path(old)):
         if picture or plan_path:
             raise InputError(f"{'--picture' if picture else '--plan'} is of one program: give one, not a folder")
@@ -72,20 +72,20 @@ def command(
     out = output or f"{file.stem}.resequenced{file.suffix or '.nc'}"
     _expect(plant, file, out, picture, plan_path)
     listener = ProgressLine()
-    made = resequence(old, plant, **limits, listener=listener, tell=print_note)
-    files: dict[Path, str | bytes] = {Path(out): made.program}
+    result = resequence(old, plant, **limits, listener=listener, tell=print_note)
+    files: dict[Path, str | bytes] = {Path(out): result.program}
     if picture:
-        files[Path(picture)] = made.picture("png" if Path(picture).suffix.lower() == ".png" else "svg").content
-    if plan_path and made.plan is not None:
-        files[Path(plan_path)] = made.plan.to_json()
+        files[Path(picture)] = result.picture("png" if Path(picture).suffix.lower() == ".png" else "svg").content
+    if plan_path and result.plan is not None:
+        files[Path(plan_path)] = result.plan.to_json()
     elif plan_path:
-        print_note(f"no plan is written: {made.ends if made.nest is not None else 'the burns make no nest'}")
+        print_note(f"no plan is written: {result.ends if result.nest is not None else 'the burns make no nest'}")
     from kerfwise.postproc.output_files import write_files
 
     write_files(files)
-    click.echo(made)
+    click.echo(result)
     click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
-    return 130 if made.interrupted else 0
+    return 130 if result.interrupted else 0
 
 
 def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path: str | None) -> None:
@@ -106,8 +106,8 @@ def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, limits:
 
     if output is None:
         raise InputError("a folder of programs needs one for the new ones: give it with -o", file=folder)
-    made = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=print_note, **limits)
-    click.echo(made)
-    for name, error in made.faults.items():
+    archive = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=print_note, **limits)
+    click.echo(archive)
+    for name, error in archive.faults.items():
         click.echo(f"{escape_text(name)}: {crash_message(error, arguments(None))}", err=True)
-    return made.exit_code
+    return archive.exit_code

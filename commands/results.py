@@ -82,9 +82,9 @@ def explain_command(plan: str, contour: str, everything: bool, as_data: bool, **
     from kerfwise.models.plan.explain import as_text, explanation_as_json
     from kerfwise.models.plan.read_plan import read_plan
 
-    asked = read_inputs(**given, last=plan)
-    told = Explainer(asked, read_plan(plan)).explain(contour)
-    click.echo(explanation_as_json(told) if as_data else as_text(told, everything))
+    inputs = read_inputs(**given, last=plan)
+    explanation = Explainer(inputs, read_plan(plan)).explain(contour)
+    click.echo(explanation_as_json(explanation) if as_data else as_text(explanation, everything))
 
 
 # kerfwise time: how long a plan or a program takes, on what, and what that costs.
@@ -106,10 +106,10 @@ def time_command(made: str | None, as_json: bool, feed: float | None, kerf: floa
     if program_alone(given["nest"], made):
         times = time_old(read_program_alone(feed, kerf, given))
     else:
-        asked = read_inputs(**given, last=made)
-        for text in asked.profile.time_and_price_notes():
+        inputs = read_inputs(**given, last=made)
+        for text in inputs.profile.time_and_price_notes():
             print_note(text)
-        times = time_made(asked, str(made), print_note, trusted_if(feed))
+        times = time_made(inputs, str(made), print_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)
 
 
@@ -155,19 +155,19 @@ def heat_command(
     count = FRAMES if frames else 0
     if program_alone(given["nest"], made):
         job = read_program_alone(feed, kerf, given)
-        asked = job.given
-        protect(asked, given["nest"], [output])
+        inputs = job.given
+        protect(inputs, given["nest"], [output])
         found = simulate_old(job, model, print_note, count)
     else:
-        asked = read_inputs(**given, last=made)
-        protect(asked, given["nest"], [output], made)
-        found = simulate_made(asked, str(made), model, print_note, count, trusted_if(feed))
+        inputs = read_inputs(**given, last=made)
+        protect(inputs, given["nest"], [output], made)
+        found = simulate_made(inputs, str(made), model, print_note, count, trusted_if(feed))
     files: dict[Path, str | bytes] = {Path(frames or "") / name: png for name, png in found.frames.items()}
     if output:
         files[Path(output)] = found.picture().content
     if frames:
         make_folder(Path(frames))
-    protect(asked, given["nest"], files, made)
+    protect(inputs, given["nest"], files, made)
     write_files(files)
     click.echo(json.dumps(found.as_json()) if as_json else found)
 
@@ -218,7 +218,7 @@ def plot_command(
         _draw_program(output, feed, kerf, given)
         return
     try:
-        asked = read_inputs(**given, last=plan)
+        inputs = read_inputs(**given, last=plan)
     except BrokenNest as broken:
         _draw_broken(broken, output)
         return
@@ -228,28 +228,28 @@ def plot_command(
             draw_seen(found, given["nest"], output)
             print_note(f"written: {escape_text(output)}: what is read so far, what the questions are about in red")
         raise
-    protect(asked, given["nest"], [output], plan)
-    made = read_plan(plan) if plan else None
-    if made is not None:
-        for text in differences(made, asked):
+    protect(inputs, given["nest"], [output], plan)
+    loaded = read_plan(plan) if plan else None
+    if loaded is not None:
+        for text in differences(loaded, inputs):
             print_note(text)
-    if Path(output).suffix.lower() == PAGE and made is not None:
-        data = page_data(asked, made, heat=heat, detail="full" if why else None)
+    if Path(output).suffix.lower() == PAGE and loaded is not None:
+        data = page_data(inputs, loaded, heat=heat, detail="full" if why else None)
         write_files({Path(output): page_bytes(data)})
         return
-    profile = asked.profile if made is None else asked.profile.at_origin(made.origin)
-    plot(asked.nest, made, output, profile.home_on(asked.nest))
+    profile = inputs.profile if loaded is None else inputs.profile.at_origin(loaded.origin)
+    plot(inputs.nest, loaded, output, profile.home_on(inputs.nest))
 
 
-def _draw_program(output: str, feed: float | None, kerf: float | None, given: dict[str, Any]) -> None:
+def _draw_program(output: str, feed: float | None, kerf: float | None, options: dict[str, Any]) -> None:
     from kerfwise.postproc.output_files import write_files
     from kerfwise.postproc.report.simple_pictures import Panel, draw_burns, expect_kind
 
     expect_kind(output)
-    job = read_program_alone(feed, kerf, given)
-    name = Path(given["nest"]).name
-    told = f"idle {job.program.idle_mm / 1000:.3f} m, {len(job.program.burns)} burns"
-    panel = Panel(name, told, job.program.burns, job.home, job.program.end)
+    job = read_program_alone(feed, kerf, options)
+    name = Path(options["nest"]).name
+    summary = f"idle {job.program.idle_mm / 1000:.3f} m, {len(job.program.burns)} burns"
+    panel = Panel(name, summary, job.program.burns, job.home, job.program.end)
     write_files({Path(output): draw_burns([panel], Path(output).suffix, name)})
 
 
@@ -306,17 +306,17 @@ def sheet_command(
     facts = dict(_fact(text) for text in about)
     outputs = [path, *([Path(labels)] if labels else [])]
     expect_outputs(outputs, [Path(name) for name in (options["nest"], plan, program) if name])
-    given = read_inputs(**options, last=plan)
-    protect(given, options["nest"], outputs, plan, program)
-    for text in given.profile.time_and_price_notes():
+    inputs = read_inputs(**options, last=plan)
+    protect(inputs, options["nest"], outputs, plan, program)
+    for text in inputs.profile.time_and_price_notes():
         print_note(text)
     say = texts(language)
     number = sheet_number(options["nest"], say)
-    facts = ({"number": number} if number else {}) | about_of_job(given.job, say) | facts
-    made = work_sheet(given, read_plan(plan), program, about=facts, tell=print_note, language=language)
-    files = {path: sheets_pdf([made], date)}
+    facts = ({"number": number} if number else {}) | about_of_job(inputs.job, say) | facts
+    paper = work_sheet(inputs, read_plan(plan), program, about=facts, tell=print_note, language=language)
+    files = {path: sheets_pdf([paper], date)}
     if labels:
-        files[Path(labels)] = labels_pdf([(given.nest, given.profile)], language)
+        files[Path(labels)] = labels_pdf([(inputs.nest, inputs.profile)], language)
     write_files(files)
     click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
 

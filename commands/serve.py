@@ -51,10 +51,10 @@ def command(
     from kerfwise.serving.run_server import serve
 
     if hasattr(os, "geteuid") and os.geteuid() == 0:
-        told = (
+        warning = (
             "warning: serve runs as root, and so does all that a drawing or a profile makes it do: start it as a user"
         )
-        click.echo(told, err=True)
+        click.echo(warning, err=True)
     with tempfile.TemporaryDirectory(prefix="kerfwise-") as private:
 
         def ready(address: str) -> None:

@@ -132,35 +132,35 @@ def read_inputs(
     from kerfwise.jobs.inputs import refit_as_made
     from kerfwise.jobs.nest_job.request import job_for, kept_answers, locked_for, locks_told, profile_for
 
-    asked = nest_request(profile, **of_nest)
-    job = job_for(nest, asked.job, print_note)
-    plant = profile_for(asked, job, print_note, lambda named: plant_of(named, trust))
-    if told := locks_told(plant):
-        print_note(told)
-    said = reading_options(units, sheet, frame, repair, refit_arcs)
-    said["refit_arcs_mm"] = refit_as_made(said["refit_arcs_mm"], asked.last, plant, print_note)
-    read = drawn_nest(nest, plant, **said)
-    if asked.answers:
-        job = kept_answers(nest, job, asked, read, print_note)
-        plant = profile_for(asked, job, silent, lambda named: plant_of(named, trust))
+    request = nest_request(profile, **of_nest)
+    job = job_for(nest, request.job, print_note)
+    plant = profile_for(request, job, print_note, lambda named: plant_of(named, trust))
+    if lock_note := locks_told(plant):
+        print_note(lock_note)
+    reading = reading_options(units, sheet, frame, repair, refit_arcs)
+    reading["refit_arcs_mm"] = refit_as_made(reading["refit_arcs_mm"], request.last, plant, print_note)
+    read = drawn_nest(nest, plant, **reading)
+    if request.answers:
+        job = kept_answers(nest, job, request, read, print_note)
+        plant = profile_for(request, job, silent, lambda named: plant_of(named, trust))
     plant = plant.at_origin(origin) if origin else plant
     for note in plant.without_losses(read).notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     if cut_all_the_same := tabs_not_left(read, plant):
         click.echo(f"warning: {cut_all_the_same}", err=True)
-    return locked_for(plant.as_cut(read), nest, plant, asked, job, print_note)
+    return locked_for(plant.as_cut(read), nest, plant, request, job, print_note)
 
 
 OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 
 
-def reading_of(given: Inputs, options: Mapping[str, Any]) -> ReadOptions:
+def reading_of(inputs: Inputs, options: Mapping[str, Any]) -> ReadOptions:
     """How the nest was read, with what the command line says of that."""
-    said = reading_options(*(options[name] for name in OF_READING))
-    return reading(given.profile, **said | {"refit_arcs_mm": given.nest.refit_arcs_mm})
+    read_options = reading_options(*(options[name] for name in OF_READING))
+    return reading(inputs.profile, **read_options | {"refit_arcs_mm": inputs.nest.refit_arcs_mm})
 
 
-def protect(given: Inputs, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
+def protect(inputs: Inputs, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
     """Say before the work that a file would be written over which is read: the nest, the profile's, or others.
 
     Raises
@@ -170,24 +170,24 @@ def protect(given: Inputs, nest: str, outputs: Iterable[str | Path | None], *oth
     """
     from kerfwise.postproc.output_files import expect_outputs
 
-    read = (Path(nest), *files_of(given.profile), *(Path(other) for other in (*others, job_beside(nest)) if other))
+    read = (Path(nest), *files_of(inputs.profile), *(Path(other) for other in (*others, job_beside(nest)) if other))
     expect_outputs((Path(output) for output in outputs if output), read)
 
 
-def note_placing(given: Inputs) -> None:
+def note_placing(inputs: Inputs) -> None:
     """Say on standard error what a planner would want to know: where the sheet lies, which cuts are not made."""
     from kerfwise.jobs.sheet_parts import dates_ignored
     from kerfwise.rules.profile.profile import placing_notes
 
-    for text in placing_notes(given.nest, given.profile):
+    for text in placing_notes(inputs.nest, inputs.profile):
         click.echo(f"warning: {text}", err=True)
-    for text in (*given.profile.chart_notes(), *given.profile.time_and_price_notes()):
+    for text in (*inputs.profile.chart_notes(), *inputs.profile.time_and_price_notes()):
         print_note(text)
-    if given.profile.cuts.links.longest_mm > 0 and (why := given.profile.no_links(given.nest)):
+    if inputs.profile.cuts.links.longest_mm > 0 and (why := inputs.profile.no_links(inputs.nest)):
         click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)
-    if told := common_cuts_not_made(given):
-        print_note(told)
-    if count := dates_ignored(given.nest, given.profile):
+    if note := common_cuts_not_made(inputs):
+        print_note(note)
+    if count := dates_ignored(inputs.nest, inputs.profile):
         parts = "1 part has" if count == 1 else f"{count} parts have"
         print_note(
             f"{parts} a due date or a priority, and objective.completion is 0: the order of cutting does not follow "
@@ -235,11 +235,11 @@ def nest_request(
     if job is not None and no_job:
         raise click.UsageError("--job names a job file, and --no-job goes without one: give one of them")
     try:
-        said = tuple(replace(read_lock(one), reason=f"locked by the operator (--lock {one!r})") for one in lock)
+        locks = tuple(replace(read_lock(one), reason=f"locked by the operator (--lock {one!r})") for one in lock)
     except InputError as error:
         raise InputError(f"--{error.message}") from None
     laid = tuple(map(read_setting, settings))
-    return Asked(profile, False if no_job else job, laid, said, answers_of(answers), last, date)
+    return Asked(profile, False if no_job else job, laid, locks, answers_of(answers), last, date)
 
 
 def _day(_: click.Context, __: click.Parameter, value: str) -> str:
@@ -386,7 +386,7 @@ def program_alone(nest: str, made: str | None) -> bool:
     return True
 
 
-def read_program_alone(feed: float | None, kerf: float | None, given: Mapping[str, Any]) -> OldJob:
+def read_program_alone(feed: float | None, kerf: float | None, options: Mapping[str, Any]) -> OldJob:
     """An old program in the place of the nest; options that are about a drawing are refused.
 
     Raises
@@ -396,14 +396,14 @@ def read_program_alone(feed: float | None, kerf: float | None, given: Mapping[st
     """
     from kerfwise.jobs.programs import read_old_job
 
-    asked, program = program_request(feed, kerf, given["sheet"]), given["nest"]
-    if named := [name for name in ("units", "frame", "repair", "origin", "refit_arcs") if given[name]]:
+    request, program = program_request(feed, kerf, options["sheet"]), options["nest"]
+    if named := [name for name in ("units", "frame", "repair", "origin", "refit_arcs") if options[name]]:
         option = named[0].replace("_", "-")
         raise InputError(f"--{option} is for drawings; {program} is read as a program", file=program)
     of_nest = {"job": "job", "no_job": "no-job", "settings": "set", "lock": "lock"}
-    if named := [option for name, option in of_nest.items() if given[name]]:
+    if named := [option for name, option in of_nest.items() if options[name]]:
         raise InputError(f"--{named[0]} is for a nest; {program} is a program alone", file=program)
-    return read_old_job(program, plant_of(given["profile"] or DEFAULT, given["trust"]), asked, tell=print_note)
+    return read_old_job(program, plant_of(options["profile"] or DEFAULT, options["trust"]), request, tell=print_note)
 
 
 def trusted_if(feed: float | None) -> Trusted | None:
@@ -437,8 +437,8 @@ def _answering(verb: Verb, *args: Any, **options: Any) -> Any:
         except Questions as questions:
             if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
                 raise
-            said = [f"{question.id}={_asked(question)}" for question in questions.questions]
-            options["answers"] = (*options["answers"], *said)
+            answers = [f"{question.id}={_asked(question)}" for question in questions.questions]
+            options["answers"] = (*options["answers"], *answers)
 
 
 def _asked(question: Question) -> str:
@@ -457,13 +457,13 @@ def _asked(question: Question) -> str:
         lines.append(f"  {k}  {escape_text(choice.value):{wide}}  {escape_text(choice.words)}{gives}")
     click.echo("\n".join(lines), err=True)
 
-    def chosen(said: str) -> str:
-        if said.strip() in values:
-            return said.strip()
-        if said.strip().isdecimal() and 0 < int(said) <= len(values):
-            return values[int(said) - 1]
+    def chosen(answer: str) -> str:
+        if answer.strip() in values:
+            return answer.strip()
+        if answer.strip().isdecimal() and 0 < int(answer) <= len(values):
+            return values[int(answer) - 1]
         raise click.UsageError(
-            f"{said.strip()!r} is none of the choices: type 1 to {len(values)}, or the word behind it"
+            f"{answer.strip()!r} is none of the choices: type 1 to {len(values)}, or the word behind it"
         )
 
     try:

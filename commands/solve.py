@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 def print_conflict(no_plan: NoPlan, picture: str | Path) -> int:
     """Say why there is no plan, and draw the contours in conflict if they are known; the exit code is 1."""
     conflict, facts, profile = no_plan.conflict, no_plan.facts, no_plan.profile
-    said = str(no_plan.why if conflict is None else conflict)
+    text = str(no_plan.why if conflict is None else conflict)
     if conflict is not None and facts.past is not None:
-        said = "\n".join(conflict.for_operator(len(facts.past.already.cuts)))
-    click.echo(f"kerfwise: {said}", err=True)
+        text = "\n".join(conflict.for_operator(len(facts.past.already.cuts)))
+    click.echo(f"kerfwise: {text}", err=True)
     if conflict is None:
         for line in no_plan.notes:
             click.echo(f"  {line}", err=True)
@@ -72,9 +72,9 @@ def expect_drawings(svg: str | None, dxf: str | None) -> None:
             raise InputError(f"the reordered drawing is written as {suffix}: give a name that ends so", file=name)
 
 
-def expect_as_drawn(given: Inputs, svg: str | None, dxf: str | None) -> None:
+def expect_as_drawn(inputs: Inputs, svg: str | None, dxf: str | None) -> None:
     """Say before the work that the drawing does not show what is cut."""
-    if (svg or dxf) and given.nest.bridges:
+    if (svg or dxf) and inputs.nest.bridges:
         option = "--svg" if svg else "--reordered-dxf"
         raise InputError(
             f"{option}: bridges join parts, and the drawing has these apart: --dxf writes the torch's paths"
@@ -82,7 +82,7 @@ def expect_as_drawn(given: Inputs, svg: str | None, dxf: str | None) -> None:
 
 
 def drawings(
-    plan: Plan, given: Inputs, svg: str | None, dxf: str | None, options: Mapping[str, Any]
+    plan: Plan, inputs: Inputs, svg: str | None, dxf: str | None, options: Mapping[str, Any]
 ) -> dict[Path, str | bytes]:
     """The files that are asked for; what is not in them is said."""
     if not svg and not dxf:
@@ -92,9 +92,9 @@ def drawings(
     files: dict[Path, str | bytes] = {}
     for name, reordered in ((svg, reordered_svg), (dxf, reordered_dxf)):
         if name:
-            made = reordered(plan, given.nest, options["nest"], reading_of(given, options))
-            files[Path(name)] = made.content
-            for note in made.notes:
+            drawing = reordered(plan, inputs.nest, options["nest"], reading_of(inputs, options))
+            files[Path(name)] = drawing.content
+            for note in drawing.notes:
                 print_note(f"{name}: {note}")
     return files
 
@@ -198,30 +198,30 @@ def command(
     _expect(outputs, (picture, conflict_picture), (file, lock_from, start_path))
     if by_default:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
-    given = read_inputs(**options, last=lock_from, date=date)
-    beside_program = remnant_names(output, given.profile) if output else ()
-    protect(given, options["nest"], (*outputs, *beside_program), lock_from)
-    expect_as_drawn(given, svg, reordered_dxf)
-    note_placing(given)
+    inputs = read_inputs(**options, last=lock_from, date=date)
+    beside_program = remnant_names(output, inputs.profile) if output else ()
+    protect(inputs, options["nest"], (*outputs, *beside_program), lock_from)
+    expect_as_drawn(inputs, svg, reordered_dxf)
+    note_placing(inputs)
     start = None if start_path is None else read_plan(Path(start_path))
-    already = already_cut(given, lock_from, upto, redo_last, print_note)
+    already = already_cut(inputs, lock_from, upto, redo_last, print_note)
     limits = options_for(
-        given.nest, given.profile,
+        inputs.nest, inputs.profile,
         work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
         memory_gb=memory_gb,
     )  # fmt: skip
     suffix = None if picture is None else Path(picture).suffix
-    home = given.profile.home_on(given.nest)
-    beside = click.get_current_context().with_resource(DrawnBeside(given.nest, suffix, home))
+    home = inputs.profile.home_on(inputs.nest)
+    beside = click.get_current_context().with_resource(DrawnBeside(inputs.nest, suffix, home))
     drawn = () if suffix is None else (suffix,)
     whole = None if time_limit is None else CommandLimit(time_limit, began_s, drawn, beside=beside.draws)
     listener = ProgressLine()
-    orders, foretold = _distortion(given)
+    orders, foretold = _distortion(inputs)
     if engine in ("portfolio", "search"):
-        search_beside(len(given.nest.contours))
+        search_beside(len(inputs.nest.contours))
     try:
         done = plan_nest(
-            given, limits,
+            inputs, limits,
             already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
             listener=listener, tell=print_note, whole=whole, planned_as=beside.begin,
             orders=orders, start=start, first=first,
@@ -230,41 +230,41 @@ def command(
         code = print_conflict(no_plan, conflict_picture)
         _tell_late(whole)
         return code
-    made = done.made
+    verified = done.made
     found = None
-    if foretold and made.verdict.ok:
+    if foretold and verified.verdict.ok:
         from kerfwise.distortion.predict import distort_made
 
-        found = distort_made(done.given, made.plan)
-    if found is not None and given.profile.distortion.keep_tolerance and found.beyond:
+        found = distort_made(done.given, verified.plan)
+    if found is not None and inputs.profile.distortion.keep_tolerance and found.beyond:
         click.echo(f"kerfwise: {found.line()} (distortion.keep_tolerance); nothing was written", err=True)
         _tell_late(whole)
         return 1
     files: dict[Path, str | bytes] = {}
-    if made.verdict.ok:
+    if verified.verdict.ok:
         if output:
-            files[Path(output)] = made.program
-            files |= remnant_files(output, given.nest, given.profile)
+            files[Path(output)] = verified.program
+            files |= remnant_files(output, inputs.nest, inputs.profile)
         if plan_path:
-            files[Path(plan_path)] = made.plan.to_json()
+            files[Path(plan_path)] = verified.plan.to_json()
         if dxf:
-            files[Path(dxf)] = write_dxf(made.plan, given.nest, given.profile)
-        files |= drawings(made.plan, given, svg, reordered_dxf, options)
+            files[Path(dxf)] = write_dxf(verified.plan, inputs.nest, inputs.profile)
+        files |= drawings(verified.plan, inputs, svg, reordered_dxf, options)
         if picture and suffix is not None:
-            files[Path(picture)] = planned_picture(given, made, suffix, beside)
+            files[Path(picture)] = planned_picture(inputs, verified, suffix, beside)
         write_files(files)
     if verbose:
-        click.echo("\n".join(made.notes))
-    if given.nest.reading is not None and given.nest.reading.taken:
-        click.echo(escape_text(given.nest.reading.short()))
-    click.echo(summary(made.plan, made.verdict))
-    if told := listener.first_line(made.plan.solve.objective, began_s):
-        click.echo(told)
+        click.echo("\n".join(verified.notes))
+    if inputs.nest.reading is not None and inputs.nest.reading.taken:
+        click.echo(escape_text(inputs.nest.reading.short()))
+    click.echo(summary(verified.plan, verified.verdict))
+    if line := listener.first_line(verified.plan.solve.objective, began_s):
+        click.echo(line)
     if found is not None:
         click.echo(found.line())
-    if given.job is not None and (told := job_line(given.job, made.plan)):
-        click.echo(told)
-    if not made.verdict.ok:
+    if inputs.job is not None and (line := job_line(inputs.job, verified.plan)):
+        click.echo(line)
+    if not verified.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         _tell_late(whole)
         return 1
@@ -273,19 +273,19 @@ def command(
     return 130 if listener.interrupted else 0
 
 
-def _distortion(given: Inputs) -> tuple[OrdersOf | None, bool]:
+def _distortion(inputs: Inputs) -> tuple[OrdersOf | None, bool]:
     """What finds straighter orders, if there is a price on distortion, and whether the parts' errors are asked for."""
     from kerfwise.distortion.tolerances import is_asked
 
-    if not is_asked(given.nest, given.profile):
+    if not is_asked(inputs.nest, inputs.profile):
         return None, False
     from kerfwise.distortion.straighter import straighter_for  # scipy: only those who ask pay for it
     from kerfwise.distortion.yielding import metal_of
     from kerfwise.jobs.inputs import expect_one_torch
 
-    expect_one_torch(given.profile, "the simulation of distortion")
-    metal_of(given.profile.heat.material)
-    return straighter_for(given.profile), True
+    expect_one_torch(inputs.profile, "the simulation of distortion")
+    metal_of(inputs.profile.heat.material)
+    return straighter_for(inputs.profile), True
 
 
 def _tell_late(whole: CommandLimit | None) -> None:

@@ -68,37 +68,37 @@ def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting) -> Moved:
     """
     metal = metal_of(heat.material)
     mesh = make_mesh(nest, path, how.grid_mm, how.kerf_mm)
-    made = Elasticity(mesh, metal.elastic(how.thickness_mm))
-    asked = _asked(nest, path, how)
-    piece = _pieces(nest, mesh, asked)
+    elastic = Elasticity(mesh, metal.elastic(how.thickness_mm))
+    queries = _asked(nest, path, how)
+    piece = _pieces(nest, mesh, queries)
     there = piece >= 0
-    asked, piece = asked.at(there), piece[there]
-    weights = shape_weights(mesh.local(piece, asked.xy))
-    bands = _Bands(mesh, made, path, heat, how)
+    queries, piece = queries.at(there), piece[there]
+    weights = shape_weights(mesh.local(piece, queries.xy))
+    bands = _Bands(mesh, elastic, path, heat, how)
     hot = np.zeros((len(piece), 2))
     warmth = Warmth(nest, path, heat, how.thickness_mm, mesh)
     lies = np.zeros((mesh.nodes, 2))
     for batch in _batches(mesh, path):
-        which = np.flatnonzero((asked.at_s > batch.begin_s) & (asked.at_s <= batch.end_s))
-        which = which[np.argsort(asked.at_s[which], kind="stable")]
+        which = np.flatnonzero((queries.at_s > batch.begin_s) & (queries.at_s <= batch.end_s))
+        which = which[np.argsort(queries.at_s[which], kind="stable")]
         keep = _still_cut(mesh, batch.begin_s)
         if not keep.any():
             continue
-        state = made.state(mesh.joined(batch.end_s), keep)
+        state = elastic.state(mesh.joined(batch.end_s), keep)
         ties = mesh.ties[batch.first : batch.last]
-        times = [*asked.at_s[which].tolist(), batch.end_s]
+        times = [*queries.at_s[which].tolist(), batch.end_s]
         loads, open_ = [], []
         for when_s in times:
             excess, slope = warmth.at(when_s)
-            loads.append(state.load(made.thermal(excess, slope) + bands.forces(when_s), lies))
+            loads.append(state.load(elastic.thermal(excess, slope) + bands.forces(when_s), lies))
             open_.append(int(np.searchsorted(mesh.opens_s[batch.first : batch.last], when_s, side="right")))
         found = state.solve(loads, ties, open_)
         for k, number in enumerate(which):
             one = piece[number : number + 1]
             hot[number] = at_points(state.spread(found[k], lies), mesh.node[one], weights[number : number + 1])[0]
         lies = state.spread(found[-1], lies)
-    cold = _cold(mesh, made, bands, piece, weights) if how.yields else np.zeros_like(hot)
-    return Moved(asked.contour, asked.xy, cold - hot, asked.at_s, asked.length_mm)
+    cold = _cold(mesh, elastic, bands, piece, weights) if how.yields else np.zeros_like(hot)
+    return Moved(queries.contour, queries.xy, cold - hot, queries.at_s, queries.length_mm)
 
 
 # Where it is asked how far the metal has moved: along the contours, as the torch passes.
@@ -151,11 +151,11 @@ def _evenly(run_mm: Floats, length_mm: float, closed: bool) -> Iterator[tuple[in
         yield int(k), length_mm / count
 
 
-def _pieces(nest: Nest, mesh: Mesh, asked: _Asked) -> Ints:
+def _pieces(nest: Nest, mesh: Mesh, queries: _Asked) -> Ints:
     """The piece of its own part at each of these points; -1 where there is none."""
     number = {part.id: k for k, part in enumerate(nest.parts)}
     own = np.array([number[contour.part] if contour.part else -1 for contour in nest.contours], dtype=np.int64)
-    return mesh.find(asked.xy, own[asked.contour])
+    return mesh.find(queries.xy, own[queries.contour])
 
 
 # The program in batches, and what of the sheet each has to do with.
@@ -205,7 +205,7 @@ def _still_cut(mesh: Mesh, after_s: float) -> Bools:
 class _Bands:
     """What the metal beside the cut pulls with, on both sides, from the passing of the torch on."""
 
-    def __init__(self, mesh: Mesh, made: Elasticity, path: TimedPath, heat: Heat, how: Cutting) -> None:
+    def __init__(self, mesh: Mesh, elastic: Elasticity, path: TimedPath, heat: Heat, how: Cutting) -> None:
         self._zero = np.zeros((mesh.nodes, 2))
         self._rows: list[tuple[Band, Floats, Floats, object]] = []
         if not how.yields or heat.absorbed_power_w <= 0:
@@ -217,15 +217,15 @@ class _Bands:
             band = yielded(heat.material, how.thickness_mm, heat.absorbed_power_w, float(max(feed, 0.1)))
             some = fine.at(rounded[fine.burn] == feed)
             for side in (1.0, -1.0):
-                self._add(mesh, made, band, some, side * (how.kerf_mm / 2 + max(band.depth_mm, 0.1)))
+                self._add(mesh, elastic, band, some, side * (how.kerf_mm / 2 + max(band.depth_mm, 0.1)))
 
-    def _add(self, mesh: Mesh, made: Elasticity, band: Band, some: Samples, aside_mm: float) -> None:
+    def _add(self, mesh: Mesh, elastic: Elasticity, band: Band, some: Samples, aside_mm: float) -> None:
         beside = some.xy + aside_mm * np.column_stack([-some.ahead[:, 1], some.ahead[:, 0]])
         piece = mesh.find(beside)
         found = piece >= 0
         found[found] = shapely.distance(mesh.polygon[piece[found]], shapely.points(beside[found])) < abs(aside_mm) / 2
         some, piece, beside = some.at(found), piece[found], beside[found]
-        self._rows.append((band, some.at_s, some.length_mm, made.line_loads(piece, beside, some.ahead)))
+        self._rows.append((band, some.at_s, some.length_mm, elastic.line_loads(piece, beside, some.ahead)))
 
     def forces(self, when_s: float) -> Floats:
         """Nodal forces (n, 2), N, at a time; `inf` for the cold sheet."""
@@ -243,11 +243,11 @@ def _feed(xy: Floats, at_s: Floats) -> float:
     return float(steps[moves].sum() / max(took[moves].sum(), 1e-9)) if moves.any() else 0.0
 
 
-def _cold(mesh: Mesh, made: Elasticity, bands: _Bands, piece: Ints, weights: Floats) -> Floats:
+def _cold(mesh: Mesh, elastic: Elasticity, bands: _Bands, piece: Ints, weights: Floats) -> Floats:
     """How the bands have bent the parts when all is cold and cut: displacements (k, 2) of points of pieces, mm."""
     joined = mesh.joined(np.inf)
     body = bodies(mesh, joined)
-    state = made.state(joined, np.isin(body, body[piece]))
+    state = elastic.state(joined, np.isin(body, body[piece]))
     rest = np.zeros((mesh.nodes, 2))
     found = state.solve([state.load(bands.forces(np.inf), rest)], mesh.ties[:0], [0])[0]
     every = state.spread(found, rest)

@@ -106,8 +106,8 @@ class State:
     `number` (n,) is the place of every node among the unknowns, -1 for those of pieces that are left out.
     """
 
-    def __init__(self, made: Elasticity, joined: Ints, keep: Bools) -> None:
-        mesh = made.mesh
+    def __init__(self, elastic: Elasticity, joined: Ints, keep: Bools) -> None:
+        mesh = elastic.mesh
         node = joined[mesh.node[keep]]
         used, dense = np.unique(node, return_inverse=True)
         dense = dense.reshape(node.shape)
@@ -121,10 +121,10 @@ class State:
         self.number = place[joined]
         dof = (2 * rank[dense][:, :, None] + np.arange(2)).reshape(-1, 8)
         size = 2 * len(used)
-        values = made._stiffness[keep].ravel()
+        values = elastic._stiffness[keep].ravel()
         rows, columns = np.repeat(dof, 8, axis=1).ravel(), np.tile(dof, (1, 8)).ravel()
         share = np.repeat(mesh.moments[keep, 0] / 4 / mesh.h_mm**2, 4)
-        under = np.bincount(rank[dense].ravel(), share, len(used)) * (GROUND * made.law.membrane_n_mm)
+        under = np.bincount(rank[dense].ravel(), share, len(used)) * (GROUND * elastic.law.membrane_n_mm)
         self.ground: Floats = np.repeat(under, 2)
         diagonal = np.arange(size)
         rows, columns = np.concatenate([rows, diagonal]), np.concatenate([columns, diagonal])

@@ -72,19 +72,19 @@ def draw_parts(nest: Nest, parts: Sequence[PartError], title: str) -> bytes:
             if bent is not None:
                 lines.append(f'<path d="{path(bent)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
         x, y = part.polygon.representative_point().coords[0]
-        told = html.escape(f"{error.part} {error.max_mm:.2f}")
+        label = html.escape(f"{error.part} {error.max_mm:.2f}")
         labels.append(
             f'<text x="{(x - x0) * scale:.1f}" y="{(y1 - y) * scale:.1f}" text-anchor="middle" font-size="11" '
-            f'fill="#111111">{told}</text>'
+            f'fill="#111111">{label}</text>'
         )
         ax, ay = error.at
         labels.append(f'<circle cx="{(ax - x0) * scale:.1f}" cy="{(y1 - ay) * scale:.1f}" r="3" fill="{colour}"/>')
     lines += labels
     for k, colour in enumerate(_COLOURS):
         at = k * 150
-        told = f"{worst * k / len(_COLOURS):.2f} to {worst * (k + 1) / len(_COLOURS):.2f} mm"
+        label = f"{worst * k / len(_COLOURS):.2f} to {worst * (k + 1) / len(_COLOURS):.2f} mm"
         lines.append(f'<rect x="{at}" y="{height + 16:.1f}" width="14" height="14" fill="{colour}"/>')
-        lines.append(f'<text x="{at + 20}" y="{height + 28:.1f}">{told}</text>')
+        lines.append(f'<text x="{at + 20}" y="{height + 28:.1f}">{label}</text>')
     lines.append("</svg>\n")
     return "\n".join(lines).encode("utf-8")
 

@@ -90,9 +90,9 @@ class Distortion:
         """All in one line, as `kerfwise solve` prints it."""
         worst = max(self.parts, key=lambda p: p.max_mm or 0.0, default=None)
         named = f" ({escape_text(worst.part)})" if worst is not None and worst.max_mm else ""
-        told = kept_or_not(self.beyond, len(self.tolerances))
+        verdict = kept_or_not(self.beyond, len(self.tolerances))
         return f"parts up to {self.max_mm:.2f} mm off when cold{named}, {self.mean_mm:.2f} mm on average" + (
-            f"; {told}" if told else ""
+            f"; {verdict}" if verdict else ""
         )
 
     def picture(self) -> Picture:
@@ -121,8 +121,8 @@ class Distortion:
             lines.append(f"… and {len(known) - _SHOWN} straighter parts")
         if uncut := [p.part for p in self.parts if p.max_mm is None]:
             lines.append(f"not cut, and so not known: {', '.join(uncut[:_SHOWN])}")
-        if told := kept_or_not(self.beyond, len(self.tolerances)):
-            lines.append(told)
+        if verdict := kept_or_not(self.beyond, len(self.tolerances)):
+            lines.append(verdict)
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -130,8 +130,8 @@ class Distortion:
 
 
 def distort_made(
-    given: Inputs,
-    made: Plan | str | Path,
+    inputs: Inputs,
+    plan: Plan | str | Path,
     tell: Tell = silent,
     grid_mm: float | None = None,
     yields: bool = True,
@@ -160,9 +160,9 @@ def distort_made(
         If the file cannot be read or is one of another nest, the plan states no times, the grid does not fit the sheet,
         or nothing is known of the material's strength.
     """
-    metal_of(given.profile.heat.material)
-    expect_one_torch(given.profile, "the simulation of distortion", made if isinstance(made, Plan) else None)
-    return distort_path(given, path_of_made(made, given, tell, trusted), grid_mm, yields)
+    metal_of(inputs.profile.heat.material)
+    expect_one_torch(inputs.profile, "the simulation of distortion", plan if isinstance(plan, Plan) else None)
+    return distort_path(inputs, path_of_made(plan, inputs, tell, trusted), grid_mm, yields)
 
 
 def distort_old(job: OldJob, grid_mm: float | None = None, yields: bool = True) -> Distortion:
@@ -170,10 +170,10 @@ def distort_old(job: OldJob, grid_mm: float | None = None, yields: bool = True) 
     return distort_path(job.given, path_of_program(job.program, job.name), grid_mm, yields)
 
 
-def distort_path(given: Inputs, path: TimedPath, grid_mm: float | None = None, yields: bool = True) -> Distortion:
+def distort_path(inputs: Inputs, path: TimedPath, grid_mm: float | None = None, yields: bool = True) -> Distortion:
     """The same of a timed path."""
     expect_short(path)
-    nest, profile = given.nest, given.profile
+    nest, profile = inputs.nest, inputs.profile
     kerf_mm = max(profile.material.kerf_mm, 0.1)
     how = Cutting(_grid(nest, grid_mm), kerf_mm, profile.material.thickness_mm, yields)
     tolerances = tolerances_of(nest, profile)

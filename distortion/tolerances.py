@@ -55,20 +55,20 @@ def tolerances_of(nest: Nest, profile: Profile) -> dict[str, float]:
 
 def is_asked(nest: Nest, profile: Profile) -> bool:
     """Whether nest or profile want to know how far the parts of a plan will be off."""
-    asked = profile.distortion
-    return asked.predict or bool(profile.objective.distortion) or bool(tolerances_of(nest, profile))
+    options = profile.distortion
+    return options.predict or bool(profile.objective.distortion) or bool(tolerances_of(nest, profile))
 
 
 def _own(nest: Nest, part: Part) -> float:
-    said = part.attributes["tolerance"]
+    value = part.attributes["tolerance"]
     try:
-        node = None if isinstance(said, (bool, list, dict)) else compose(str(said), "tolerance")
+        node = None if isinstance(value, (bool, list, dict)) else compose(str(value), "tolerance")
         if node is None:
             raise Unfit(f"expected {_LENGTH.expected()}")
         return float(_LENGTH.read(node))
     except (Unfit, InputError):
         raise InputError(
-            f"{escape_text(part.id)}: tolerance {escape_text(str(said))!r}: expected {_LENGTH.expected()}",
+            f"{escape_text(part.id)}: tolerance {escape_text(str(value))!r}: expected {_LENGTH.expected()}",
             file=nest.file or None,
         ) from None
 

@@ -50,12 +50,12 @@ def with_bridges(nest: Nest) -> Nest:
     """
     if not nest.bridges:
         return nest
-    made: list[Bridge] = []
+    built: list[Bridge] = []
     parts = {p.id: p for p in nest.parts}
     place = {p.id: k for k, p in enumerate(nest.parts)}
     groups = {p.id: _Joined([p.id], p.outer.curve.towards("ccw"), []) for p in nest.parts}
     for drawn in nest.bridges:
-        bridge = bridge_problem(drawn, parts, made, nest.sheet)
+        bridge = bridge_problem(drawn, parts, built, nest.sheet)
         one, other = (groups[name] for name in bridge.parts)
         before = shapely.union_all([one.outline.polygon(), other.outline.polygon(), bridge.strip])
         pockets: list[Curve] = []
@@ -68,22 +68,22 @@ def with_bridges(nest: Nest) -> Nest:
             groups |= dict.fromkeys(one.ids, one)
         _expect_union(bridge, one.outline, pockets, before)
         one.pockets += pockets
-        made.append(bridge)
+        built.append(bridge)
     whole = _in_place(nest.parts, groups)
     renamed = {f"{p.id}.outer": f"{_id(groups[p.id])}.outer" for p in nest.parts}
     return replace(
         nest,
         parts=whole,
-        bridges=tuple(made),
+        bridges=tuple(built),
         apart=nest.parts,
         notes=(*(_renamed(note, renamed) for note in nest.notes), *_differ(whole, groups, parts)),
     )
 
 
-def _expect_union(bridge: Bridge, outline: Curve, pockets: Sequence[Curve], asked: shapely.Geometry) -> None:
+def _expect_union(bridge: Bridge, outline: Curve, pockets: Sequence[Curve], geometry: shapely.Geometry) -> None:
     """The outline is what the areas together are; any other is not to be cut."""
     own = shapely.Polygon(outline.flatten(), [pocket.flatten() for pocket in pockets])
-    if not own.is_valid or thick(shapely.symmetric_difference(own, asked)):
+    if not own.is_valid or thick(shapely.symmetric_difference(own, geometry)):
         raise bridge.refused("does not join the two outlines to one that can be cut: draw it elsewhere")
 
 
@@ -130,15 +130,15 @@ def _renamed(note: Note, names: dict[str, str]) -> Note:
 
 def _differ(whole: Sequence[Part], groups: dict[str, _Joined], parts: dict[str, Part]) -> list[Note]:
     """A word on each attribute that parts of one group say differently; the first in the file counts."""
-    told = []
+    notes = []
     for part in whole:
         ids = () if part.id in parts else next(group.ids for group in groups.values() if _id(group) == part.id)
         for name in ids:
             for key, value in parts[name].attributes.items():
                 if value != part.attributes[key]:
                     text = f"part {name}, which bridges join to {part.id}, has another '{key}' than a part before it"
-                    told.append(Note("warning", f"{text}: that of the earlier one counts"))
-    return told
+                    notes.append(Note("warning", f"{text}: that of the earlier one counts"))
+    return notes
 
 
 # Whether a bridge can be made where it is drawn.

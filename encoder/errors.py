@@ -136,11 +136,11 @@ def naming_the_rule(hook: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(hook)
     def named(self: Any, *args: Any, **options: Any) -> Any:
         try:
-            given = hook(self, *args, **options)
+            result = hook(self, *args, **options)
         except BaseException:  # asked for a million times, and mostly well
             with rule_hook(self, hook.__name__):
                 raise
-        return _watched(given, rule_hook(self, hook.__name__)) if isinstance(given, GeneratorType) else given
+        return _watched(result, rule_hook(self, hook.__name__)) if isinstance(result, GeneratorType) else result
 
     return named
 
@@ -155,9 +155,9 @@ def file_of(cls: type) -> str:
     return getattr(sys.modules.get(cls.__module__), "__file__", None) or ""
 
 
-def _watched(given: Iterator[Any], naming: Naming) -> Iterator[Any]:
+def _watched(iterator: Iterator[Any], naming: Naming) -> Iterator[Any]:
     with naming:
-        yield from given
+        yield from iterator
 
 
 def rule_of(error: BaseException) -> str | None:

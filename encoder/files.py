@@ -103,10 +103,10 @@ def _above(place: str) -> Iterator[str]:
         place = parent
 
 
-def _writable_by_others(told: os.stat_result) -> bool:
-    if told.st_uid not in (0, os.getuid()) or told.st_mode & stat.S_IWOTH:
+def _writable_by_others(status: os.stat_result) -> bool:
+    if status.st_uid not in (0, os.getuid()) or status.st_mode & stat.S_IWOTH:
         return True
-    return bool(told.st_mode & stat.S_IWGRP) and told.st_gid != 0 and not _own_group(told.st_gid)
+    return bool(status.st_mode & stat.S_IWGRP) and status.st_gid != 0 and not _own_group(status.st_gid)
 
 
 def _own_group(number: int) -> bool:
@@ -233,8 +233,8 @@ def strict_json(text: str) -> Any:
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    made = dict(pairs)
-    if len(made) < len(pairs):
+    result = dict(pairs)
+    if len(result) < len(pairs):
         raise _Twice
     return {escape_text(key): _shown(value) for key, value in pairs}
 
@@ -293,18 +293,18 @@ NAMES = {
 
 def schema_message(error: ValidationError) -> str:
     """The schema's complaint about one value, in the file's own terms."""
-    given, bound = _short(error.instance), error.validator_value
+    value, bound = _short(error.instance), error.validator_value
     match error.validator:
         case "required":
             return error.message.replace(" is a required property", " missing")
         case "oneOf":
             return "expected either 'width' and 'height', or 'outline'"
         case "const":
-            return f"{given} given, expected {bound!r}"
+            return f"{value} given, expected {bound!r}"
         case "enum" if isinstance(bound, list):
-            return f"{given} given, expected one of {', '.join(bound)}"
+            return f"{value} given, expected one of {', '.join(bound)}"
         case "type":
-            return f"{given} given, expected {_types(bound)}"
+            return f"{value} given, expected {_types(bound)}"
         case "minItems" | "minLength" if not error.instance:
             return "nothing in it"
         case "minItems" | "maxItems" if isinstance(error.instance, list):
@@ -312,7 +312,7 @@ def schema_message(error: ValidationError) -> str:
             return f"{len(error.instance)} given, expected {words[error.validator]} {bound}"
         case "minimum" | "maximum" | "exclusiveMinimum":
             words = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "over"}
-            return f"{given} given, expected {words[error.validator]} {bound}"
+            return f"{value} given, expected {words[error.validator]} {bound}"
     return error.message
 
 

@@ -158,11 +158,11 @@ def entries_of_copies(
     found = dict(entries)
     for group in groups:
         names = [nest.contours[k].id for k in group.contours]
-        asked = next((k for k, name in enumerate(names) if name in entries), None)
-        if asked is not None:
-            x, y = entries[names[asked]]
+        first = next((k for k, name in enumerate(names) if name in entries), None)
+        if first is not None:
+            x, y = entries[names[first]]
             for k, name in enumerate(names):
-                found.setdefault(name, (x + step[0] * (k - asked), y + step[1] * (k - asked)))
+                found.setdefault(name, (x + step[0] * (k - first), y + step[1] * (k - first)))
     return found
 
 

@@ -101,9 +101,9 @@ def lost_features_sentence(
     >>> lost_features_sentence("P.outer", [LostFeatureSpan((30.0, 5.0), 1.0, 20.0, 19.5)], 1.5)[:61]
     'P.outer: a kerf of 1.5 mm does not enter the slot, notch or n'
     """
-    told = "; ".join(one.sentence() for one in lost[:MOST_TOLD])
+    text = "; ".join(one.sentence() for one in lost[:MOST_TOLD])
     more = f"; and {len(lost) - MOST_TOLD} more" if len(lost) > MOST_TOLD else ""
-    return f"{name}: a kerf of {kerf_mm:g} mm does not enter {told}{more}; {what_to_do}"
+    return f"{name}: a kerf of {kerf_mm:g} mm does not enter {text}{more}; {what_to_do}"
 
 
 def lost_features(

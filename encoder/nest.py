@@ -56,10 +56,10 @@ class Source:
         """
         if self.layer in ("", "0") and not (self.block or self.text):
             return ""
-        said = [f"drawn on layer '{self.layer}'" if self.layer else "drawn", self.colour, self.linetype]
-        said.append(f"in block '{self.block}'" if self.block else "")
-        said.append(f"as a stroke of the text '{self.text}'" if self.text else "")
-        return ", ".join(filter(None, said))
+        words = [f"drawn on layer '{self.layer}'" if self.layer else "drawn", self.colour, self.linetype]
+        words.append(f"in block '{self.block}'" if self.block else "")
+        words.append(f"as a stroke of the text '{self.text}'" if self.text else "")
+        return ", ".join(filter(None, words))
 
 
 NOWHERE = Source()
@@ -314,8 +314,12 @@ class Nest:
 
 def as_scrap(curves: Iterable[Curve], sources: Sequence[Source] = ()) -> tuple[Contour, ...]:
     """Open curves as the lines that cut up a skeleton: `scrap1`, `scrap2`…"""
-    made = tuple(Contour(f"scrap{k}", "", "scrap", curve) for k, curve in enumerate(curves, 1))
-    return tuple(replace(line, source=source) for line, source in zip(made, sources, strict=True)) if sources else made
+    contours = tuple(Contour(f"scrap{k}", "", "scrap", curve) for k, curve in enumerate(curves, 1))
+    return (
+        tuple(replace(line, source=source) for line, source in zip(contours, sources, strict=True))
+        if sources
+        else contours
+    )
 
 
 def with_parts(nest: Nest, parts: tuple[Part, ...]) -> Nest:

@@ -61,9 +61,9 @@ class Question:
 
     def flag(self, choice: Choice) -> str:
         """The option that gives this answer, as it is typed in a shell."""
-        said = f"{self.id}={choice.value}"
-        plain = said.replace(":", "").replace("=", "").replace("_", "").replace("-", "").replace(",", "")
-        return f"--answer {said}" if plain.isalnum() and said.isascii() else f'--answer "{said}"'
+        answer = f"{self.id}={choice.value}"
+        plain = answer.replace(":", "").replace("=", "").replace("_", "").replace("-", "").replace(",", "")
+        return f"--answer {answer}" if plain.isalnum() and answer.isascii() else f'--answer "{answer}"'
 
     def told(self) -> str:
         """The question and its choices, a line each."""
@@ -99,7 +99,7 @@ class Questions(InputError):
 
     def _text(self) -> str:
         place = f"{escape_text(str(self.file))}: " if self.file is not None else ""
-        told = [
+        lines = [
             f"  {k}. " + "\n".join(escape_text(line) for line in question.told().split("\n")).replace("\n", "\n  ")
             for k, question in enumerate(self.questions, 1)
         ]
@@ -109,7 +109,7 @@ class Questions(InputError):
             f"Answers are kept in {escape_text(job)} (in Python: answers=). A profile may answer for a plant: "
             f"drawing: {{answers: {escape_text(first)}}}"
         )
-        return "\n".join([f"{place}{self.message}:", *told, kept])
+        return "\n".join([f"{place}{self.message}:", *lines, kept])
 
     def in_file(self, file: str | Path) -> Questions:
         """The same, of a file by this name."""
@@ -166,17 +166,17 @@ class Asking:
         InputError
             For an answer that is none of the choices.
         """
-        said = self.given.get(question.id)
-        if said is None:
+        answer = self.given.get(question.id)
+        if answer is None:
             return self.raised.setdefault(question.id, question).choices[0].value
         values = [choice.value for choice in question.choices]
-        if said not in values:
+        if answer not in values:
             raise InputError(
-                f"the answer {question.id}={said} is none of the choices: expected {', '.join(values)} "
+                f"the answer {question.id}={answer} is none of the choices: expected {', '.join(values)} "
                 f"({question.text})"
             )
-        self.used[question.id] = said
-        return said
+        self.used[question.id] = answer
+        return answer
 
     def may_mend(self, question_id: str) -> bool:
         """Whether a question about a repair may be put: somebody has answered it, or its likeliest choice may mend."""
@@ -191,7 +191,7 @@ class Asking:
         return self.given.get(question_id)
 
 
-def answers_of(given: Iterable[str]) -> Answers:
+def answers_of(texts: Iterable[str]) -> Answers:
     """Answers as they are written on the command line, `QUESTION=CHOICE` each.
 
     Raises
@@ -205,7 +205,7 @@ def answers_of(given: Iterable[str]) -> Answers:
     (('frame', 'sheet'), ('layer:0', 'open:mark'))
     """
     found = []
-    for text in given:
+    for text in texts:
         question, sign, choice = text.rpartition("=")
         if not (sign and question.strip() and choice.strip()):
             raise InputError(f"--answer {text!r}: expected QUESTION=CHOICE, such as frame=sheet")

@@ -217,16 +217,18 @@ def features_cut_across(nest: Nest, kerf_mm: float) -> dict[str, tuple[LostFeatu
 
 def narrow_because(nest: Nest, kerf_mm: float) -> dict[str, str]:
     """For every slit of a nest as it is cut, what it is for and what it costs; for contours what they do not get."""
-    told: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for name, lost in features_cut_across(nest, kerf_mm).items():
         places = "; ".join(one.sentence().removeprefix("the ") for one in lost[:MOST_TOLD])
         more = f"; and {len(lost) - MOST_TOLD} more" if len(lost) > MOST_TOLD else ""
-        told[name] = f"{name} is cut straight across what is narrower than the kerf of {kerf_mm:g} mm: {places}{more}"
+        reasons[name] = (
+            f"{name} is cut straight across what is narrower than the kerf of {kerf_mm:g} mm: {places}{more}"
+        )
     for part in nest.parts:
         if part.slits:
             of = {slit.line: slit for contour in _cut(part) for slit in slits_of(contour, kerf_mm)[0]}
-            told |= {c.id: of[c.curve].sentence(c.id, kerf_mm) for c in part.slits if c.curve in of}
-    return told
+            reasons |= {c.id: of[c.curve].sentence(c.id, kerf_mm) for c in part.slits if c.curve in of}
+    return reasons
 
 
 def blocked_slits(nest: Nest, contour: Contour, kerf_mm: float) -> list[LostFeature]:
@@ -257,16 +259,16 @@ def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[
         why = f"{contour.id} has {len(walls)} such features, and slits are tried for up to {MOST_FEATURES} of a contour"
         return (), tuple(LostFeature(lost, why) for lost in walls.values())
     fitted = {wall: _fitted(contour, lost, wall, kerf_mm) for wall, lost in walls.items()}
-    passes = [made.line for made in fitted.values() if isinstance(made, Slit)]
+    passes = [fit.line for fit in fitted.values() if isinstance(fit, Slit)]
     left = lost_walls([contour], kerf_mm, None, {contour.id: passes}).get(contour.id, ()) if passes else ()
-    for wall, made in fitted.items():
-        if isinstance(made, str):
-            unfit.append(LostFeature(walls[wall], made))
+    for wall, fit in fitted.items():
+        if isinstance(fit, str):
+            unfit.append(LostFeature(walls[wall], fit))
         elif any(rest.dwithin(wall, NEAR_MM) for _, rest in left):
             unfit.append(LostFeature(walls[wall], "it forks or bends: one pass would leave some of it"))
         else:
-            at_mm = contour.curve.project(made.line.vertices[-1, :2].tolist())[0]
-            slits.append((at_mm, made))
+            at_mm = contour.curve.project(fit.line.vertices[-1, :2].tolist())[0]
+            slits.append((at_mm, fit))
     return tuple(slit for _, slit in sorted(slits, key=lambda row: row[0])), tuple(unfit)
 
 

@@ -133,8 +133,8 @@ def percent(share: float | None) -> str:
     return NONE if share is None else "0 %" if share == 0 else f"{100 * share:.2f} %"
 
 
-def nearest(given: str, valid: Iterable[str]) -> str | None:
-    """The valid name most like `given`, or None when nothing is like it.
+def nearest(word: str, valid: Iterable[str]) -> str | None:
+    """The valid name most like `word`, or None when nothing is like it.
 
     Examples
     --------
@@ -146,21 +146,21 @@ def nearest(given: str, valid: Iterable[str]) -> str | None:
     True
     """
     by_plain = {_plain(name): name for name in sorted(valid, reverse=True)}
-    begun = [plain for plain in sorted(by_plain) if len(given) > 2 and plain.startswith(_plain(given))]
-    matches = begun or difflib.get_close_matches(_plain(given), by_plain, n=1, cutoff=0.6)
-    return by_plain[matches[0]] if matches else _begun_alike(_plain(given), by_plain)
+    begun = [plain for plain in sorted(by_plain) if len(word) > 2 and plain.startswith(_plain(word))]
+    matches = begun or difflib.get_close_matches(_plain(word), by_plain, n=1, cutoff=0.6)
+    return by_plain[matches[0]] if matches else _begun_alike(_plain(word), by_plain)
 
 
-def _begun_alike(given: str, by_plain: Mapping[str, str]) -> str | None:
+def _begun_alike(word: str, by_plain: Mapping[str, str]) -> str | None:
     """The first name whose beginning is much like what was given: `lasr` for `laser-wood`."""
-    for plain in sorted(by_plain) if len(given) > 2 else ():
-        beginnings = [plain[: len(given) + k] for k in (-1, 0, 1)]
-        if difflib.get_close_matches(given, beginnings, n=1, cutoff=0.8):
+    for plain in sorted(by_plain) if len(word) > 2 else ():
+        beginnings = [plain[: len(word) + k] for k in (-1, 0, 1)]
+        if difflib.get_close_matches(word, beginnings, n=1, cutoff=0.8):
             return by_plain[plain]
     return None
 
 
-def unknown(what: str, given: str, valid: Iterable[str]) -> str:
+def unknown(what: str, word: str, valid: Iterable[str]) -> str:
     """A message for a name that is not among the valid ones: the nearest, and all of them when they are few.
 
     Examples
@@ -169,10 +169,10 @@ def unknown(what: str, given: str, valid: Iterable[str]) -> str:
     "unknown key 'kerv': did you mean 'kerf'? (valid: kerf, name)"
     """
     names = sorted(valid)
-    guess = nearest(given, names)
+    guess = nearest(word, names)
     hint = f": did you mean {guess!r}?" if guess else ""
     listed = ", ".join(names) if len(names) <= 20 else f"{', '.join(names[:20])}, …"
-    return f"unknown {what} {given!r}{hint} (valid: {listed})" if names else f"unknown {what} {given!r}"
+    return f"unknown {what} {word!r}{hint} (valid: {listed})" if names else f"unknown {what} {word!r}"
 
 
 def _plain(name: str) -> str:

@@ -125,8 +125,8 @@ class TabOptions:
 
     def drawn(self, part: Part) -> tuple[Tab, ...]:
         """The tabs of a part whose places are given: by an operator, else in the nest."""
-        asked = self.there.get(part.outer.id, ())
-        return tuple(Tab(at, self.width_mm) for at in asked) or tuple(
+        tabs = self.there.get(part.outer.id, ())
+        return tuple(Tab(at, self.width_mm) for at in tabs) or tuple(
             Tab(tab.at, tab.width_mm or self.width_mm) for tab in part.tabs
         )
 

@@ -195,8 +195,8 @@ def with_touching_edges_cut(nest: Nest, kerf_mm: float, shortest_mm: float, with
     for number, edges in sorted(rows.items()):
         others = tuple(nest.contours[k].id for k in sorted({edge.other for edge in edges}))
         losses.append(Loss(nest.contours[number].id, others, kerf_mm / 2))
-    told = {frozenset((loss.contour, other)) for loss in losses for other in loss.others}
-    notes = tuple(note for note in nest.notes if note.common or frozenset(note.contours) not in told)
+    pairs = {frozenset((loss.contour, other)) for loss in losses for other in loss.others}
+    notes = tuple(note for note in nest.notes if note.common or frozenset(note.contours) not in pairs)
     return replace(with_parts(nest, tuple(parts)), losses=tuple(losses), notes=notes)
 
 

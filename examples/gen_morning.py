@@ -99,10 +99,10 @@ def _corners(x: float, y: float, apart: float, radius: float) -> list[tuple[Poin
 def draw(folder: Path, *, mended: bool = False) -> int:
     """Write the drawings to a folder, which is made; how many there are. `mended`: only the two."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = [(name, drawing) for name, drawing in drawings(mended).items() if name in BROKEN or not mended]
-    for name, drawing in made:
+    files = [(name, drawing) for name, drawing in drawings(mended).items() if name in BROKEN or not mended]
+    for name, drawing in files:
         drawing.write(folder / f"{name}.dxf")
-    return len(made)
+    return len(files)
 
 
 def main() -> None:
@@ -110,8 +110,8 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--mended", action="store_true", help="only the two that are broken, as they should be")
-    given = arguments.parse_args()
-    print(f"{draw(given.folder, mended=given.mended)} drawings in {given.folder}")
+    options = arguments.parse_args()
+    print(f"{draw(options.folder, mended=options.mended)} drawings in {options.folder}")
 
 
 if __name__ == "__main__":

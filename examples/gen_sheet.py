@@ -78,17 +78,17 @@ def contour_count(sheet: dict[str, Any]) -> int:
 def _columns(rnd: random.Random, contours: int, width: float, height: float, gap: float, web: float) -> list[Shape]:
     """Fill the sheet from the left: full-height strips, and columns of cells from the bottom up."""
     shapes: list[Shape] = []
-    made, x = 0, gap
-    while made < contours and x < width - 80:
+    count, x = 0, gap
+    while count < contours and x < width - 80:
         strip = rnd.random() < 0.14
         column = rnd.choice([50, 60, 80] if strip else [120, 160, 200, 260, 320])
         if x + column > width - gap:
             break
         if strip:
             shapes.append((_rect(x, gap, column, height - 2 * gap), []))
-            made += 1
+            count += 1
         y, down, under_straight = gap, 0.0, False
-        while not strip and made < contours:
+        while not strip and count < contours:
             h = rnd.choice([90, 110, 150, 200, 260, 300])
             if y + h > height - gap:
                 break
@@ -98,7 +98,7 @@ def _columns(rnd: random.Random, contours: int, width: float, height: float, gap
             down += gap - web if straight and under_straight else 0.0
             under_straight = straight
             shapes += [_moved_down(shape, down) for shape in filled]
-            made += sum(1 + len(holes) for _, holes in filled)
+            count += sum(1 + len(holes) for _, holes in filled)
             y += h + gap
         x += column + gap
     return shapes
@@ -210,11 +210,11 @@ def main() -> None:
     arguments.add_argument("--height", type=float, help="mm; grows with the number of contours if left out")
     arguments.add_argument("--gap", type=float, default=GAP_MM, help="mm between parts")
     arguments.add_argument("--web", type=float, help="mm between straight edges in a column; as the gap if left out")
-    given = arguments.parse_args()
-    width, height = sheet_size_mm(given.contours)
-    size_mm = given.width or width, given.height or height
-    sheet = make_sheet(given.seed, given.contours, size_mm, given.gap, given.web)
-    given.out.write_text(json.dumps(sheet), encoding="utf-8", newline="\n")
+    options = arguments.parse_args()
+    width, height = sheet_size_mm(options.contours)
+    size_mm = options.width or width, options.height or height
+    sheet = make_sheet(options.seed, options.contours, size_mm, options.gap, options.web)
+    options.out.write_text(json.dumps(sheet), encoding="utf-8", newline="\n")
     print(f"{contour_count(sheet)} contours, {len(sheet['parts'])} parts")
 
 

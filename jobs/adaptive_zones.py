@@ -110,7 +110,7 @@ class ZonedPlan:
 
 
 def better_zones(
-    asked: Request,
+    request: Request,
     further: Sequence[Statement],
     profile: Profile,
     solution: Solution,
@@ -138,17 +138,17 @@ def better_zones(
     may_move
         Whether the plan may be another; else zones stay as they are.
     """
-    contours = asked.facts.n
-    moves = may_move and movable(asked.facts)
+    contours = request.facts.n
+    moves = may_move and movable(request.facts)
     if moves and contours <= FEW:
-        return plan_by_rungs(asked, profile, limits, ends_s, progress, solution) or ZonedPlan(asked, solution, None)
-    began_s, looked = running_s(), look_for(contours, limits, ends_s, solution, asked.seconds)
+        return plan_by_rungs(request, profile, limits, ends_s, progress, solution) or ZonedPlan(request, solution, None)
+    began_s, looked = running_s(), look_for(contours, limits, ends_s, solution, request.seconds)
     if looked is None:
-        return ZonedPlan(asked, solution, None)
-    free = without_zones(asked, further, profile, solution.route, looked, progress)
-    if free is None or not moves or free.cost_mm(asked, solution, limits) <= free.solution.objective:
-        return ZonedPlan(asked, solution, free)
-    beside_s = STATED * asked.seconds  # other zones take as long to be stated
+        return ZonedPlan(request, solution, None)
+    free = without_zones(request, further, profile, solution.route, looked, progress)
+    if free is None or not moves or free.cost_mm(request, solution, limits) <= free.solution.objective:
+        return ZonedPlan(request, solution, free)
+    beside_s = STATED * request.seconds  # other zones take as long to be stated
 
     def left(spent: float) -> SolveOptions | None:
         in_time = ends_s is None or running_s() + beside_s < ends_s
@@ -157,8 +157,8 @@ def better_zones(
 
     kept = free.seconds - 2 * SHARE * limits.work  # what a look took of that beside the work is missing
     account = Account(solution.seconds + kept, left)
-    found = list(plans_along(asked, profile, free, account, limits, progress))
-    best = _best([(asked, solution), *found], free)
+    found = list(plans_along(request, profile, free, account, limits, progress))
+    best = _best([(request, solution), *found], free)
     if best.solution is solution:
         return best
     spent = account.spent - kept + free.seconds
@@ -288,7 +288,7 @@ def _told(best: ZonedPlan, seconds: float, before: tuple[str, ...]) -> ZonedPlan
 
 
 def plans_along(
-    asked: Request,
+    request: Request,
     profile: Profile,
     free: Free,
     account: Account,
@@ -304,8 +304,8 @@ def plans_along(
     tried; where it fails, by smaller ones. `account` is told what every try takes. Without `prove` any plan will do
     that is no dearer.
     """
-    facts, unproven, tries, dear = asked.facts, 0, 0, True
-    stated = asked.stated if facts.n > FEW else None  # what is stated twice would take up memory
+    facts, unproven, tries, dear = request.facts, 0, 0, True
+    stated = request.stated if facts.n > FEW else None  # what is stated twice would take up memory
     order = [facts.candidates[c].contour for c in free.solution.route]
     shaped, seen = zones_along(facts, order), list[list[int]]()
     while tries < TRIES and account.left() is not None and (zone := next(shaped, None)) is not None:
@@ -397,13 +397,13 @@ def zones_follow(asked: Request) -> bool:
     return GEOMETRY < asked.facts.n <= FEW and movable(asked.facts)
 
 
-def planned_by_zones(asked: Request, profile: Profile, limits: SolveOptions) -> ZonedPlan:
+def planned_by_zones(request: Request, profile: Profile, limits: SolveOptions) -> ZonedPlan:
     """A plan by zones, moved where that pays, without its program: for benchmarks."""
     from kerfwise.models.engines.solve import solve
 
-    if zones_follow(asked) and zoned_by(asked, profile) and (found := plan_by_rungs(asked, profile, limits)):
+    if zones_follow(request) and zoned_by(request, profile) and (found := plan_by_rungs(request, profile, limits)):
         return found
-    looks = lazy_statements(asked.facts, profile)
-    solution = solve(asked.facts, asked.stated.statements, limits, None, looks)
-    order = [asked.facts.candidates[c].contour for c in solution.route]
-    return better_zones(asked, lazy_statements(asked.facts, profile)(order), profile, solution, limits)
+    looks = lazy_statements(request.facts, profile)
+    solution = solve(request.facts, request.stated.statements, limits, None, looks)
+    order = [request.facts.candidates[c].contour for c in solution.route]
+    return better_zones(request, lazy_statements(request.facts, profile)(order), profile, solution, limits)

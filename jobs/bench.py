@@ -80,7 +80,7 @@ def measure(job: BenchJob) -> BenchResult:
     InputError
         If the file cannot be read, or the process dies, for example because memory runs out.
     """
-    given = json.dumps({name: getattr(job, name) for name in job.__slots__})
+    request = json.dumps({name: getattr(job, name) for name in job.__slots__})
     command = [sys.executable, "-X", "utf8", "-m", f"{__package__}.bench_child"]
     with subprocess.Popen(
         command,
@@ -93,15 +93,15 @@ def measure(job: BenchJob) -> BenchResult:
         creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same on Windows
     ) as child:
         try:
-            answer, said = child.communicate(given)
+            answer, output = child.communicate(request)
         except KeyboardInterrupt:
             child.kill()
             raise
     if child.returncode == 2:
-        message, *details = said.strip().splitlines() or ["the file cannot be read"]
+        message, *details = output.strip().splitlines() or ["the file cannot be read"]
         raise InputError(message, details=tuple(line.removeprefix("  - ") for line in details))
     if child.returncode != 0:
-        last = said.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
+        last = output.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
         raise InputError(f"the engine {job.engine} ended with an error: {last[0]}", file=job.path)
     fields = json.loads(answer)
     return BenchResult(**{**fields, "tour": tuple(fields["tour"])})
@@ -200,18 +200,18 @@ def gap_to(result: BenchResult, best: float | None) -> float | None:
 def results_in_all(results: Sequence[BenchResult], bests: Sequence[float | None]) -> str:
     """How many, how good."""
     gaps = [gap for r, b in zip(results, bests, strict=True) if (gap := gap_to(r, b)) is not None]
-    said = [
+    words = [
         f"{len(results)} runs",
         f"{sum(r.feasible for r in results)} feasible",
         f"{sum(r.proven for r in results)} proven",
     ]
     if gaps:
-        said.append(f"at or under best known {sum(g <= 0 for g in gaps)} of {len(gaps)}")
-        said.append(f"mean gap {sum(gaps) / len(gaps):.3%}, worst {max(gaps):.2%}")
-    said.append(
+        words.append(f"at or under best known {sum(g <= 0 for g in gaps)} of {len(gaps)}")
+        words.append(f"mean gap {sum(gaps) / len(gaps):.3%}, worst {max(gaps):.2%}")
+    words.append(
         f"{sum(r.seconds for r in results):.1f} s, at most {max((r.memory_mb for r in results), default=0):.0f} MB"
     )
-    return ", ".join(said)
+    return ", ".join(words)
 
 
 def results_as_json(results: Sequence[BenchResult]) -> str:

@@ -237,13 +237,13 @@ def _nest(job: BenchJob) -> _Outcome:
     load_kernels()
     spent = _Stopwatch()
     try:
-        made = solve_and_verify(make_request(facts_of(nest, profile), profile), profile, limits)
+        verified = solve_and_verify(make_request(facts_of(nest, profile), profile), profile, limits)
     except RulesConflict as conflict:
         return _Outcome(Path(job.path).stem, None, None, False, conflict.message, (), *spent.read())
     taken = spent.read()
-    solve = made.plan.solve
-    fault = "" if made.verdict.ok else "the check finds hard rules broken"
-    tour = tuple(planned.cut.contour for planned in made.plan.cuts)
+    solve = verified.plan.solve
+    fault = "" if verified.verdict.ok else "the check finds hard rules broken"
+    tour = tuple(planned.cut.contour for planned in verified.plan.cuts)
     proven = solve.status == "optimal"
     return _Outcome(Path(job.path).stem, solve.objective, solve.bound, proven, fault, tour, *taken)
 

@@ -168,12 +168,12 @@ def job_line(job: Job, plan: Plan) -> str:
     >>> job_line(Job(order="4711", quantity=3), Plan(totals=Plan(time_s=100.4), cost=None))
     'order 4711: 3 sheets, 5 min 01 s'
     """
-    told = [f"{what} {value}" for what, value in (("order", job.order), ("due", job.due)) if value is not None]
-    if not told and job.quantity == 1:
+    words = [f"{what} {value}" for what, value in (("order", job.order), ("due", job.due)) if value is not None]
+    if not words and job.quantity == 1:
         return ""
     all_told = [counted(job.quantity, "sheet"), _clock(plan.totals.time_s * job.quantity)]
     all_told += [] if plan.cost is None else [f"{plan.cost.total * job.quantity:.2f} {plan.cost.currency}"]
-    return f"{', '.join(told)}: {', '.join(all_told)}" if told else ", ".join(all_told)
+    return f"{', '.join(words)}: {', '.join(all_told)}" if words else ", ".join(all_told)
 
 
 def _clock(seconds: float) -> str:

@@ -58,12 +58,12 @@ class Explainer:
         with another profile and this one's rules cannot all hold.
     """
 
-    def __init__(self, given: Inputs, plan: Plan, facts: Facts | None = None) -> None:
-        expect_plan_of(plan, given.nest)
-        profile = lock_broken_cut_first(given.profile.at_origin(plan.origin), plan.already)
+    def __init__(self, inputs: Inputs, plan: Plan, facts: Facts | None = None) -> None:
+        expect_plan_of(plan, inputs.nest)
+        profile = lock_broken_cut_first(inputs.profile.at_origin(plan.origin), plan.already)
         state = state_relaxed if any(dropped.relaxed for dropped in plan.dropped) else state_rules
-        with _check_against_plan_profile(plan, given):
-            facts = facts or _facts_with_plan_zones(facts_of(given.nest, profile, plan.already), plan)
+        with _check_against_plan_profile(plan, inputs):
+            facts = facts or _facts_with_plan_zones(facts_of(inputs.nest, profile, plan.already), plan)
             stated = state(facts, profile)
         if profile.objective.heat:
             stated = with_heat_prices(facts, profile, stated)
@@ -103,15 +103,15 @@ class Explainer:
 
 
 @contextmanager
-def _check_against_plan_profile(plan: Plan, given: Inputs) -> Iterator[None]:
+def _check_against_plan_profile(plan: Plan, inputs: Inputs) -> Iterator[None]:
     """What a profile has against the nest is told with the profile of the plan, where that is another one."""
     try:
         yield
     except (InputError, RulesConflict) as error:
-        if not (told := profile_change(plan, given.profile)):
+        if not (text := profile_change(plan, inputs.profile)):
             raise
         details = error.details if isinstance(error, InputError) else error.reasons
-        raise InputError(f"{told}; by this one it cannot be explained: {error.message}", details=details) from error
+        raise InputError(f"{text}; by this one it cannot be explained: {error.message}", details=details) from error
 
 
 def _facts_with_plan_zones(facts: Facts, plan: Plan) -> Facts:
@@ -162,12 +162,12 @@ class MovePreview:
         >>> MovePreview(("P2.outer",), 1, (), 12.5).sentence
         'P2.outer can be cut as number 1: 12.5 mm more'
         """
-        told = f"{self.contours[0]}{f' and {len(self.contours) - 1} more' if len(self.contours) > 1 else ''}"
+        text = f"{self.contours[0]}{f' and {len(self.contours) - 1} more' if len(self.contours) > 1 else ''}"
         if self.more_mm is not None:
-            return f"{told} can be cut as number {self.place}: {difference(round(self.more_mm * UM_PER_MM))}"
+            return f"{text} can be cut as number {self.place}: {difference(round(self.more_mm * UM_PER_MM))}"
         first = self.breaks[0]
         more = f" (and {len(self.breaks) - 1} more)" if len(self.breaks) > 1 else ""
-        return f"{told} cannot be cut as number {self.place}: {first.rule}: {first.sentence}{more}"
+        return f"{text} cannot be cut as number {self.place}: {first.rule}: {first.sentence}{more}"
 
 
 class Mover:

@@ -54,13 +54,13 @@ class FirstPlans:
 
     def __init__(
         self,
-        given: Inputs,
+        inputs: Inputs,
         limits: SolveOptions,
         already: AlreadyCut = NOTHING_CUT,
         progress: Progress | None = None,
     ) -> None:
-        self.profile = lock_broken_cut_first(given.profile, already)
-        facts = facts_of(given.nest, self.profile, already)
+        self.profile = lock_broken_cut_first(inputs.profile, already)
+        facts = facts_of(inputs.nest, self.profile, already)
         self.request = make_request(facts, self.profile)
         self._limits, self._progress = limits, progress
 
@@ -116,13 +116,13 @@ def verified_plan(request: Request, profile: Profile, solution: Solution, limits
 
 def _places(profile: Profile, index: dict[str, int], start: Plan) -> dict[int, int]:
     """Contour → its place in the order, from 0, by the locks."""
-    made, count = len(start.already_cut), len(index)
-    ends = {"first": made + 1, "last": made + count}
+    done, count = len(start.already_cut), len(index)
+    ends = {"first": done + 1, "last": done + count}
     found = {}
     for lock in profile.locks:
         if lock.contour in index and lock.position is not None:
             at = lock.position if isinstance(lock.position, int) else ends[lock.position]
-            found[index[lock.contour]] = at - 1 - made
+            found[index[lock.contour]] = at - 1 - done
     return {contour: at for contour, at in found.items() if 0 <= at < count}
 
 

@@ -122,10 +122,10 @@ def with_further_torches(plan: Plan, facts: Facts, stated: Stated, solution: Sol
     for planned in plan.cuts:
         group = together.get(planned.cut.contour)
         others = () if group is None else group.contours[1:]
-        told = [nest.contours[k].id for k in others]
+        names = [nest.contours[k].id for k in others]
         because = planned.because
-        if told:
-            because = (*because, f"cut together with {' and '.join(told)}: by {len(told) + 1} torches")
+        if names:
+            because = (*because, f"cut together with {' and '.join(names)}: by {len(names) + 1} torches")
         cuts.append(replace(planned, because=because))
         cuts += [_of_torch(planned, copies, k, torch, excuses) for torch, k in enumerate(others, 2)]
     ways = (facts.candidates[c] for c in solution.route)
@@ -164,5 +164,5 @@ def _of_torch(
         torch=torch,
         together=first.contour,
     )
-    told = f"cut by torch {torch}, ({x:g}, {y:g}) mm from the first, together with {first.contour}"
-    return replace(planned, cut=cut, part=of.part, kind=of.kind, because=(told,))
+    text = f"cut by torch {torch}, ({x:g}, {y:g}) mm from the first, together with {first.contour}"
+    return replace(planned, cut=cut, part=of.part, kind=of.kind, because=(text,))

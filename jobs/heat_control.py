@@ -73,7 +73,7 @@ def with_heat_prices(facts: Facts, profile: Profile, stated: Stated) -> Stated:
 
 
 def solve_priced(
-    asked: Request,
+    request: Request,
     profile: Profile,
     limits: SolveOptions,
     solved: SolveStated,
@@ -90,10 +90,10 @@ def solve_priced(
     RulesConflict
         If no lawful plan exists, or none was found.
     """
-    facts, stated = asked.facts, asked.stated
+    facts, stated = request.facts, request.stated
     cooler = cooler or cooler_orders(facts, profile, stated)
     price_mm = cooler.price_mm(profile)
-    began_s, made = running_s(), list[Solution]()
+    began_s, solutions = running_s(), list[Solution]()
 
     def going() -> bool:
         in_time = limits.time_s is None or running_s() - began_s < limits.time_s * (1 - LATER)
@@ -101,8 +101,8 @@ def solve_priced(
 
     def planner(k: int, further: tuple[Statement, ...]) -> Sequence[int]:
         part = replace(stated, statements=(*stated.statements, *further))
-        made.append(solved(LATER if k else FIRST, part))
-        return made[-1].route
+        solutions.append(solved(LATER if k else FIRST, part))
+        return solutions[-1].route
 
     def judge(route: Sequence[int]) -> float | None:
         order = [facts.candidates[c].contour for c in route]
@@ -112,7 +112,7 @@ def solve_priced(
         return None if broken(problem, sites) else route_cost(problem, sites) / UM_PER_MM
 
     found = cooler.find(price_mm, planner, judge, going, limits.seed)
-    first, objective = made[0], found.cost_mm + price_mm * found.overheats
+    first, objective = solutions[0], found.cost_mm + price_mm * found.overheats
     bound = None if first.bound is None else min(first.bound, objective)
     solution = replace(
         first,
@@ -121,8 +121,8 @@ def solve_priced(
         bound=bound,
         status="optimal" if bound is not None and objective <= bound else "feasible",
         found_by="simulation",
-        seconds=sum(one.seconds for one in made),
-        notes=tuple(note for one in made for note in one.notes),
+        seconds=sum(one.seconds for one in solutions),
+        notes=tuple(note for one in solutions for note in one.notes),
     )
     further = cooler.statements(found.prices, price_mm)
     return solution, replace(stated, statements=(*stated.statements, *further))
@@ -202,11 +202,11 @@ class Cooler:
         """
         grid = make_grid(self.facts.nest, self.profile.heat.grid_mm)
         tried: list[TriedPlan] = []
-        asked: dict[tuple[str, ...], Lag | NoGood] = {}
+        statements: dict[tuple[str, ...], Lag | NoGood] = {}
         for k in range(ROUNDS if again else 1):
             share = 1.0 if not again else FIRST_PRICE_SHARE if k == 0 else (1 - FIRST_PRICE_SHARE) / (ROUNDS - 1)
             try:
-                solution = self.attempt(share, tuple(asked.values()))
+                solution = self.attempt(share, tuple(statements.values()))
             except RulesConflict:
                 if not tried:
                     raise
@@ -216,11 +216,11 @@ class Cooler:
             if not found.pace.heated or not self.going():
                 break
             for demand in self._demands(found):
-                again_asked = asked.get(demand.about.contours)
+                again_asked = statements.get(demand.about.contours)
                 if again_asked is not None and again_asked.weight is not None:  # it was not worth the price
                     demand = replace(demand, weight=again_asked.weight * RAISE)
-                asked[demand.about.contours] = demand
-            if not asked:
+                statements[demand.about.contours] = demand
+            if not statements:
                 break
         best = next((one for one in tried if not one.pace.heated), None) or self._soonest_done(tried, grid)
         if best is None:
@@ -341,11 +341,11 @@ def _waiting(plan: Plan, waits: Mapping[str, float], heated: Mapping[str, Heated
         because = tuple(text for text in planned.because if not text.startswith(WAITS))
         if wait_s:
             hot = heated[planned.cut.contour]
-            without, asked = (
+            without, limit_text = (
                 hot_spot_sentence(hot.contour, hot.spot),
                 f"{limit.most_c:g} °C, less {MARGIN_K:g} K to be sure",
             )
-            because += (f"{WAITS}{wait_s:g} s first: without, {without}; {limit.rule} asks for {asked}",)
+            because += (f"{WAITS}{wait_s:g} s first: without, {without}; {limit.rule} asks for {limit_text}",)
         cuts.append(replace(planned, dwell_s=wait_s, because=because))
     return replace(plan, cuts=tuple(cuts))
 

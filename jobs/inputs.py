@@ -116,16 +116,16 @@ def lines_as_cut(nest: Nest, profile: Profile) -> list[tuple[str, Curve]]:
     Holes that are marked or left out, slits, and slots that are cut across are what the profile and the answers have
     said; what they leave open is unknown.
     """
-    made = profile.as_cut(nest)
-    drawn = made.drawn or made
-    options = profile.lead_options(made)
+    cut_nest = profile.as_cut(nest)
+    drawn = cut_nest.drawn or cut_nest
+    options = profile.lead_options(cut_nest)
     limits = options.holes
-    rows = [(_LINE_OF.get(contour.kind, "cut"), contour.curve) for contour in made.contours]
-    rows += [("ignore", drawn.contour(name).curve) for name in made.left_out]
-    small = [c for c in made.contours if c.kind == "hole" and diameter_under(c, limits.limit_mm) is not None]
+    rows = [(_LINE_OF.get(contour.kind, "cut"), contour.curve) for contour in cut_nest.contours]
+    rows += [("ignore", drawn.contour(name).curve) for name in cut_nest.left_out]
+    small = [c for c in cut_nest.contours if c.kind == "hole" and diameter_under(c, limits.limit_mm) is not None]
     rows += [("unknown", contour.curve) for contour in small]
-    slits = {part.outer.id: [slit.curve for slit in part.slits] for part in made.parts}
-    walls = lost_walls([c for c in made.contours if c not in small], options.kerf_mm, slits=slits)
+    slits = {part.outer.id: [slit.curve for slit in part.slits] for part in cut_nest.parts}
+    walls = lost_walls([c for c in cut_nest.contours if c not in small], options.kerf_mm, slits=slits)
     open_ones = options.narrow in ("ask", "refuse")
     for lost in walls.values():
         for feature, wall in lost:
@@ -150,17 +150,17 @@ def tabs_not_left(nest: Nest, plant: Profile) -> str:
     )
 
 
-def common_cuts_not_made(given: Inputs) -> str:
+def common_cuts_not_made(inputs: Inputs) -> str:
     """Which parts are cut all round though they have common edges, and why, in a sentence; "" where none are."""
-    edges, tabs = given.profile.common_options(), given.profile.tabs()
+    edges, tabs = inputs.profile.common_options(), inputs.profile.tabs()
     if edges is None:
         return ""
     from kerfwise.encoder.candidates.common_paths import whole_for_tabs, whole_for_want_of_an_order
 
-    kerf_mm = given.profile.material.kerf_mm
+    kerf_mm = inputs.profile.material.kerf_mm
     try:
-        whole, held = whole_for_tabs(given.nest, kerf_mm, edges, tabs) if tabs is not None else ([], [])
-        stuck = whole_for_want_of_an_order(given.nest, kerf_mm, edges, [given.nest.index[name] for name in held])
+        whole, held = whole_for_tabs(inputs.nest, kerf_mm, edges, tabs) if tabs is not None else ([], [])
+        stuck = whole_for_want_of_an_order(inputs.nest, kerf_mm, edges, [inputs.nest.index[name] for name in held])
     except InputError:  # such a contour is told of when its candidates are made
         return ""
     if not whole:
@@ -179,13 +179,13 @@ def common_cuts_not_made(given: Inputs) -> str:
     )
 
 
-def differences(plan: Plan, given: Inputs) -> Iterator[str]:
+def differences(plan: Plan, inputs: Inputs) -> Iterator[str]:
     """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
     from kerfwise.models.plan.read_plan import source_changes
 
-    yield from source_changes(plan, given.nest, given.profile)
-    if plan.origin != given.profile.machine.origin:
-        yield f"the plan's origin is {plan.origin}, here it is {given.profile.machine.origin}: the plan's counts"
+    yield from source_changes(plan, inputs.nest, inputs.profile)
+    if plan.origin != inputs.profile.machine.origin:
+        yield f"the plan's origin is {plan.origin}, here it is {inputs.profile.machine.origin}: the plan's counts"
 
 
 def is_plan_file(path: str | Path) -> bool:
@@ -193,7 +193,7 @@ def is_plan_file(path: str | Path) -> bool:
     return str(path).lower().endswith(".json")
 
 
-def read_program_of(path: str | Path, given: Inputs, tell: Tell = silent, trusted: Trusted | None = None) -> NcProgram:
+def read_program_of(path: str | Path, inputs: Inputs, tell: Tell = silent, trusted: Trusted | None = None) -> NcProgram:
     """An NC program of the nest; cuts that are along none of its contours are told.
 
     What it leaves to the machine's material is refused, unless that is `trusted`.
@@ -206,8 +206,8 @@ def read_program_of(path: str | Path, given: Inputs, tell: Tell = silent, truste
     from kerfwise.postproc.clock import read_program
     from kerfwise.postproc.verdict.check_plan import cuts_elsewhere
 
-    program = read_program(program_text(path), given.nest, given.profile, str(path), trusted)
-    if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, str(path)):
+    program = read_program(program_text(path), inputs.nest, inputs.profile, str(path), trusted)
+    if elsewhere := cuts_elsewhere(program, inputs.nest, inputs.profile.material.kerf_mm, str(path)):
         tell(f"{elsewhere} of {len(program.burns)} cuts of the program run along no contour of the nest")
     return program
 
@@ -243,10 +243,10 @@ def decoded(data: bytes, path: str | Path) -> str:
         ) from None
 
 
-def _path(what: str, given: object, expected: str) -> str | Path:
-    if isinstance(given, str | Path):
-        return given
-    raise InputError(f"{what}: expected {expected}, got {type(given).__name__}")
+def _path(what: str, value: object, expected: str) -> str | Path:
+    if isinstance(value, str | Path):
+        return value
+    raise InputError(f"{what}: expected {expected}, got {type(value).__name__}")
 
 
 # How a nest was read when its plan or program was made, so that nobody has to say it again.
@@ -255,33 +255,33 @@ _HEAD_BYTES = 4000
 _SAID = re.compile(rf'"refit_arcs_mm": "([0-9.]+)"|{ARCS_REFITTED} ([0-9.]+) MM', re.IGNORECASE)
 
 
-def refit_said(made: Plan | str | Path | None) -> float | None:
+def refit_said(plan: Plan | str | Path | None) -> float | None:
     """How near to flattened outlines a plan, or the head of its file or program, says that arcs were made, mm.
 
     None where it says nothing, and for a file that cannot be read, which whoever reads it whole says.
     """
-    if isinstance(made, Plan):
-        said = made.nest.get("refit_arcs_mm")
-        return None if said is None else float(said)
-    if made is None:
+    if isinstance(plan, Plan):
+        value = plan.nest.get("refit_arcs_mm")
+        return None if value is None else float(value)
+    if plan is None:
         return None
     try:
-        with Path(made).open("rb") as file:
+        with Path(plan).open("rb") as file:
             found = _SAID.search(file.read(_HEAD_BYTES).decode("utf-8", "replace"))
         return None if found is None else float(found[1] or found[2])
     except (OSError, ValueError):
         return None
 
 
-def refit_as_made(given_mm: float | None, made: Plan | str | Path | None, profile: Profile, tell: Tell) -> float | None:
+def refit_as_made(given_mm: float | None, plan: Plan | str | Path | None, profile: Profile, tell: Tell) -> float | None:
     """How near to flattened outlines arcs are made: as is given, or as what was made of the nest says.
 
     That is told where it goes before the profile, and so is what is given where the other does not say the same. None
     where neither says it: the profile's section `drawing` does then.
     """
-    if made is None:
+    if plan is None:
         return given_mm
-    said_mm, name = refit_said(made), "the plan" if isinstance(made, Plan) else Path(str(made)).name
+    said_mm, name = refit_said(plan), "the plan" if isinstance(plan, Plan) else Path(str(plan)).name
     if given_mm is not None:
         if said_mm is None:
             tell(f"arcs are refitted within {given_mm:g} mm (--refit-arcs); {name} does not say that they were for it")

@@ -112,8 +112,8 @@ def new_profile_text(name: str, like: str, answers: Mapping[Key, str] | None = N
 def _based_as_before(text: str, like: Path, folder: Path) -> str:
     """The text of a profile from another folder, based on the same file; who reads it finds what is wrong with that."""
     root = compose(text, "")
-    given = root.value if isinstance(root, yaml.MappingNode) else ()
-    base = next((value.value for key, value in given if key.value == "based_on"), None)
+    entries = root.value if isinstance(root, yaml.MappingNode) else ()
+    base = next((value.value for key, value in entries if key.value == "based_on"), None)
     if not isinstance(base, str) or not base or base in shipped_profiles() or Path(base).is_absolute():
         return text
     there, here = os.path.realpath((like.parent / base).parent), os.path.realpath(folder)

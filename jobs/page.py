@@ -42,7 +42,7 @@ from .programs import check_made
 
 
 def page_data(
-    given: Inputs,
+    inputs: Inputs,
     plan: Plan | None,
     verdict: CheckResult | None = None,
     program: str | None = None,
@@ -70,27 +70,27 @@ def page_data(
     InputError
         If the plan is one of another nest, or of several torches.
     """
-    home = given.profile.home_on(given.nest)
-    expect_one_torch(given.profile, "the page for the browser", plan)
+    home = inputs.profile.home_on(inputs.nest)
+    expect_one_torch(inputs.profile, "the page for the browser", plan)
     if plan is None:
-        return plain_page(given.nest, None, home)
-    profile = given.profile.at_origin(plan.origin)
-    side = plan_side(given, plan, verdict or check_made(given, plan))
-    side["why"] = reasons(given, plan, detail)
-    side["heat"] = heat_data(given, plan, heat)
-    side["nc"] = program_data(program or write_program(plan, given.nest, profile), given.nest, profile)
-    return page_of(given.nest, [side], nest_name(given.nest, plan))
+        return plain_page(inputs.nest, None, home)
+    profile = inputs.profile.at_origin(plan.origin)
+    side = plan_side(inputs, plan, verdict or check_made(inputs, plan))
+    side["why"] = reasons(inputs, plan, detail)
+    side["heat"] = heat_data(inputs, plan, heat)
+    side["nc"] = program_data(program or write_program(plan, inputs.nest, profile), inputs.nest, profile)
+    return page_of(inputs.nest, [side], nest_name(inputs.nest, plan))
 
 
-def compared_data(made: Compared) -> Data:
+def compared_data(compared: Compared) -> Data:
     """The page of two plans or programs, with what differs."""
     sides = [
         _compared(side) | {"name": f"{letter}: {escape_text(side.name)}"}
-        for letter, side in (("A", made.a), ("B", made.b))
+        for letter, side in (("A", compared.a), ("B", compared.b))
     ]
-    nest = made.a.given.nest
+    nest = compared.a.given.nest
     title = f"{escape_text(Path(nest.file or 'nest').name)} compared"
-    return page_of(nest, sides, title) | {"comparison": comparison_data(made)}
+    return page_of(nest, sides, title) | {"comparison": comparison_data(compared)}
 
 
 def _compared(side: Side) -> Data:
@@ -112,7 +112,7 @@ def page_bytes(data: Data) -> bytes:
 # One way to cut a nest as data: where the torch is at every moment, and what the check says of it.
 
 
-def plan_side(given: Inputs, plan: Plan, verdict: CheckResult) -> Data:
+def plan_side(inputs: Inputs, plan: Plan, verdict: CheckResult) -> Data:
     """A plan on its machine: the torch's own paths, with the kerf beside them.
 
     Raises
@@ -120,8 +120,8 @@ def plan_side(given: Inputs, plan: Plan, verdict: CheckResult) -> Data:
     InputError
         If the plan is one of another nest.
     """
-    profile = given.profile.at_origin(plan.origin)
-    nest = given.nest
+    profile = inputs.profile.at_origin(plan.origin)
+    nest = inputs.nest
     side = side_data(nest, plan, profile.home_on(nest))
     side |= {
         "profile": profile.name,
@@ -129,7 +129,7 @@ def plan_side(given: Inputs, plan: Plan, verdict: CheckResult) -> Data:
         "said": summary_lines(plan),
         "ok": verdict.ok,
         "state": state_data(verdict.state),
-        "cuts": [_cut(nest, made, profile) for made in toolpaths(plan, nest, profile)],
+        "cuts": [_cut(nest, toolpath, profile) for toolpath in toolpaths(plan, nest, profile)],
         "rules": rules_data(verdict, profile),
         "warnings": list(verdict.warnings),
     }
@@ -178,14 +178,14 @@ def program_side(side: Side) -> Data:
     }  # fmt: skip
 
 
-def _cut(nest: Nest, made: Toolpath, profile: Profile) -> Data:
+def _cut(nest: Nest, toolpath: Toolpath, profile: Profile) -> Data:
     """A cut with its torch's way; where corners are slower, the way is in stretches, each so many times slower."""
-    data = cut_data(nest, made.planned, made.path)
-    data["stand_s"] = short(_stands_s(made, profile))
-    data["unlit"] = [[short(low), short(high)] for low, high in made.unlit]
+    data = cut_data(nest, toolpath.planned, toolpath.path)
+    data["stand_s"] = short(_stands_s(toolpath, profile))
+    data["unlit"] = [[short(low), short(high)] for low, high in toolpath.unlit]
     law = profile.corner_feed()
-    if law is not None and not made.marks:
-        pieces = [(segment, share) for segment, share in paced(made.path, law) if segment.length_mm > 0]
+    if law is not None and not toolpath.marks:
+        pieces = [(segment, share) for segment, share in paced(toolpath.path, law) if segment.length_mm > 0]
         if len({share for _, share in pieces}) > 1:
             rows = [(*segment.start, segment.bulge) for segment, _ in pieces]
             data["path"] = rows_of(Curve.of([*rows, (*pieces[-1][0].end, 0.0)], closed=False))
@@ -193,30 +193,30 @@ def _cut(nest: Nest, made: Toolpath, profile: Profile) -> Data:
     return data
 
 
-def _stands_s(made: Toolpath, profile: Profile) -> float:
+def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
     """How long the torch stands where a cut begins; a mark is begun without a pierce."""
-    if made.linked or made.marks:
+    if toolpath.linked or toolpath.marks:
         return 0.0
-    if made.pierced:
+    if toolpath.pierced:
         return profile.machine.at_hole_s
-    return profile.machine.unpierced_s if made.edge_start else profile.machine.pierce_time_s
+    return profile.machine.unpierced_s if toolpath.edge_start else profile.machine.pierce_time_s
 
 
 # What differs between two ways to cut a nest, as data.
 
 
-def comparison_data(made: Compared) -> Data:
+def comparison_data(compared: Compared) -> Data:
     """Figures, rules and cuts of both sides, in the words that `kerfwise compare` prints."""
-    index = made.a.given.nest.index
+    index = compared.a.given.nest.index
     return {
-        "sides": sides(made),
-        "figures": [list(row) for row in figure_rows(made)],
-        "rules": [list(row) for row in rule_rows(made)],
-        "proofs": proofs(made),
-        "summary": summary_of(made.changed, len(made.cuts)),
+        "sides": sides(compared),
+        "figures": [list(row) for row in figure_rows(compared)],
+        "rules": [list(row) for row in rule_rows(compared)],
+        "proofs": proofs(compared),
+        "summary": summary_of(compared.changed, len(compared.cuts)),
         "changed": [
             {"contour": index.get(pair.contour, -1), "a": pair.a, "b": pair.b, "told": pair.told}
-            for pair in made.changed
+            for pair in compared.changed
         ],
     }
 

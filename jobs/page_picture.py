@@ -74,14 +74,14 @@ class DrawnBeside:
         self._plan = plan
         self._sent = self._send(handed_on)
 
-    def _send(self, given: bytes) -> threading.Thread:
+    def _send(self, data: bytes) -> threading.Thread:
         """Hand something on as soon as the process takes it, after what was handed on before."""
 
         def send(way: Connection, before: threading.Thread | None) -> None:
             if before is not None:
                 before.join()
             with contextlib.suppress(OSError):
-                way.send_bytes(given)
+                way.send_bytes(data)
 
         sending = threading.Thread(target=send, args=(self._way, self._sent), daemon=True)
         sending.start()
@@ -123,10 +123,10 @@ class DrawnBeside:
             self._way.close()
 
 
-def _pickled(given: object) -> bytes:
+def _pickled(value: object) -> bytes:
     """What a process is handed on; empty where something in it cannot be."""
     try:
-        return pickle.dumps(given)
+        return pickle.dumps(value)
     except (pickle.PicklingError, AttributeError, TypeError, RecursionError):
         return b""
 
@@ -149,7 +149,7 @@ def _draw(way: Connection) -> None:
 # The picture of a plan that has just been made: a page with all that is known of it, or a drawing.
 
 
-def planned_picture(given: Inputs, made: VerifiedPlan, suffix: str, beside: DrawnBeside) -> bytes:
+def planned_picture(inputs: Inputs, verified: VerifiedPlan, suffix: str, beside: DrawnBeside) -> bytes:
     """The content of a picture's file, of the type that its suffix says, the one that was drawn beside if there is one.
 
     Raises
@@ -160,7 +160,7 @@ def planned_picture(given: Inputs, made: VerifiedPlan, suffix: str, beside: Draw
     if suffix.lower() == PAGE:
         from .page import page_bytes, page_data  # asks for most of the package, which a drawing does without
 
-        return page_bytes(page_data(given, made.plan, made.verdict, made.program))
-    if (picture := beside.end(made.plan)) is not None:
+        return page_bytes(page_data(inputs, verified.plan, verified.verdict, verified.program))
+    if (picture := beside.end(verified.plan)) is not None:
         return picture
-    return draw(given.nest, made.plan, suffix, given.profile.home_on(given.nest))
+    return draw(inputs.nest, verified.plan, suffix, inputs.profile.home_on(inputs.nest))

@@ -45,7 +45,7 @@ Detail = Literal["none", "held", "full"]
 would cost as well."""
 
 
-def reasons(given: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str, Data]:
+def reasons(inputs: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str, Data]:
     """By contour id, what there is to say of it; None chooses the detail by the number of contours.
 
     Nothing for plans that the rules of today cannot explain.
@@ -55,7 +55,7 @@ def reasons(given: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str
     if detail == "none":
         return {}
     try:
-        explainer = Explainer(given, plan)
+        explainer = Explainer(inputs, plan)
         if detail == "full":
             return {p.cut.contour: why_data(explainer.explain(p.cut.contour)) for p in plan.cuts}
         setting = explainer.setting
@@ -66,11 +66,11 @@ def reasons(given: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str
 
 def why_data(e: Explanation) -> Data:
     """One explanation, as the page shows it."""
-    said = [e.drawn, e.small, e.slit, e.tabs, e.linked, e.pierced, e.common]
+    sentences = [e.drawn, e.small, e.slit, e.tabs, e.linked, e.pierced, e.common]
     if e.dwell_s:
-        said.append(e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool")
+        sentences.append(e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool")
     if e.zone_heat_kj is not None:
-        said.append(
+        sentences.append(
             f"zone {e.zone} takes up {e.zone_heat_kj:.1f} kJ at the most, of a budget of {e.zone_budget_kj:g} kJ"
         )
     return {
@@ -80,7 +80,7 @@ def why_data(e: Explanation) -> Data:
         "zone": e.zone,
         "after": e.previous,
         "before": e.following,
-        "said": [text for text in said if text],
+        "said": [text for text in sentences if text],
         "earlier": _holds(e.earlier),
         "later": _holds(e.later),
         "also": _abouts(e.also),
@@ -105,7 +105,7 @@ def _held(setting: PlanContext, contour: str) -> Data:
         "zone": int(setting.facts.zone[number]),
         "after": setting.name(order[k - 1]) if k else "",
         "before": setting.name(order[k + 1]) if k + 1 < len(order) else "",
-        "said": [told for told in (setting.facts.nest.contours[number].source.told(),) if told],
+        "said": [text for text in (setting.facts.nest.contours[number].source.told(),) if text],
         "earlier": _holds(blocking_orders(setting, number, earlier=True)),
         "later": _holds(blocking_orders(setting, number, earlier=False)),
         "also": _abouts(other_statements(setting, number)),
@@ -119,8 +119,8 @@ def _held(setting: PlanContext, contour: str) -> Data:
 def _holds(held: Sequence[Hold]) -> Data:
     """The nearest of every rule, and how many more there are."""
     nearest = list({h.about.rule: h for h in reversed(held)}.values())[::-1]
-    told = [{"contour": h.contour, "place": h.place, "rule": h.about.rule, "text": h.about.sentence} for h in nearest]
-    return {"nearest": told, "more": len(held) - len(nearest)}
+    rows = [{"contour": h.contour, "place": h.place, "rule": h.about.rule, "text": h.about.sentence} for h in nearest]
+    return {"nearest": rows, "more": len(held) - len(nearest)}
 
 
 def _abouts(abouts: Iterable[About]) -> list[Data]:
@@ -170,13 +170,13 @@ _QUICK = 5e9
 """Points times steps that are simulated unasked: some ten seconds."""
 
 
-def heat_data(given: Inputs, plan: Plan, wanted: bool | None = None) -> Data | None:
+def heat_data(inputs: Inputs, plan: Plan, wanted: bool | None = None) -> Data | None:
     """Frames of the sheet, evenly over the program: a byte a square, 0 as warm as the air, 255 the hottest.
 
     All frames follow each other, rows from the bottom up, deflated and in base64. None where heat is not `wanted`, the
     plan states no times, or nobody asked (None) and it would take long.
     """
-    nest, heat = given.nest, given.profile.heat
+    nest, heat = inputs.nest, inputs.profile.heat
     timed = any(planned.cut.end_s for planned in plan.cuts)
     if wanted is False or not timed or plan.already or not heat.absorbed_power_w:
         return None
@@ -185,7 +185,7 @@ def heat_data(given: Inputs, plan: Plan, wanted: bool | None = None) -> Data | N
     if wanted is None and long:
         return None
     try:
-        path = path_of_plan(plan, nest, given.profile)
+        path = path_of_plan(plan, nest, inputs.profile)
         grid = make_grid(nest, heat.grid_mm)
         step = max(1, -(-max(grid.shape) // SQUARES))
         top_c = heat.ambient_c + OVER * (heat.limit_c - heat.ambient_c)
@@ -197,7 +197,7 @@ def heat_data(given: Inputs, plan: Plan, wanted: bool | None = None) -> Data | N
                 frames.append(_squares(field, step, heat.ambient_c, top_c))
                 at_s.append(short(now_s, 2))
 
-        thickness_mm = given.profile.material.thickness_mm
+        thickness_mm = inputs.profile.material.thickness_mm
         found = simulate(nest, path, heat, thickness_mm, (path.end_s / FRAMES, look), grid)
     except InputError:
         if wanted:

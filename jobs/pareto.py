@@ -71,10 +71,10 @@ class TradeOff:
         """
         facts = self._facts
         profile = replace(self._profile, objective=replace(self._profile.objective, heat=price_mm))
-        made = solve_and_verify(self._asked, profile, self._limits, progress, cooler=self._cooler)
-        path = path_of_plan(made.plan, facts.nest, profile)
+        verified = solve_and_verify(self._asked, profile, self._limits, progress, cooler=self._cooler)
+        path = path_of_plan(verified.plan, facts.nest, profile)
         found = simulate(facts.nest, path, profile.heat, profile.material.thickness_mm)
-        return Trade(price_mm, made, found.overheats, found.peak_c)
+        return Trade(price_mm, verified, found.overheats, found.peak_c)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -186,7 +186,7 @@ class Offer:
 
 
 def trade_off(
-    given: Inputs,
+    inputs: Inputs,
     prices_mm: Sequence[float],
     limits: SolveOptions,
     new_listener: Callable[[], Listener] = Listener,
@@ -209,10 +209,10 @@ def trade_off(
     KeyboardInterrupt
         If Ctrl-C was pressed before there was any.
     """
-    expect_one_torch(given.profile, "the price of heat")
-    profile = lock_broken_cut_first(given.profile, already)
+    expect_one_torch(inputs.profile, "the price of heat")
+    profile = lock_broken_cut_first(inputs.profile, already)
     limit_c = profile.heat.limit_c
-    offered = TradeOff(facts_of(given.nest, profile, already), profile, limits, relax)
+    offered = TradeOff(facts_of(inputs.nest, profile, already), profile, limits, relax)
     trades: list[Trade] = []
     try:
         for price_mm in sorted(set(prices_mm)):

@@ -68,7 +68,7 @@ OrdersOf = Callable[[Facts, Profile, Stated], "CoolerOrders"]
 
 
 def plan_nest(
-    given: Inputs,
+    inputs: Inputs,
     limits: SolveOptions,
     *,
     already: AlreadyCut = NOTHING_CUT,
@@ -127,7 +127,7 @@ def plan_nest(
         If the hard rules cannot all hold, or no plan was found. What contradicts what is looked for within `limits`
         once more, or in what is left of `whole`, unless the user has interrupted.
     """
-    nest, profile = given.nest, lock_broken_cut_first(given.profile, already)
+    nest, profile = inputs.nest, lock_broken_cut_first(inputs.profile, already)
     dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     expect_words(nest, profile, dialect, resumes=bool(already))
     if (start is not None or first) and (engine != "portfolio" or strategy != "ours"):
@@ -249,9 +249,9 @@ def solve_and_verify(
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
         part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
-        asked = Request(facts, stated)
-        hear = None if found is None else partial(found, asked)
-        return _solved(asked, further, profile, part, progress, engine, solver, strategy, hear)
+        request_now = Request(facts, stated)
+        hear = None if found is None else partial(found, request_now)
+        return _solved(request_now, further, profile, part, progress, engine, solver, strategy, hear)
 
     cool: Solution | None = None
     price_mm = profile.objective.heat if cooler is None else cooler.price_mm(profile)
@@ -454,11 +454,11 @@ def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions)
         way = way_through(points, ends[first], points[0], options)
         stops = [ends[first], *(points[k] for k in way), points[0]]
         idle_mm += _length_mm(stops) - math.dist(ends[first], points[0])
-        told = "" if profile.cuts.pierce_pass == "sheet" else f" of zone {cuts[first].zone}"
+        where = "" if profile.cuts.pierce_pass == "sheet" else f" of zone {cuts[first].zone}"
         for number, k in enumerate(way, 1):
             cut = cuts[group[k]]
             pierces.append(Pierce(cut.contour, cut.pierce, first + 1))
-            reasons[group[k]] = f"{IN_PASS}{told} (pierce {number} of {len(way)})"
+            reasons[group[k]] = f"{IN_PASS}{where} (pierce {number} of {len(way)})"
     planned = tuple(
         replace(one, because=(*one.because, reasons[k])) if k in reasons else one for k, one in enumerate(plan.cuts)
     )

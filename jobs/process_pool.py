@@ -77,9 +77,9 @@ class Workers(Generic[Piece, Made]):
             for way in wait(list(busy)):
                 assert isinstance(way, Connection)
                 worker = busy[way]
-                piece, made = worker.at[0], self._answer(worker)
+                piece, answer = worker.at[0], self._answer(worker)
                 worker.at.clear()
-                yield piece, made
+                yield piece, answer
 
     def _begin(self, left: Iterator[Piece], began: Began[Piece]) -> None:
         """Give work to whoever has none; a process is started when there is work for it."""
@@ -104,8 +104,8 @@ class Workers(Generic[Piece, Made]):
 
     def _answer(self, worker: _Worker[Piece]) -> Made | Exception:
         try:
-            made: Made | Exception = worker.way.recv()
-            return made
+            answer: Made | Exception = worker.way.recv()
+            return answer
         except (EOFError, OSError):
             worker.process.join(ENDED_S)
             code = worker.process.exitcode
@@ -147,10 +147,10 @@ def run_in_process(
         for piece in pieces:
             began(piece)
             try:
-                made: Made | Exception = work(piece)
+                answer: Made | Exception = work(piece)
             except Exception as error:
-                made = error
-            yield piece, made
+                answer = error
+            yield piece, answer
 
     return run
 
@@ -165,14 +165,14 @@ def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
     with contextlib.suppress(EOFError, OSError):
         while True:
             piece: Piece = way.recv()
-            made: Made | Exception
+            answer: Made | Exception
             try:
-                made = work(piece)
+                answer = work(piece)
             except KeyboardInterrupt:
                 return
             except Exception as error:
-                made = _sendable(error)
-            way.send(made)
+                answer = _sendable(error)
+            way.send(answer)
 
 
 def _noted(message: Warning | str, category: type[Warning], *where: object, **more: object) -> None:
@@ -189,9 +189,9 @@ def _sendable(error: Exception) -> Exception:
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:  # of exceptions of libraries nothing is sure
-        told = RuntimeError(f"{type(error).__name__}: {error}")
-        told.add_note(error.__notes__[-1])
-        return told
+        plain = RuntimeError(f"{type(error).__name__}: {error}")
+        plain.add_note(error.__notes__[-1])
+        return plain
     return error
 
 

@@ -67,14 +67,14 @@ def notes(profile: Profile) -> Iterator[str]:
 
 def _groups_by_default(profile: Profile) -> Iterator[str]:
     """Groups that a profile has without a word of what switches them on."""
-    said = profile.said_at
+    named = profile.said_at
     for section in SECTIONS:
         for group in (o for o in options_of(getattr(profile, section)) if isinstance(o.kind, Members)):
             path, owner = f"{section}.{group.key}", getattr(getattr(profile, section), group.name)
             switches = [o for o in options_of(owner) if o.named]
-            if path in said and switches and not any(f"{path}.{o.key}" in said for o in switches):
-                told = [f"{o.key}: {o.kind.write(getattr(owner, o.name))}" for o in switches]
-                yield f"{said[path]}: {path} is on by its defaults ({', '.join(told)})"
+            if path in named and switches and not any(f"{path}.{o.key}" in named for o in switches):
+                texts = [f"{o.key}: {o.kind.write(getattr(owner, o.name))}" for o in switches]
+                yield f"{named[path]}: {path} is on by its defaults ({', '.join(texts)})"
 
 
 def _unless(on: Callable[[Profile], object], why: str) -> Reason:
@@ -157,14 +157,14 @@ def _without_effect(profile: Profile) -> Iterator[str]:
         if _said(profile, key) and (why := reason(profile)):
             yield f"{sources.of(key)}: {key} has no effect: {why}"
     for name, setting in profile.rules.items():
-        given = [f"rules.{name}.{o.key}" for o in options_of(setting.options)] if setting.strength == "off" else []
-        given = [key for key in given if _said(profile, key)]
-        if given and not _counts_though_off(profile, name):
+        set_keys = [f"rules.{name}.{o.key}" for o in options_of(setting.options)] if setting.strength == "off" else []
+        set_keys = [key for key in set_keys if _said(profile, key)]
+        if set_keys and not _counts_though_off(profile, name):
             strengths = " or ".join(s for s in profile.known_rules()[name].strengths if s != "off")
-            listed = ", ".join(key.rpartition(".")[2] for key in given)
+            listed = ", ".join(key.rpartition(".")[2] for key in set_keys)
             yield (
-                f"{sources.of(given[0])}: rules.{name} is off, and without it its options ({listed}) have no effect: "
-                f"give its strength too ({strengths})"
+                f"{sources.of(set_keys[0])}: rules.{name} is off, and without it its options ({listed}) have no "
+                f"effect: give its strength too ({strengths})"
             )
 
 

@@ -127,7 +127,7 @@ def _few(count: int) -> str:
 def read_old_job(
     path: str | Path,
     profile: Profile,
-    asked: ProgramRequest | None = None,
+    request: ProgramRequest | None = None,
     *,
     afresh: bool = False,
     tell: Tell = silent,
@@ -140,14 +140,14 @@ def read_old_job(
         With file and line, for what cannot be read or be sure of.
     """
     expect_one_torch(profile, "a program of which there is no nest")
-    asked, file = asked or ProgramRequest(), str(path)
+    request, file = request or ProgramRequest(), str(path)
     text = program_text(path)
-    trusted = Trusted(asked.feed_mm_min or profile.machine.cut_feed_mm_s * 60)
+    trusted = Trusted(request.feed_mm_min or profile.machine.cut_feed_mm_s * 60)
     old = old_on_machine(text, profile, trusted, file)
     if not old.program.burns:
         raise InputError("the program cuts nothing: the torch is never on", file=file)
     notes: list[str] = list(old.notes)
-    if old.fed_by and asked.feed_mm_min is None:
+    if old.fed_by and request.feed_mm_min is None:
         notes.append(
             f"the program leaves its feed to the machine's material (line {old.fed_by[0]}): it is taken as the "
             f"profile's {trusted.feed_mm_min:g} mm/min (--feed gives another)"
@@ -155,50 +155,50 @@ def read_old_job(
     origin, zero = stated_origin(old.program)
     program = replace(shift_program(old.program, zero or (0.0, 0.0)), origin=origin, zero=zero)
     profile = profile.at_origin(origin or "drawing")
-    kerf_mm = kerf_of(old, profile, asked.kerf_mm)
+    kerf_mm = kerf_of(old, profile, request.kerf_mm)
     if not afresh:
         profile = with_program_feeds(profile, program)
     at_corner = zero if origin == "sheet-corner" else None
-    told: NestOfBurns | None = None
+    nest_of_burns: NestOfBurns | None = None
     unclear: tuple[Unclear, ...] = ()
     open_mm = tab_mm(profile, kerf_mm)
 
     def told_at(kerf_mm: float, aside: Set[int] = frozenset()) -> NestOfBurns:
-        return nest_of(program.burns, kerf_mm, asked.sheet_mm, at_corner, Path(path).name, open_mm, aside)
+        return nest_of(program.burns, kerf_mm, request.sheet_mm, at_corner, Path(path).name, open_mm, aside)
 
     partly: NestOfBurns | None = None
     try:
-        told = told_at(kerf_mm)
-        if not afresh and kerf_mm > 0 and not fits_kerf(told, kerf_mm, program.step_mm):
+        nest_of_burns = told_at(kerf_mm)
+        if not afresh and kerf_mm > 0 and not fits_kerf(nest_of_burns, kerf_mm, program.step_mm):
             raise AmbiguousNest(())
     except AmbiguousNest as none:
         unclear = none.unclear
         if not afresh and kerf_mm > 0:
             try:
-                told, unclear = told_at(0.0), ()
+                nest_of_burns, unclear = told_at(0.0), ()
             except AmbiguousNest as still:
-                told, unclear = None, still.unclear
+                nest_of_burns, unclear = None, still.unclear
             else:
                 kerf_mm = 0.0
                 notes.append(
                     "the burns do not run half a kerf beside contours with round corners: rules are judged on the "
                     "torch's path itself, as if the kerf had no width"
                 )
-    if told is None and not afresh:
+    if nest_of_burns is None and not afresh:
         with suppress(AmbiguousNest):
             partly = told_at(kerf_mm, {one.line for one in unclear})
     profile = replace(profile, material=replace(profile.material, kerf_mm=kerf_mm))
     judged = text
-    if told is not None:
-        named = name_by_comments(told, program.comments)
+    if nest_of_burns is not None:
+        named = name_by_comments(nest_of_burns, program.comments)
         if named is None:
             judged = without_comments(text)
         else:
-            told = named
-        notes += [note.text for note in told.nest.notes]
+            nest_of_burns = named
+        notes += [note.text for note in nest_of_burns.nest.notes]
     for note in notes:
         tell(note)
-    return OldJob(file, old, program, profile, told, tuple(unclear), partly, trusted, judged, tuple(notes))
+    return OldJob(file, old, program, profile, nest_of_burns, tuple(unclear), partly, trusted, judged, tuple(notes))
 
 
 def without_comments(text: str) -> str:
@@ -261,8 +261,8 @@ def _most(counted: Mapping[float, float]) -> float:
 
 
 def check_made(
-    given: Inputs,
-    made: Plan | str | Path,
+    inputs: Inputs,
+    source: Plan | str | Path,
     tell: Tell = silent,
     plan: Plan | str | Path | None = None,
     trusted: Trusted | None = None,
@@ -277,22 +277,22 @@ def check_made(
     InputError
         If the file cannot be read or understood, or the dialect does not fit the profile.
     """
-    trusted_dialect(given.profile)  # a plan is worth nothing on a machine whose programs would not run
-    if not isinstance(made, Plan) and not is_plan_file(made):
+    trusted_dialect(inputs.profile)  # a plan is worth nothing on a machine whose programs would not run
+    if not isinstance(source, Plan) and not is_plan_file(source):
         followed = read_plan(plan) if isinstance(plan, str | Path) else plan
-        for text in differences(followed, given) if followed is not None else ():
+        for text in differences(followed, inputs) if followed is not None else ():
             tell(text)
-        text = program_text(made)
-        result = check_program(given.nest, text, given.profile, str(made), followed, trusted=trusted)
+        text = program_text(source)
+        result = check_program(inputs.nest, text, inputs.profile, str(source), followed, trusted=trusted)
         if followed is None or trusted is not None:
             return result
-        return held_to_plan(result, given.nest, text, followed, given.profile)
+        return held_to_plan(result, inputs.nest, text, followed, inputs.profile)
     if plan is not None:
         raise InputError("a plan is held against no other plan: expected an NC program, with the plan it was made from")
-    judged = made if isinstance(made, Plan) else read_plan(made)
-    for text in differences(judged, given):
+    judged = source if isinstance(source, Plan) else read_plan(source)
+    for text in differences(judged, inputs):
         tell(text)
-    return check_plan(given.nest, judged, given.profile)
+    return check_plan(inputs.nest, judged, inputs.profile)
 
 
 def check_old(job: OldJob) -> CheckResult:
@@ -352,7 +352,7 @@ class Times:
         return "\n".join(lines)
 
 
-def time_made(given: Inputs, made: Plan | str | Path, tell: Tell = silent, trusted: Trusted | None = None) -> Times:
+def time_made(inputs: Inputs, source: Plan | str | Path, tell: Tell = silent, trusted: Trusted | None = None) -> Times:
     """The times of a plan, or of the plan or NC program in a file, by the time model of the profile.
 
     What a program leaves to the machine's material is refused, unless that is `trusted`.
@@ -362,17 +362,17 @@ def time_made(given: Inputs, made: Plan | str | Path, tell: Tell = silent, trust
     InputError
         If the file cannot be read or understood, or is one of another nest.
     """
-    nest, profile = given.nest, given.profile
+    nest, profile = inputs.nest, inputs.profile
     stock: Nest | None = nest
-    if isinstance(made, Plan) or is_plan_file(made):
-        plan = made if isinstance(made, Plan) else read_plan(made)
+    if isinstance(source, Plan) or is_plan_file(source):
+        plan = source if isinstance(source, Plan) else read_plan(source)
         job = job_of_plan(plan, nest, profile)
         expect_plan_of(plan, nest)
         stock = None if plan.already_cut else nest  # the sheet of a plan that goes on was paid before
-        for text in differences(plan, given):
+        for text in differences(plan, inputs):
             tell(text)
     else:
-        program = read_program_of(made, given, tell, trusted)
+        program = read_program_of(source, inputs, tell, trusted)
         by_itself = profile.time.model == "constant"
         own, job = (job_of_program(program, nest, by, profile.kerf_starts) for by in (profile, None))
         at_own = profile.time.model == "acceleration"
@@ -405,8 +405,11 @@ def _at_own_feeds(job: Job, own: Job, profile: Profile) -> Job:
 def _warn_if_times_differ(own: Job, job: Job, profile: Profile, taken: str, tell: Tell) -> bool:
     """Tell where a program moves or stands for other times than the profile's feeds make; whether it cuts so."""
     feeds, cuts_so = machine_feeds(profile), False
-    said, asked = (times_of(made, ConstantFeed(feeds), feeds) for made in (own, job))
-    for does, own_s, set_s in (("cuts", said.cut_s, asked.cut_s), ("pierces", said.pierce_s, asked.pierce_s)):
+    own_times, job_times = (times_of(one, ConstantFeed(feeds), feeds) for one in (own, job))
+    for does, own_s, set_s in (
+        ("cuts", own_times.cut_s, job_times.cut_s),
+        ("pierces", own_times.pierce_s, job_times.pierce_s),
+    ):
         if abs(own_s - set_s) > _FEEDS_DIFFER * set_s:
             text = f"by its own words the program {does} for {own_s:.1f} s, at the profile's feeds for {set_s:.1f} s"
             tell(f"{text}; the times below are by {taken}")

@@ -72,15 +72,15 @@ class Proposal:
 
     def text(self, name: str, files: Sequence[str]) -> str:
         """The file of the dialect under a name."""
-        made = new_dialect_text(name, self.like).split("\n", 1)[1]
-        made = "\n".join(row for row in made.split("\n") if row.strip() and not row.startswith("#"))
+        body = new_dialect_text(name, self.like).split("\n", 1)[1]
+        body = "\n".join(row for row in body.split("\n") if row.strip() and not row.startswith("#"))
         for key, value in self.values.items():
-            made = with_value(
-                made, [key], yaml.safe_dump(value, default_flow_style=True, width=1e9).split("\n...")[0].strip()
+            body = with_value(
+                body, [key], yaml.safe_dump(value, default_flow_style=True, width=1e9).split("\n...")[0].strip()
             )
-        told = [f"# Told from {' and '.join(files)}; what is not told from these is as in {self.like}."]
-        told += ["# What could not be told:", *(f"# - {text}" for text in self.unsure)] if self.unsure else []
-        return "\n".join([*told, *(row for row in made.split("\n") if row.strip()), ""])
+        lines = [f"# Told from {' and '.join(files)}; what is not told from these is as in {self.like}."]
+        lines += ["# What could not be told:", *(f"# - {text}" for text in self.unsure)] if self.unsure else []
+        return "\n".join([*lines, *(row for row in body.split("\n") if row.strip()), ""])
 
 
 def propose_dialect(texts: Sequence[str], like: str | None = None) -> Proposal:
@@ -101,25 +101,25 @@ def propose_dialect(texts: Sequence[str], like: str | None = None) -> Proposal:
             )
     programs, kerf = _without_kerf(programs)
     on, off = _tools(programs)
-    made = Proposal(like or _nearest(texts, programs, on))
-    _kerf_words(made, kerf)
-    _tool_words(made, on, off)
-    _spelling(made, texts, programs)
-    _frame(made, programs)
-    _own_words(made)
-    _in_force(made)
-    made.values["assumes"] = {}
-    return made
+    proposal = Proposal(like or _nearest(texts, programs, on))
+    _kerf_words(proposal, kerf)
+    _tool_words(proposal, on, off)
+    _spelling(proposal, texts, programs)
+    _frame(proposal, programs)
+    _own_words(proposal)
+    _in_force(proposal)
+    proposal.values["assumes"] = {}
+    return proposal
 
 
-def try_proposal(made: Proposal, name: str, files: Sequence[str]) -> str:
+def try_proposal(proposal: Proposal, name: str, files: Sequence[str]) -> str:
     """The text of the proposal; what the check says against it is among what could not be told."""
-    text = made.text(name, files)
+    text = proposal.text(name, files)
     try:
         read_back(parse_dialect(text, f"{name}.yaml"), name)
     except InputError as error:
-        made.unsure.append(f"the check does not read it back yet: {error.message}")
-        text = made.text(name, files)
+        proposal.unsure.append(f"the check does not read it back yet: {error.message}")
+        text = proposal.text(name, files)
     return text
 
 
@@ -200,7 +200,7 @@ def _nearest(texts: Sequence[str], programs: Sequence[Sequence[_Line]], on: Coun
     return "eia"
 
 
-def _tool_words(made: Proposal, on: Counter[tuple[str, ...]], off: Counter[tuple[str, ...]]) -> None:
+def _tool_words(proposal: Proposal, on: Counter[tuple[str, ...]], off: Counter[tuple[str, ...]]) -> None:
     (starts, times), *others = on.most_common()
     stops = off.most_common(1)[0][0] if off else ()
     blocks: list[str] = []
@@ -208,37 +208,41 @@ def _tool_words(made: Proposal, on: Counter[tuple[str, ...]], off: Counter[tuple
         if found := _WAIT.fullmatch(text):
             if "{dwell}" not in blocks:
                 blocks.append("{dwell}")
-                made.values["dwell"] = f"{text[: found.start(1)].strip()} {found[1]}{{seconds}}"
-                made.values["pierce_dwell"] = "program"
+                proposal.values["dwell"] = f"{text[: found.start(1)].strip()} {found[1]}{{seconds}}"
+                proposal.values["pierce_dwell"] = "program"
             continue
         if re.fullmatch(r"F[0-9.,]+", text):
-            made.unsure.append(f"{text} stands alone where the torch starts: the feed is written with the path")
+            proposal.unsure.append(f"{text} stands alone where the torch starts: the feed is written with the path")
             continue
         blocks.append(text)
     if "{dwell}" not in blocks:
-        made.values["pierce_dwell"] = "machine"
-    made.values["torch_on"] = blocks or ["M3"]
-    made.values["torch_off"] = list(stops) or ["M5"]
+        proposal.values["pierce_dwell"] = "machine"
+    proposal.values["torch_on"] = blocks or ["M3"]
+    proposal.values["torch_off"] = list(stops) or ["M5"]
     if not blocks:
-        made.unsure.append("no word stands between a travel and the path behind it: what starts the torch is a guess")
+        proposal.unsure.append(
+            "no word stands between a travel and the path behind it: what starts the torch is a guess"
+        )
     if not stops:
-        made.unsure.append("no word stands between a path and the travel behind it: what stops the torch is a guess")
-    height_off, height_on = load_dialect(made.like).height_off, load_dialect(made.like).height_on
+        proposal.unsure.append(
+            "no word stands between a path and the travel behind it: what stops the torch is a guess"
+        )
+    height_off, height_on = load_dialect(proposal.like).height_off, load_dialect(proposal.like).height_on
     others = [(block, n) for block, n in others if block != (*starts, *height_off) or not height_off]
     marks = [block for block, _ in others if _codes(block) and _codes(block) != _codes(starts)]
     if marks:
         shown = "; ".join(" / ".join(block) for block in marks[:3])
-        made.unsure.append(
+        proposal.unsure.append(
             f"{sum(n for b, n in others if b in marks)} of {times + sum(n for _, n in others)} starts are otherwise "
             f"({shown}): are these marks (mark_on, mark_off), or a kind of contour (around)?"
         )
     else:
-        made.values |= {"mark_on": None, "mark_off": None}
-        made.unsure.append("nothing is marked in these programs: mark_on and mark_off are left empty")
+        proposal.values |= {"mark_on": None, "mark_off": None}
+        proposal.unsure.append("nothing is marked in these programs: mark_on and mark_off are left empty")
     ends = [block for block, _ in off.most_common(4)[1:] if block != (*height_on, *stops) or not height_on]
     if ends:
         shown = "; ".join(" / ".join(block) or "nothing" for block in ends)
-        made.unsure.append(f"paths also end with {shown}: what does that say?")
+        proposal.unsure.append(f"paths also end with {shown}: what does that say?")
 
 
 def _codes(block: Sequence[str]) -> tuple[str, ...]:
@@ -246,10 +250,10 @@ def _codes(block: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"M{int(number)}" for text in block for number in re.findall(r"M([0-9]+)", text))
 
 
-def _spelling(made: Proposal, texts: Sequence[str], programs: Sequence[Sequence[_Line]]) -> None:
+def _spelling(proposal: Proposal, texts: Sequence[str], programs: Sequence[Sequence[_Line]]) -> None:
     lines = [line for program in programs for line in program]
     numbers = [number for line in lines for letter, number in line.words if letter in _PLACES and number]
-    values = made.values
+    values = proposal.values
     values["newline"] = "crlf" if all("\r\n" in text for text in texts) else "lf"
     comma = any("," in number for number in numbers)
     if comma:
@@ -258,7 +262,7 @@ def _spelling(made: Proposal, texts: Sequence[str], programs: Sequence[Sequence[
     digits = [len(number.replace(",", ".").partition(".")[2]) for number in numbers]
     decimals = min(max(digits, default=0), 6)
     if pointed and decimals < _DECIMALS:
-        made.unsure.append(f"places have {decimals} decimals at most here: {_DECIMALS} are written")
+        proposal.unsure.append(f"places have {decimals} decimals at most here: {_DECIMALS} are written")
     values["decimals"] = max(decimals, _DECIMALS) if pointed else decimals
     if pointed and len(pointed) == len(numbers):
         if len(set(digits)) == 1 and digits[0] > 0:
@@ -266,9 +270,9 @@ def _spelling(made: Proposal, texts: Sequence[str], programs: Sequence[Sequence[
         elif any(number.endswith((".", ",")) for number in numbers):
             values["whole_point"] = True
         else:
-            made.unsure.append("whole numbers have a point and a zero (X10.0): written as X10 here")
+            proposal.unsure.append("whole numbers have a point and a zero (X10.0): written as X10 here")
     if not pointed:
-        made.unsure.append("no place has a decimal point: are they whole mm, or steps (scale, reads: {step: …})?")
+        proposal.unsure.append("no place has a decimal point: are they whole mm, or steps (scale, reads: {step: …})?")
     moving = [line for line in lines if line.moves]
     words = [
         name
@@ -283,9 +287,9 @@ def _spelling(made: Proposal, texts: Sequence[str], programs: Sequence[Sequence[
     spelt = _blanks(texts)
     if spelt is not None:
         values["blanks"] = spelt
-    _motions(made, lines, moving)
-    _line_numbers(made, texts)
-    _comments(made, texts)
+    _motions(proposal, lines, moving)
+    _line_numbers(proposal, texts)
+    _comments(proposal, texts)
 
 
 def _left_out(moving: Sequence[_Line]) -> bool:
@@ -304,30 +308,30 @@ def _cuts(lines: Sequence[_Line]) -> int:
 def _blanks(texts: Sequence[str]) -> bool | None:
     """Whether blanks stand between words; None where no row tells."""
     rows = [_COMMENTED.sub("", _NUMBER.sub("", row, count=1)).strip() for text in texts for row in text.split("\n")]
-    told = [row for row in rows if len(_WORD.findall(row.upper())) > 1]
-    return None if not told else any(re.search(r"[0-9.] +[A-Z]", row.upper()) for row in told)
+    telling = [row for row in rows if len(_WORD.findall(row.upper())) > 1]
+    return None if not telling else any(re.search(r"[0-9.] +[A-Z]", row.upper()) for row in telling)
 
 
-def _motions(made: Proposal, lines: Sequence[_Line], moving: Sequence[_Line]) -> None:
+def _motions(proposal: Proposal, lines: Sequence[_Line], moving: Sequence[_Line]) -> None:
     """How travel, lines and arcs are spelt, and how the centres of arcs are told."""
     for key, code in (("rapid", "0"), ("line", "1"), ("arc_cw", "2"), ("arc_ccw", "3")):
-        said = [
+        motions = [
             line.motion for line in lines if line.said and line.motion.lstrip("G").lstrip("0") == code.replace("0", "")
         ]
-        if said:
-            made.values[key] = Counter(said).most_common(1)[0][0]
+        if motions:
+            proposal.values[key] = Counter(motions).most_common(1)[0][0]
         else:
-            made.unsure.append(f"no {key} is in these programs: it is as in {made.like}")
+            proposal.unsure.append(f"no {key} is in these programs: it is as in {proposal.like}")
     arcs = [line for line in moving if line.motion.lstrip("G").lstrip("0") in ("2", "3")]
     if not arcs:
-        made.unsure.append("no arc is in these programs: whether it knows them, and how, is not told")
+        proposal.unsure.append("no arc is in these programs: whether it knows them, and how, is not told")
     elif any(letter == "R" for line in arcs for letter, _ in line.words):
-        made.values["arc_centre"] = "radius"
+        proposal.values["arc_centre"] = "radius"
     else:
-        made.values["arc_centre"] = _centres(made, moving)
+        proposal.values["arc_centre"] = _centres(proposal, moving)
 
 
-def _centres(made: Proposal, moving: Sequence[_Line]) -> str:
+def _centres(proposal: Proposal, moving: Sequence[_Line]) -> str:
     """Whether I and J count from the arc's start or from the origin: by which the radius stays the same."""
     errors = {"relative": 0.0, "absolute": 0.0}
     x = y = 0.0
@@ -342,34 +346,36 @@ def _centres(made: Proposal, moving: Sequence[_Line]) -> str:
         x, y = end
     best = min(errors, key=lambda way: errors[way])
     if errors[best] > _ROUND_MM:
-        made.unsure.append("the centres of arcs fit neither the arc's start nor the origin: is it G91?")
+        proposal.unsure.append("the centres of arcs fit neither the arc's start nor the origin: is it G91?")
         return "relative"
     return best
 
 
-def _line_numbers(made: Proposal, texts: Sequence[str]) -> None:
+def _line_numbers(proposal: Proposal, texts: Sequence[str]) -> None:
     found = [int(number[1]) for row in texts[0].split("\n") if (number := _NUMBER.match(row))]
     if len(found) < 2:
-        made.values["line_numbers"] = None
+        proposal.values["line_numbers"] = None
         return
     step = Counter(b - a for a, b in pairwise(found) if b > a).most_common(1)
     values = {"start": max(found[0], 1), "step": step[0][0] if step else 1}
     if any(b < a for a, b in pairwise(found)):
         values["highest"] = max(found)
-    made.values["line_numbers"] = values
+    proposal.values["line_numbers"] = values
 
 
-def _comments(made: Proposal, texts: Sequence[str]) -> None:
+def _comments(proposal: Proposal, texts: Sequence[str]) -> None:
     joined = "\n".join(texts)
     if re.search(r"\([^()]*\)", joined):
-        made.values["comment"] = "({text})"
+        proposal.values["comment"] = "({text})"
     elif re.search(r"^\s*;", joined, re.MULTILINE):
-        made.values["comment"] = "; {text}"
+        proposal.values["comment"] = "; {text}"
     else:
-        made.unsure.append(f"no comment is in these programs: whether the control knows any is as in {made.like}")
+        proposal.unsure.append(
+            f"no comment is in these programs: whether the control knows any is as in {proposal.like}"
+        )
 
 
-def _frame(made: Proposal, programs: Sequence[Sequence[_Line]]) -> None:
+def _frame(proposal: Proposal, programs: Sequence[Sequence[_Line]]) -> None:
     """Header and footer: what all programs have before their first place and behind their last."""
     heads, tails, ends = [], [], []
     for program in programs:
@@ -381,32 +387,34 @@ def _frame(made: Proposal, programs: Sequence[Sequence[_Line]]) -> None:
     header = [text for text in heads[0] if all(text in head for head in heads) or _NAME.fullmatch(text)]
     kept = [text for text in header if not re.fullmatch(r"[FS][0-9.,]+", text)]
     if dropped := [text for text in heads[0] if text not in kept]:
-        made.unsure.append(f"{', '.join(dropped[:4])} at the top is not the same in both, or is a feed: it is left out")
+        proposal.unsure.append(
+            f"{', '.join(dropped[:4])} at the top is not the same in both, or is a feed: it is left out"
+        )
     for k, text in enumerate(kept):
         if found := _NAME.fullmatch(text):
             kept[k] = f"{found['letter']}{{program}}"
-            made.values["program"] = {"number": max(int(found["digits"]) % 3601, 1), "digits": len(found["digits"])}
-    stops = _list(made.values["torch_off"])
+            proposal.values["program"] = {"number": max(int(found["digits"]) % 3601, 1), "digits": len(found["digits"])}
+    stops = _list(proposal.values["torch_off"])
     footer = tails[0] if tails[0][: len(stops)] != stops or ends[0].travels else tails[0][len(stops) :]
-    made.values["header"] = kept
+    proposal.values["header"] = kept
     if footer:
-        made.values["footer"] = footer
+        proposal.values["footer"] = footer
     codes = {word for text in heads[0] for word in re.findall(r"G[0-9.]+", text)}
     if codes & {"G20", "G70"}:
-        made.values["units"] = "inch"
+        proposal.values["units"] = "inch"
     if "G91" in codes:
-        made.values["positions"] = "incremental"
+        proposal.values["positions"] = "incremental"
 
 
-def _own_words(made: Proposal) -> None:
+def _own_words(proposal: Proposal) -> None:
     """Words that the control's family does not know: proposed as harmless, for somebody to confirm."""
-    control = control_for(parse_dialect(new_dialect_text("shop", made.like), "shop.yaml"))
+    control = control_for(parse_dialect(new_dialect_text("shop", proposal.like), "shop.yaml"))
     keys = ("header", "torch_on", "torch_off", "footer")
-    blocks = [text for key in keys for text in _list(made.values.get(key, [])) if "{" not in text and text != "%"]
+    blocks = [text for key in keys for text in _list(proposal.values.get(key, [])) if "{" not in text and text != "%"]
     own = list(dict.fromkeys(word for block in blocks if (word := _unknown_of(block, control))))
     if own:
-        made.values["also"] = own
-        made.unsure.append(
+        proposal.values["also"] = own
+        proposal.unsure.append(
             f"{'; '.join(own[:8])}: nobody here knows what it does; it is carried as said under also: confirm that it "
             "touches neither the path nor the torch, or say what it means (reads: {means: …})"
         )
@@ -433,28 +441,30 @@ def _unknown_of(block: str, control: Control) -> str:
     return " ".join(kept)
 
 
-def _in_force(made: Proposal) -> None:
+def _in_force(proposal: Proposal) -> None:
     """Words that nobody says, since the control is in them: what else a program would have to say at its top."""
-    dialect = load_dialect(made.like)
+    dialect = load_dialect(proposal.like)
     known: frozenset[float] = control_for(dialect).known_g - control_for(dialect).fixed
-    header = " ".join(_list(made.values.get("header", [])))
-    said = {float(code) for code in re.findall(r"G([0-9]+(?:\.[0-9])?)", header)}
-    centres = "G90.1" if made.values.get("arc_centre") == "absolute" else "G91.1"
+    header = " ".join(_list(proposal.values.get("header", [])))
+    in_force = {float(code) for code in re.findall(r"G([0-9]+(?:\.[0-9])?)", header)}
+    centres = "G90.1" if proposal.values.get("arc_centre") == "absolute" else "G91.1"
     needed: list[tuple[set[float], str]] = [*_TOLD_BY_HEADER, ({90.1, 91.1}, centres)]
-    fixed = [word for codes, word in needed if codes & known and not codes & said]
+    fixed = [word for codes, word in needed if codes & known and not codes & in_force]
     unit = known & {20.0, 21.0, 70.0, 71.0}
-    if unit and not unit & said:
-        made.unsure.append("the programs do not say their units: mm is assumed")
+    if unit and not unit & in_force:
+        proposal.unsure.append("the programs do not say their units: mm is assumed")
         fixed.append("G21" if 21.0 in known else "G71")
     reads: dict[str, object] = {"fixed": fixed} if fixed else {}
     if fixed:
-        made.unsure.append(f"the programs do not say {', '.join(fixed)}: taken to be in force (reads: {{fixed: …}})")
-    starts = " ".join(_list(made.values.get("torch_on", [])))
+        proposal.unsure.append(
+            f"the programs do not say {', '.join(fixed)}: taken to be in force (reads: {{fixed: …}})"
+        )
+    starts = " ".join(_list(proposal.values.get("torch_on", [])))
     if dialect.control.startswith("linuxcnc") and re.search(r"M0*3(?![0-9])", starts) and "S" not in starts:
         reads["means"] = {"M3": "M3 S1"}
-        made.unsure.append("M3 has no S word: LinuxCNC starts nothing without one, unless the machine is set so")
+        proposal.unsure.append("M3 has no S word: LinuxCNC starts nothing without one, unless the machine is set so")
     if reads:
-        made.values["reads"] = reads
+        proposal.values["reads"] = reads
 
 
 def _list(value: object) -> list[str]:

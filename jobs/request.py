@@ -129,17 +129,17 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
                 f"besides, {error.message}, and --relax (in Python: relax=True) does not help there:",
                 *error.details[:MOST_DETAILS],
             )
-            told = (
+            notes = (
                 *(f"{about.rule}: {about.sentence}" for about in alone),
                 *besides,
                 *common_cut_advice(nest, profile, already),
             )
-            raise RulesConflict(HOPELESS, told) from None
+            raise RulesConflict(HOPELESS, notes) from None
         if isinstance(error, Questions):
             raise
         if advice := tuple(common_cut_advice(nest, profile, already)):
-            told = (*error.details[:MOST_DETAILS], *advice, *error.details[MOST_DETAILS:])
-            raise InputError(error.message, file=error.file, details=told) from None
+            notes = (*error.details[:MOST_DETAILS], *advice, *error.details[MOST_DETAILS:])
+            raise InputError(error.message, file=error.file, details=notes) from None
         raise
     if groups:
         candidates, met, groups = _cut_alike(candidates, met, groups, step)
@@ -224,14 +224,14 @@ _LEAST_COMMON_MM = 1.0
 
 def _with_common_cuts(profile: Profile, shortest_mm: float, accept_loss: bool) -> tuple[Profile, str]:
     """The profile with common cuts, and all that it then has to say, as YAML."""
-    machine, said = profile.machine, [f"shortest: {shortest_mm:g} mm"]
+    machine, words = profile.machine, [f"shortest: {shortest_mm:g} mm"]
     if profile.rules_of_direction("outer"):
-        said.append("good_side: any")
+        words.append("good_side: any")
     if accept_loss:
-        said.append("accept_loss: true")
+        words.append("accept_loss: true")
     common = replace(profile.cuts.common, shortest_mm=shortest_mm, accept_loss=accept_loss, good_side="any")
     wanted = replace(profile, cuts=replace(profile.cuts, common=common))
-    keys = f"cuts: {{common: {{{', '.join(said)}}}}}"
+    keys = f"cuts: {{common: {{{', '.join(words)}}}}}"
     if any(common_cut_problems(common, machine, profile.material)) or not _dialect_fits(wanted):
         wanted = replace(wanted, machine=replace(machine, kerf_start=False))
         keys = f"{keys}, with machine: {{kerf_start: false}}"
@@ -351,13 +351,13 @@ def options_for(
     return SolveOptions(seed, work, time_s, home_mm, feeds, gap, no_improvement_s, member, memory_gb)
 
 
-def _is_number(given: object) -> bool:
-    return isinstance(given, int | float) and math.isfinite(given)
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
 
 
-def _expect(name: str, given: object, expected: str, fits: bool) -> None:
+def _expect(name: str, value: object, expected: str, fits: bool) -> None:
     if not fits:
-        raise InputError(f"{name}: expected {expected}, got {given!r}")
+        raise InputError(f"{name}: expected {expected}, got {value!r}")
 
 
 NOT_SHOWN = "which rules contradict each other, if any do, was not shown within the limit"

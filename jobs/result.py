@@ -102,10 +102,12 @@ class Result:
 
     @property
     def _explainer(self) -> Explainer:
-        made = self.__dict__.get("_made_explainer")
-        if made is None:
-            made = self.__dict__["_made_explainer"] = Explainer(Inputs(self.nest, self.profile), self.plan, self.facts)
-        return made
+        explainer = self.__dict__.get("_made_explainer")
+        if explainer is None:
+            explainer = self.__dict__["_made_explainer"] = Explainer(
+                Inputs(self.nest, self.profile), self.plan, self.facts
+            )
+        return explainer
 
     def picture(self, kind: PictureKind = "svg") -> Picture:
         """Order numbers, zones, pierces, leads, directions and idle travel; html is a page with all that is known.
@@ -118,8 +120,8 @@ class Result:
         if kind == "html":
             from .page import page_bytes, page_data
 
-            given = Inputs(self.nest, self.profile)
-            return Picture(page_bytes(page_data(given, self.plan, self.verdict, self.program)), kind)
+            inputs = Inputs(self.nest, self.profile)
+            return Picture(page_bytes(page_data(inputs, self.plan, self.verdict, self.program)), kind)
         return Picture(draw(self.nest, self.plan, f".{kind}", self.profile.home_on(self.nest)), kind)
 
     def to_frame(self) -> pandas.DataFrame:
@@ -146,8 +148,8 @@ class Result:
         """
         if not self.ok:
             broken = [self.verdict.rule(rule) for rule in self.verdict.broken()]
-            told = [(j.id, [v.text for v in j.violations] or [j.unjudged or ""]) for j in broken]
-            reasons = tuple(f"{name}: {text}" for name, texts in told for text in texts)
+            verdicts = [(j.id, [v.text for v in j.violations] or [j.unjudged or ""]) for j in broken]
+            reasons = tuple(f"{name}: {text}" for name, texts in verdicts for text in texts)
             raise RulesConflict("the check refuses this plan; nothing was written", reasons)
         folder, name = Path(folder), name or Path(self.nest.file or "nest").stem
         contents: dict[str, str | bytes] = {

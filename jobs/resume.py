@@ -22,7 +22,7 @@ from .inputs import Inputs, Tell, expect_one_torch, is_plan_file, program_text, 
 
 
 def already_cut(
-    given: Inputs,
+    inputs: Inputs,
     old: Plan | str | Path | None,
     upto: int | None,
     redo_last: bool = False,
@@ -36,7 +36,7 @@ def already_cut(
         If one of the two is given without the other, and no lock calls a cut by its number in the old plan; if the
         file cannot be read or does not fit the nest, or nothing is left to cut.
     """
-    if upto is None and not redo_last and (old is None or _names_cuts_only(given)):
+    if upto is None and not redo_last and (old is None or _names_cuts_only(inputs)):
         return NOTHING_CUT
     if old is None or upto is None:
         raise InputError(
@@ -44,24 +44,24 @@ def already_cut(
             "stopped, and how many of its cuts are cut (--redo-last, in Python redo_last=True: the last broke off); "
             "OLD alone is for locks that call a cut by its number there, such as '#7 first'"
         )
-    expect_one_torch(given.profile, "a program that goes on after a stop", old if isinstance(old, Plan) else None)
+    expect_one_torch(inputs.profile, "a program that goes on after a stop", old if isinstance(old, Plan) else None)
     file = "" if isinstance(old, Plan) else str(old)
     if isinstance(old, Plan) or is_plan_file(old):
         plan = old if isinstance(old, Plan) else read_plan(old)
-        expect_one_torch(given.profile, "a program that goes on after a stop", plan)
-        if plan.nest.get("sha256") != given.nest.sha256:
+        expect_one_torch(inputs.profile, "a program that goes on after a stop", plan)
+        if plan.nest.get("sha256") != inputs.nest.sha256:
             tell(f"the nest is not the one {file or 'the old plan'} was made with (its sha256 differs)")
-        already = stopped_plan(plan, given.nest, upto, redo_last, file)
+        already = stopped_plan(plan, inputs.nest, upto, redo_last, file)
     else:
-        already = stopped_program(program_text(old), given.nest, given.profile, upto, redo_last, file)
-    if not rest_of(given.nest, already.contours).contours:
+        already = stopped_program(program_text(old), inputs.nest, inputs.profile, upto, redo_last, file)
+    if not rest_of(inputs.nest, already.contours).contours:
         raise InputError(f"{_upto(upto)}: every contour of the nest is cut, nothing is left; no program is written")
     return already
 
 
-def _names_cuts_only(given: Inputs) -> bool:
+def _names_cuts_only(inputs: Inputs) -> bool:
     """Whether locks call cuts by numbers, so that an old plan may be given for these alone."""
-    made_with = given.profile.for_one_nest
+    made_with = inputs.profile.for_one_nest
     return made_with is not None and bool(made_with.numbered)
 
 
@@ -120,15 +120,15 @@ def stopped_program(
     kerf_mm = profile.material.kerf_mm
     cuts_elsewhere(program, nest, kerf_mm, file)
     built = rebuild(nest, program, kerf_mm, profile.home_on(nest))
-    made = built.cuts.made
-    _expect(upto, made, made + max(len(program.burns), len(built.cuts.new)), "program", file)
-    if told := [v.text for v in built.violations if not v.cuts and not v.text.startswith("line ")]:
-        raise InputError(f"the program does not say clearly what was cut before it: {told[0]}", file=file)
+    count = built.cuts.made
+    _expect(upto, count, count + max(len(program.burns), len(built.cuts.new)), "program", file)
+    if texts := [v.text for v in built.violations if not v.cuts and not v.text.startswith("line ")]:
+        raise InputError(f"the program does not say clearly what was cut before it: {texts[0]}", file=file)
     a_run_a_burn = len(program.burns) == len(built.runs)
-    for k, run in enumerate(built.runs, made + 1):
+    for k, run in enumerate(built.runs, count + 1):
         if k <= upto and run.contour is None:
             message = f"cut {k} runs along no contour of {_named(nest)}: is it the nest of this program?"
-            raise InputError(message, file=file, line=program.burns[k - made - 1].line if a_run_a_burn else None)
+            raise InputError(message, file=file, line=program.burns[k - count - 1].line if a_run_a_burn else None)
     return _stopped(built.cuts, _named_ways(built.cuts.begun), upto, redo_last, "program", file)
 
 
@@ -152,12 +152,13 @@ def _upto(count: int) -> str:
     return f"--upto {count} (in Python: upto={count})"
 
 
-def _expect(upto: int, made: int, count: int, what: str, file: str) -> None:
+def _expect(upto: int, cuts_made: int, count: int, what: str, file: str) -> None:
     if upto > count:
         raise InputError(f"{_upto(upto)}: the {what} has {count} cuts only", file=file)
-    if upto < made:
+    if upto < cuts_made:
         raise InputError(
-            f"{_upto(upto)}: the {what} goes on after cut {made} itself, so that at least {made} are cut", file=file
+            f"{_upto(upto)}: the {what} goes on after cut {cuts_made} itself, so that at least {cuts_made} are cut",
+            file=file,
         )
 
 

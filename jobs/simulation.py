@@ -142,8 +142,8 @@ class Simulation:
 
 
 def simulate_made(
-    given: Inputs,
-    made: Plan | str | Path,
+    inputs: Inputs,
+    plan: Plan | str | Path,
     model: HeatModel | None = None,
     tell: Tell = silent,
     frames: int = 0,
@@ -161,9 +161,9 @@ def simulate_made(
         grid is too fine for the sheet or too coarse for its parts.
     """
     _expect_model(model)
-    expect_one_torch(given.profile, "the simulation of heat", made if isinstance(made, Plan) else None)
-    path = path_of_made(made, given, tell, trusted)
-    return _simulated(given, path, model, tell, frames)
+    expect_one_torch(inputs.profile, "the simulation of heat", plan if isinstance(plan, Plan) else None)
+    path = path_of_made(plan, inputs, tell, trusted)
+    return _simulated(inputs, path, model, tell, frames)
 
 
 def simulate_old(job: OldJob, model: HeatModel | None = None, tell: Tell = silent, frames: int = 0) -> Simulation:
@@ -183,8 +183,8 @@ def _expect_model(model: HeatModel | None) -> None:
         raise InputError(unknown("model of heat", str(model), MODELS))
 
 
-def _simulated(given: Inputs, path: TimedPath, model: HeatModel | None, tell: Tell, frames: int) -> Simulation:
-    nest, profile = given.nest, given.profile
+def _simulated(inputs: Inputs, path: TimedPath, model: HeatModel | None, tell: Tell, frames: int) -> Simulation:
+    nest, profile = inputs.nest, inputs.profile
     heat = replace(profile.heat, model=model) if model else profile.heat
     _warn_if_long(nest, path, heat, tell)
     thickness_mm = profile.material.thickness_mm
@@ -201,14 +201,14 @@ def _simulated(given: Inputs, path: TimedPath, model: HeatModel | None, tell: Te
     return Simulation(nest, heat, simulate(nest, path, heat, thickness_mm, (path.end_s / frames, look)), shown)
 
 
-def path_of_made(made: Plan | str | Path, given: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
-    if not isinstance(made, Plan) and not is_plan_file(made):
-        return path_of_program(read_program_of(made, given, tell, trusted), made)
-    plan = made if isinstance(made, Plan) else read_plan(made)
-    path = path_of_plan(plan, given.nest, given.profile)
-    expect_plan_of(plan, given.nest)
-    expect_short(path, None if isinstance(made, Plan) else made)
-    for text in differences(plan, given):
+def path_of_made(source: Plan | str | Path, inputs: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
+    if not isinstance(source, Plan) and not is_plan_file(source):
+        return path_of_program(read_program_of(source, inputs, tell, trusted), source)
+    plan = source if isinstance(source, Plan) else read_plan(source)
+    path = path_of_plan(plan, inputs.nest, inputs.profile)
+    expect_plan_of(plan, inputs.nest)
+    expect_short(path, None if isinstance(source, Plan) else source)
+    for text in differences(plan, inputs):
         tell(text)
     return path
 
@@ -266,15 +266,15 @@ class HeatPicture:
             shown.T, origin="lower", extent=self._extent(), cmap="inferno", vmin=self.ambient_c, vmax=hottest_c,
             interpolation="nearest",
         )  # fmt: skip
-        said = "blue line: limit"
+        label = "blue line: limit"
         if counted is not None:
             self._fill(axes, self.grid.metal & ~counted, _BAND)
             self._fill(axes, self.grid.metal & (self.grid.part == SCRAP), _SCRAP)
             self._fill(axes, counted & (field > self.limit_c), _HOT)
-            said = "blue: hotter than the limit · grey: the kerf's band and (lighter) scrap, which are not counted"
+            label = "blue: hotter than the limit · grey: the kerf's band and (lighter) scrap, which are not counted"
         self._draw_limit(axes, shown)
         self._draw_contours(axes)
-        axes.set_title(f"{title}\n{said}", fontsize=10, loc="left")
+        axes.set_title(f"{title}\n{label}", fontsize=10, loc="left")
         axes.tick_params(labelsize=8)
         axes.set_xlabel("x, mm", fontsize=9)
         axes.set_ylabel("y, mm", fontsize=9)
@@ -346,25 +346,25 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     law = profile.corner_feed()
     burns: list[TorchOn] = []
     pierced = plan.sequence().pierced
-    for order, made in enumerate(toolpaths(plan, nest, profile), plan.resumed_after + 1):
+    for order, toolpath in enumerate(toolpaths(plan, nest, profile), plan.resumed_after + 1):
         for pierce in pierced.get(order, ()):
             burns.append(torch_on(pierce.contour, np.array([pierce.at]), pierce.start_s, pierce.end_s))
-        if made.marks:
+        if toolpath.marks:
             continue
-        cut = made.planned.cut
-        points, slowness = chords(made.path, paced(made.path, law), _CHORD_MM)
-        burn = torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(made, profile), slowness)
-        burns += without_tabs(burn, made.unlit)
+        cut = toolpath.planned.cut
+        points, slowness = chords(toolpath.path, paced(toolpath.path, law), _CHORD_MM)
+        burn = torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(toolpath, profile), slowness)
+        burns += without_tabs(burn, toolpath.unlit)
     return in_order(burns, plan.totals.time_s)
 
 
-def _stands_s(made: Toolpath, profile: Profile) -> float:
+def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
     """How long the torch burns where a cut begins."""
-    if made.linked:
+    if toolpath.linked:
         return 0.0
-    if made.pierced:
+    if toolpath.pierced:
         return profile.machine.at_hole_s
-    return profile.machine.unpierced_s if made.edge_start else profile.machine.pierce_time_s
+    return profile.machine.unpierced_s if toolpath.edge_start else profile.machine.pierce_time_s
 
 
 def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:

@@ -194,11 +194,11 @@ class CommandLimit(JobLimit):
         spent_s, (before_s, planned_s) = self.spent_s, self._planned_s
         if spent_s <= self.limit_s + TOLD_S:
             return ""
-        told = (
+        text = (
             f"the command took {spent_s:.1f} s, {spent_s - self.limit_s:.1f} s longer than its limit: "
             f"{before_s:.1f} s before the planning, "
         )
         if not self._ended:
-            return told + f"{spent_s - before_s:.1f} s to find that there is no plan, and why"
+            return text + f"{spent_s - before_s:.1f} s to find that there is no plan, and why"
         planned = f"{self.planned_s:.1f} s for it (left: {self._share_s:.1f} s), "
-        return told + planned + f"{spent_s - planned_s:.1f} s for program, check and files"
+        return text + planned + f"{spent_s - planned_s:.1f} s for program, check and files"

@@ -83,7 +83,7 @@ class WorkSheet:
 
 
 def work_sheet(
-    given: Inputs,
+    inputs: Inputs,
     plan: Plan,
     program: str | Path | None = None,
     *,
@@ -118,26 +118,28 @@ def work_sheet(
     RulesConflict
         If the check refuses the plan, or the program does not follow it: nobody should cut by such a sheet.
     """
-    trusted_dialect(given.profile)
-    changed = tuple(differences(plan, given))
+    trusted_dialect(inputs.profile)
+    changed = tuple(differences(plan, inputs))
     for text in changed:
         tell(text)
-    times = time_made(given, plan)  # refuses the plan of another nest
-    verdict = check_plan(given.nest, plan, given.profile)
+    times = time_made(inputs, plan)  # refuses the plan of another nest
+    verdict = check_plan(inputs.nest, plan, inputs.profile)
     if not verdict.ok:
         raise RulesConflict(f"the check refuses the plan: {', '.join(verdict.broken())}; no work sheet is made")
     if program is None:
-        text = write_program(plan, given.nest, given.profile)
-        file = name or f"{Path(given.nest.file or 'nest').stem}.nc"
+        text = write_program(plan, inputs.nest, inputs.profile)
+        file = name or f"{Path(inputs.nest.file or 'nest').stem}.nc"
     else:
         text, file = program_text(program), Path(program).name
-        followed = check_program(given.nest, text, given.profile, str(program), plan)
-        followed = held_to_plan(followed, given.nest, text, plan, given.profile)
+        followed = check_program(inputs.nest, text, inputs.profile, str(program), plan)
+        followed = held_to_plan(followed, inputs.nest, text, plan, inputs.profile)
         if not followed.ok:
             wrong = ", ".join(followed.broken())
             raise RulesConflict(f"{program}: the program does not follow the plan, or breaks rules: {wrong}")
     shown = escape_text(file)
-    return WorkSheet(given.nest, given.profile, plan, times, text, shown, verdict.state, about or {}, changed, language)
+    return WorkSheet(
+        inputs.nest, inputs.profile, plan, times, text, shown, verdict.state, about or {}, changed, language
+    )
 
 
 def _not_kept(plan: Plan) -> Iterator[str]:
@@ -163,7 +165,7 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     feeds = (
         (tr("cut"), machine.cut_feed_mm_s), (tr("mark"), machine.mark_feed_mm_s), (tr("travel"), machine.travel_mm_s)
     )  # fmt: skip
-    told = ", ".join(f"{name} {mm_s * 60:g}" for name, mm_s in feeds)
+    feeds_text = ", ".join(f"{name} {mm_s * 60:g}" for name, mm_s in feeds)
     spent = (
         (tr("cutting"), report.cut_s),
         (tr("travelling"), report.idle_s),
@@ -198,7 +200,7 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
         yield tr("due"), "; ".join(filter(None, (dues[0], loose)))
     yield tr("machine"), f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     widths = {"kerf": f"{material.kerf_mm:g}", "s": f"{machine.pierce_time_s:g}"}
-    yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=told, **widths)
+    yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=feeds_text, **widths)
     yield tr("settings"), _settings(sheet)
     yield tr("gas"), material.gas or _unknown(sheet.say)
     yield tr("time"), f"{duration(report.total_s, sheet.say)} ({shares}; {report.model})"
@@ -237,12 +239,12 @@ def _state(sheet: WorkSheet) -> str:
         return tr("kept: cut it as the program says")
     if state.kind == "broken":
         return tr("broken: do not cut this sheet")
-    told = trn(
+    text = trn(
         "kept but for {n} place: metal may move or tip there, stand by when these are cut: {places}",
         "kept but for {n} places: metal may move or tip there, stand by when these are cut: {places}",
         state.count,
     )
-    return told.format(n=state.count, places=state.named())
+    return text.format(n=state.count, places=state.named())
 
 
 def _settings(sheet: WorkSheet) -> str:
@@ -256,8 +258,8 @@ def _settings(sheet: WorkSheet) -> str:
         (tr("pierce height {value} mm"), material.pierce_height_mm),
         (tr("cut height {value} mm"), material.cut_height_mm),
     )
-    told = (text.format(value=f"{value:g}") for text, value in known if value is not None)
-    return ", ".join(told) or _unknown(sheet.say)
+    texts = (text.format(value=f"{value:g}") for text, value in known if value is not None)
+    return ", ".join(texts) or _unknown(sheet.say)
 
 
 def _stock(sheet: WorkSheet) -> str:

@@ -87,11 +87,11 @@ def _best_penalty(terms: HeatTerms, rows: Floats, hot: Floats, weights: Floats) 
     def error(penalty: float) -> float:
         wrong = 0.0
         for k in range(FOLDS):
-            known, asked = fold != k, fold == k
+            known, held_out = fold != k, fold == k
             prices = _fit(terms, rows[known], hot[known], weights[known], penalty)
             middle = weights[known] / weights[known].sum()
-            told = middle @ total[known] + (rows[asked] - middle @ rows[known]) @ prices
-            wrong += float(weights[asked] @ (total[asked] - told) ** 2)
+            residual = middle @ total[known] + (rows[held_out] - middle @ rows[known]) @ prices
+            wrong += float(weights[held_out] @ (total[held_out] - residual) ** 2)
         return wrong
 
     return min(PENALTIES, key=error)

@@ -185,8 +185,8 @@ def counted_s() -> float:
 
 def cores() -> int:
     """How many threads share the work of a kernel: one for each core, or as many as NUMBA_NUM_THREADS says."""
-    if asked := os.environ.get("NUMBA_NUM_THREADS", ""):
-        return max(1, int(asked)) if asked.isdecimal() else 1
+    if text := os.environ.get("NUMBA_NUM_THREADS", ""):
+        return max(1, int(text)) if text.isdecimal() else 1
     return len(machine_cores())
 
 

@@ -114,8 +114,8 @@ def twice(kind: PartType, half: tuple[Member, ...], taken: shapely.Polygon, comm
             return None
         other = Pose(beside.turn_deg)
         members = (*half, *((_turned(turn, other), _shifted(shift, other, beside)) for turn, shift in half))
-        if _hang_together(kind, members, common) and (made := _block(kind, members, taken, edges=True)) is not None:
-            return made
+        if _hang_together(kind, members, common) and (block := _block(kind, members, taken, edges=True)) is not None:
+            return block
     return None
 
 

@@ -234,14 +234,14 @@ def nests_of(layout: Layout) -> list[Nest]:
         for one in sheet.placed:
             count[one.kind] += 1
             kind = layout.wanted.types[one.kind]
-            made = one.part(kind.part, f"{kind.name}-{count[one.kind]}")
-            made.attributes.pop(QUANTITY_KEY, None)  # each is one of them now
-            told: dict[str, object] = {OF: kind.name, "priority": kind.priority}
+            part = one.part(kind.part, f"{kind.name}-{count[one.kind]}")
+            part.attributes.pop(QUANTITY_KEY, None)  # each is one of them now
+            attributes: dict[str, object] = {OF: kind.name, "priority": kind.priority}
             more = {"order": kind.order, "due": kind.due, "material": kind.material, "thickness": kind.thickness_mm}
-            made.attributes.update(told | {key: value for key, value in more.items() if value})
+            part.attributes.update(attributes | {key: value for key, value in more.items() if value})
             if not kind.free and kind.turns_deg != QUARTERS:
-                made.attributes[TURNS] = list(kind.turns_deg)
-            parts.append(made)
+                part.attributes[TURNS] = list(kind.turns_deg)
+            parts.append(part)
         nests.append(Nest(sheet.stock.sheet, tuple(parts)))
     return nests
 
@@ -256,15 +256,15 @@ def nest_json(nest: Nest) -> str:
 def _part(part: Part) -> dict[str, Any]:
     source = part.outer.source
     drawn = {"layer": source.layer, "colour": source.colour, "block": source.block}
-    said = {key: value for key, value in drawn.items() if value} | part.attributes
-    made: dict[str, Any] = {"id": part.id, **said, "outer": part.outer.curve.as_rows()}
+    attributes = {key: value for key, value in drawn.items() if value} | part.attributes
+    entry: dict[str, Any] = {"id": part.id, **attributes, "outer": part.outer.curve.as_rows()}
     if part.holes:
-        made["holes"] = [hole.curve.as_rows() for hole in part.holes]
+        entry["holes"] = [hole.curve.as_rows() for hole in part.holes]
     if part.marks:
-        made["marks"] = [_open(mark.curve) for mark in part.marks]
+        entry["marks"] = [_open(mark.curve) for mark in part.marks]
     if part.tabs:
-        made["tabs"] = [{"at": tab.at, **({"width": tab.width_mm} if tab.width_mm else {})} for tab in part.tabs]
-    return made
+        entry["tabs"] = [{"at": tab.at, **({"width": tab.width_mm} if tab.width_mm else {})} for tab in part.tabs]
+    return entry
 
 
 def _open(curve: Curve) -> list[list[float]]:

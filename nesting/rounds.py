@@ -112,8 +112,8 @@ class _Look:
             return
         buy = self._purchase.next(self._best)
         seen = self._patterns.add
-        made = allot(self._wanted, self.shapes, self._spacing, order, taste, self._going, buy=buy, seen=seen)
-        self._keep(made, f"round {number}")
+        layout = allot(self._wanted, self.shapes, self._spacing, order, taste, self._going, buy=buy, seen=seen)
+        self._keep(layout, f"round {number}")
 
     def finish(self, tries: int) -> None:
         """Combine what all rounds laid, and lay the last sheet so that the largest rectangle is left."""
@@ -125,12 +125,12 @@ class _Look:
         if self.shapes.common is None:  # blocks with common edges would break up where they are in the way
             self._keep(squeeze_last_sheet(self.best, self.shapes, tries, self._effort.seed, going), "squeezed")
 
-    def _keep(self, made: Layout, by: str) -> None:
-        if made.alike not in self.found:
-            made = replace(made, by=by if self._effort.method == "own" else f"{self._effort.method}, {by}")
-            self.found[made.alike] = made
-            if self._best is None or made.score < self._best.score:
-                self._best = made
+    def _keep(self, layout: Layout, by: str) -> None:
+        if layout.alike not in self.found:
+            layout = replace(layout, by=by if self._effort.method == "own" else f"{self._effort.method}, {by}")
+            self.found[layout.alike] = layout
+            if self._best is None or layout.score < self._best.score:
+                self._best = layout
 
 
 def _ways(shapes: Shapes, effort: Effort) -> Iterator[tuple[list[int], Taste]]:
@@ -238,8 +238,8 @@ class Patterns:
         kept = self._without_surplus(chosen)
         if kept is None:
             return best
-        made = self._moved_up(kept)
-        layout = Layout(self._wanted, self._spacing, tuple(made))
+        moved = self._moved_up(kept)
+        layout = Layout(self._wanted, self._spacing, tuple(moved))
         return layout if layout.score < best.score else best
 
     def _chosen(self, seed: int) -> list[Sheetful]:

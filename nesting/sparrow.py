@@ -87,9 +87,11 @@ def _asked(task: str, seconds: float, going: Callable[[], bool]) -> dict:  # typ
     try:
         answer: dict[str, object] = json.loads(out)
     except ValueError:
-        said = err.strip().splitlines()
-        told = next((line for line in said if "panicked" in line or "Error" in line), said[-1] if said else "no word")
-        raise SparrowFailed(f"its process ended with {child.returncode}: {told}") from None
+        lines = err.strip().splitlines()
+        message = next(
+            (line for line in lines if "panicked" in line or "Error" in line), lines[-1] if lines else "no word"
+        )
+        raise SparrowFailed(f"its process ended with {child.returncode}: {message}") from None
     return answer
 
 
@@ -125,8 +127,8 @@ def compact_layout(
                 break
         done.append(here)
         rest = _without(rest, here, done, shapes)
-    made = replace(layout, sheets=(*done, *rest.sheets))
-    return made if made.score < layout.score else layout
+    packed = replace(layout, sheets=(*done, *rest.sheets))
+    return packed if packed.score < layout.score else layout
 
 
 def _rectangle(sheet: Sheetful) -> bool:
@@ -181,5 +183,5 @@ def _without(rest: Layout, here: Sheetful, done: Sequence[Sheetful], shapes: Sha
     left = total - now
     used = Counter(sheet.number for sheet in done)
     kinds = [kind for kind in largest_first(shapes, range(len(shapes.types))) if left[kind]]
-    made = allot(tail.wanted, shapes, tail.spacing, kinds, LEFT, left=left, gone=used)
-    return replace(tail, sheets=made.sheets)
+    layout = allot(tail.wanted, shapes, tail.spacing, kinds, LEFT, left=left, gone=used)
+    return replace(tail, sheets=layout.sheets)

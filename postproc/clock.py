@@ -74,26 +74,26 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     home = profile.home_on(nest)
     runs, at, pierced = [], home, plan.sequence().pierced
     order = plan.resumed_after + 1
-    for made in paths:
+    for toolpath in paths:
         for pierce in pierced.pop(order, ()):
             runs.append(Run(_stands(pierce.at), travels_mm=(math.dist(at, pierce.at),)))
             at = pierce.at
-        travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
+        travels_mm = () if toolpath.linked else (math.dist(at, _start(toolpath.path)),)
         runs.append(
             Run(
-                made.path,
-                made.marks,
-                not (made.edge_start or made.pierced),
+                toolpath.path,
+                toolpath.marks,
+                not (toolpath.edge_start or toolpath.pierced),
                 travels_mm,
-                made.planned.dwell_s,
-                standing_s=profile.machine.at_hole_s if made.pierced else None,
-                feed_share=made.feed_share,
-                linked=made.linked,
-                unlit_mm=sum(high - low for low, high in made.unlit),
+                toolpath.planned.dwell_s,
+                standing_s=profile.machine.at_hole_s if toolpath.pierced else None,
+                feed_share=toolpath.feed_share,
+                linked=toolpath.linked,
+                unlit_mm=sum(high - low for low, high in toolpath.unlit),
             )
         )
-        at = _end(made.path)
-        order += not made.planned.cut.way
+        at = _end(toolpath.path)
+        order += not toolpath.planned.cut.way
     return Job(tuple(runs), (math.dist(at, home),), blocks_of_plan(plan, nest, profile, paths))
 
 
@@ -251,7 +251,9 @@ def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) 
     dwells = limit is not None and limit.dwells
     paths = list(_paths(nest, candidates, profile))
     each = profile.cuts.pierce_pass is not None
-    pierces = [Pierce("", made.planned.cut.pierce, k) for k, made in enumerate(paths, 1) if each and not made.marks]
+    pierces = [
+        Pierce("", toolpath.planned.cut.pierce, k) for k, toolpath in enumerate(paths, 1) if each and not toolpath.marks
+    ]
     return count_blocks(paths, nest, profile, pierces) + (2 if dwells else 1) * len(nest.contours)
 
 

@@ -111,11 +111,11 @@ def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
         If a lock names a contour, a part or a position that the nest does not have.
     """
     for lock in locks:
-        for given in (lock.contour, lock.before):
-            if given in nest.left_out:
-                raise wrong_at(lock.place, f"lock: {given} is left out as a small hole (small_holes.under: skip)")
-            if given is not None and given not in nest.index:
-                raise wrong_at(lock.place, f"lock: {unknown('contour', given, nest.index)}")
+        for name in (lock.contour, lock.before):
+            if name in nest.left_out:
+                raise wrong_at(lock.place, f"lock: {name} is left out as a small hole (small_holes.under: skip)")
+            if name is not None and name not in nest.index:
+                raise wrong_at(lock.place, f"lock: {unknown('contour', name, nest.index)}")
         if lock.part is not None and lock.part not in nest.part_of:
             raise wrong_at(lock.place, f"lock: {unknown('part', lock.part, nest.part_of)}")
         n = len(nest.contours)

@@ -67,9 +67,9 @@ def rule_table(profile: Profile) -> list[RuleRow]:
     """
     own = {rule.id: rule for rule in profile.own_rules}
     return [
-        RuleRow(name, given.strength, given.weight, rule.sentence, rule.source, _from_where(rule))
+        RuleRow(name, setting.strength, setting.weight, rule.sentence, rule.source, _from_where(rule))
         for name, rule in profile.rulebook().items()
-        for given in (own[name] if name in own else profile.rules[name],)
+        for setting in (own[name] if name in own else profile.rules[name],)
     ]
 
 
@@ -220,9 +220,9 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
         for template, path in paths.items():
             _write(template, path, name)
     except OSError as error:
-        for made in paths.values():
+        for file in paths.values():
             with contextlib.suppress(OSError):
-                made.unlink()
+                file.unlink()
         raise InputError(f"cannot write: {error.strerror}", file=path) from None
     return tuple(paths.values())
 
@@ -270,10 +270,10 @@ def copied_rule(name: str, like: str, folder: Path) -> Path:
     stem, shipped = name.replace("-", "_"), like.replace("-", "_")
     if name != like:
         _check_name(name)
-        given = re.findall(rf"^[^%\n]*?:\s*({shipped}_\w+)\s*;", text, re.M)
-        if given:
+        names = re.findall(rf"^[^%\n]*?:\s*({shipped}_\w+)\s*;", text, re.M)
+        if names:
             raise InputError(
-                f"the text of {like} reads {', '.join(given)}, which only that rule is given: copy it under its own "
+                f"the text of {like} reads {', '.join(names)}, which only that rule is given: copy it under its own "
                 f"name, `kerfwise rules new {like} --like {like}`, and change it there"
             )
         text = re.sub(rf"\b{shipped}_", f"{stem}_", text)

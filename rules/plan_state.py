@@ -84,8 +84,8 @@ class PlanState:
                 if place.how == how:
                     by_rule.setdefault(place.rule, []).append(" and ".join(place.contours) or "the sheet")
             if by_rule:
-                told = "; ".join(f"{rule}: {_first(names)}" for rule, names in by_rule.items())
-                yield f"{sum(map(len, by_rule.values()))} {how} ({told})"
+                text = "; ".join(f"{rule}: {_first(names)}" for rule, names in by_rule.items())
+                yield f"{sum(map(len, by_rule.values()))} {how} ({text})"
 
     def for_operator(self) -> str:
         """What it means for the sheet, to whoever stands at the machine."""

@@ -48,10 +48,10 @@ def cases_of(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> tuple[Case, .
     """
     if rule not in known:
         raise InputError(unknown("rule", rule, known))
-    if isinstance(given := known[rule], ModelRule):
-        return model_cases(given, given.file.path)
-    if given.brought:
-        return _beside(given)
+    if isinstance(own_cases := known[rule], ModelRule):
+        return model_cases(own_cases, own_cases.file.path)
+    if own_cases.brought:
+        return _beside(own_cases)
     name = rule.replace("-", "_")
     module = f"{folder.__name__}.{name}"
     if importlib.util.find_spec(module) is None:
@@ -196,19 +196,19 @@ def _commented(path: Path) -> str:
 
 def _of_one(number: int, node: yaml.Node, rule: Rule[Any], path: Path, problems: Problems) -> Iterator[Case]:
     what = f"cases[{number}]"
-    given = read_keys(node, KEYS, problems, what)
-    if "nest" not in given or not given.keys() & {"right", "wrong"}:
+    nodes = read_keys(node, KEYS, problems, what)
+    if "nest" not in nodes or not nodes.keys() & {"right", "wrong"}:
         problems.add(node, f"{what}: expected a nest, and orders under right or wrong")
         return
-    drawn = read_nest_of(given["nest"], path, problems, f"{what}.nest")
+    drawn = read_nest_of(nodes["nest"], path, problems, f"{what}.nest")
     if drawn is None:
         return
-    options = _options(given.get("options"), rule, problems, f"{what}.options")
-    stated = _stated(given, drawn, problems, what)
+    options = _options(nodes.get("options"), rule, problems, f"{what}.options")
+    stated = _stated(nodes, drawn, problems, what)
     sides: tuple[tuple[Literal["right", "wrong"], Literal["passes", "fails"]], ...]
     sides = (("right", "passes"), ("wrong", "fails"))
     for key, kind in sides:
-        for k, order in zip(count(1), items(given[key], problems, f"{what}.{key}") if key in given else ()):
+        for k, order in zip(count(1), items(nodes[key], problems, f"{what}.{key}") if key in nodes else ()):
             cuts = _cuts(order, drawn, stated, problems, f"{what}.{key}[{k}]")
             if cuts is not None:
                 yield Case(f"{number}, {key}: {order.value}", kind, drawn, cuts, options=options)
@@ -218,14 +218,14 @@ def _options(node: yaml.Node | None, rule: Rule[Any], problems: Problems, what: 
     """The options of a case: those of the rule, with what is given in their place; None where nothing is."""
     if node is None:
         return None
-    options, given = rule.Options(), {}
+    options, parameters = rule.Options(), {}
     known = {option.key: option for option in options_of(options)}
     for key, key_node, value in entries(node, problems, what):
         if key in known:
-            given[known[key].name] = _value(value, known[key].kind, problems, f"{what}.{key}")
+            parameters[known[key].name] = _value(value, known[key].kind, problems, f"{what}.{key}")
         else:
             problems.add(key_node, f"{what}: {unknown('option', key, known)}")
-    return replace(options, **given)
+    return replace(options, **parameters)
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,15 +237,15 @@ class _Stated:
     pause_s: float
 
 
-def _stated(given: Mapping[str, yaml.Node], drawn: Nest, problems: Problems, what: str) -> _Stated:
+def _stated(nodes: Mapping[str, yaml.Node], drawn: Nest, problems: Problems, what: str) -> _Stated:
     zones: dict[str, int] = {}
-    for part_id, key, value in entries(given["zones"], problems, f"{what}.zones") if "zones" in given else ():
+    for part_id, key, value in entries(nodes["zones"], problems, f"{what}.zones") if "zones" in nodes else ():
         if part_id not in drawn.part_of:
             problems.add(key, f"{what}.zones: {unknown('part', part_id, drawn.part_of)}")
         else:
             zones[part_id] = _value(value, Number(1, whole=True), problems, f"{what}.zones.{part_id}") or 0
-    side = _value(given["start_side"], Choice(SIDES), problems, f"{what}.start_side") if "start_side" in given else None
-    pause_s = _value(given["pause"], DURATION, problems, f"{what}.pause") if "pause" in given else None
+    side = _value(nodes["start_side"], Choice(SIDES), problems, f"{what}.start_side") if "start_side" in nodes else None
+    pause_s = _value(nodes["pause"], DURATION, problems, f"{what}.pause") if "pause" in nodes else None
     return _Stated(side, zones, pause_s or 0.0)
 
 
@@ -272,12 +272,12 @@ def _cuts(node: yaml.Node, drawn: Nest, stated: _Stated, problems: Problems, wha
             problems.add(node, f"{what}: expected a way round, cw or ccw, after {name}/, got {way!r}")
             return None
         at_s, zone = stated.pause_s * (len(cuts) + 1), stated.zones.get(drawn.contour(name).part, 0)
-        made = cut(drawn, name, **({"direction": way} if way else {}))
-        cuts.append(replace(made, zone=zone, start_s=at_s, end_s=at_s))
+        drawn_cut = cut(drawn, name, **({"direction": way} if way else {}))
+        cuts.append(replace(drawn_cut, zone=zone, start_s=at_s, end_s=at_s))
     missing = sorted(drawn.index.keys() - {c.contour for c in cuts})
     if missing or len(cuts) != len(drawn.contours):
-        told = f"{', '.join(missing)} is missing" if missing else "one is there twice"
-        problems.add(node, f"{what}: expected every contour of the nest once; {told}")
+        text = f"{', '.join(missing)} is missing" if missing else "one is there twice"
+        problems.add(node, f"{what}: expected every contour of the nest once; {text}")
         return None
     return CutSequence(tuple(cuts), stated.start_side)
 
@@ -299,8 +299,8 @@ def read_nest_of(node: yaml.Node, path: Path, problems: Problems, what: str) -> 
     for key, _, value in entries(node, problems, what):
         if key == "sheet":
             size = _size(value, problems, f"{what}.sheet")
-        elif (made := _part(key, value, problems, f"{what}.{key}")) is not None:
-            parts.append(made)
+        elif (part_read := _part(key, value, problems, f"{what}.{key}")) is not None:
+            parts.append(part_read)
     if len(problems.found) == so_far and (size is None or not parts):
         problems.add(node, f"{what}: expected a sheet, such as sheet: 300 x 100, and parts")
     return nest_of(*size, *parts) if size is not None and len(problems.found) == so_far else None
@@ -316,34 +316,34 @@ def _size(node: yaml.Node, problems: Problems, what: str) -> tuple[float, float]
 
 def read_keys(node: yaml.Node, keys: Sequence[str], problems: Problems, what: str) -> dict[str, yaml.Node]:
     """What stands under the keys of a mapping; others than these are problems."""
-    given: dict[str, yaml.Node] = {}
+    nodes: dict[str, yaml.Node] = {}
     for key, key_node, value in entries(node, problems, what):
         if key in keys:
-            given[key] = value
+            nodes[key] = value
         else:
             problems.add(key_node, f"{what}: {unknown('key', key, keys)}")
-    return given
+    return nodes
 
 
 def _part(name: str, node: yaml.Node, problems: Problems, what: str) -> Part | None:
     if isinstance(node, yaml.ScalarNode):
         rows = _rows(node, problems, what)
         return None if rows is None else part(name, rows)
-    given = read_keys(node, PART_KEYS, problems, what)
-    if "outer" not in given:
+    nodes = read_keys(node, PART_KEYS, problems, what)
+    if "outer" not in nodes:
         problems.add(node, f"{what}: expected {SHAPES}; or outer, holes, marks and attributes")
         return None
-    outer = _rows(given["outer"], problems, f"{what}.outer")
+    outer = _rows(nodes["outer"], problems, f"{what}.outer")
     holes = (
-        [_rows(n, problems, f"{what}.holes") for n in items(given["holes"], problems, what)] if "holes" in given else []
+        [_rows(n, problems, f"{what}.holes") for n in items(nodes["holes"], problems, what)] if "holes" in nodes else []
     )
     marks = (
-        [_line(n, problems, f"{what}.marks") for n in items(given["marks"], problems, what)] if "marks" in given else []
+        [_line(n, problems, f"{what}.marks") for n in items(nodes["marks"], problems, what)] if "marks" in nodes else []
     )
     if outer is None or None in holes or None in marks:
         return None
-    made = part(name, outer, [h for h in holes if h is not None], [m for m in marks if m is not None])
-    return replace(made, attributes=dict(plain(given["attributes"]) or {})) if "attributes" in given else made
+    part_read = part(name, outer, [h for h in holes if h is not None], [m for m in marks if m is not None])
+    return replace(part_read, attributes=dict(plain(nodes["attributes"]) or {})) if "attributes" in nodes else part_read
 
 
 def _rows(node: yaml.Node, problems: Problems, what: str) -> Rows | None:

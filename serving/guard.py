@@ -132,8 +132,8 @@ class Guard:
             return _no(HTTPStatus.FORBIDDEN, "asked from another site")
         by_header = _same(headers.get(HEADER), self._keys.token)
         by_cookie = _same(_cookie(headers, self.cookie), self._keys.cookie)
-        said = parse_qs(scope["query_string"].decode("latin-1")).get(CODE, [])
-        if said and scope["method"] == "GET" and (by_cookie or self._keys.take(said[0])):
+        tokens = parse_qs(scope["query_string"].decode("latin-1")).get(CODE, [])
+        if tokens and scope["method"] == "GET" and (by_cookie or self._keys.take(tokens[0])):
             return self._with_cookie(scope)
         if not by_header and not by_cookie:
             return _no(HTTPStatus.UNAUTHORIZED, NO_KEY, "text/html" in headers.get("accept", ""))
@@ -193,8 +193,8 @@ def page_of_words(
     return HTMLResponse(head + body, status, headers=dict(headers or {}))
 
 
-def _same(said: str | None, key: str) -> bool:
-    return said is not None and hmac.compare_digest(said.encode("utf-8", "replace"), key.encode())
+def _same(token: str | None, key: str) -> bool:
+    return token is not None and hmac.compare_digest(token.encode("utf-8", "replace"), key.encode())
 
 
 def _cookie(headers: Headers, name: str) -> str | None:
@@ -221,28 +221,28 @@ async def said_in(request: Request, *keys: str) -> dict[str, Any]:
     """The body, a JSON object with these keys and no others; nothing stands for an empty one."""
     body = await request.body()
     try:
-        said = json.loads(body or b"{}")
+        fields = json.loads(body or b"{}")
     except (ValueError, RecursionError):
         raise InputError("the body is not JSON") from None
-    if not isinstance(said, dict):
+    if not isinstance(fields, dict):
         raise InputError("the body: expected a JSON object")
-    expect_keys("the body", said, keys)
-    return said
+    expect_keys("the body", fields, keys)
+    return fields
 
 
-def changes_in(said: object) -> list[dict[str, Any]]:
+def changes_in(value: object) -> list[dict[str, Any]]:
     """A list of changes."""
-    if not isinstance(said, list) or not all(isinstance(change, dict) for change in said):
+    if not isinstance(value, list) or not all(isinstance(change, dict) for change in value):
         raise InputError("changes: expected a list of changes")
-    return said
+    return value
 
 
-def whole(said: object) -> int:
+def whole(value: object) -> int:
     """A whole number."""
     try:
-        return int(str(said))
+        return int(str(value))
     except ValueError:
-        raise InputError(f"expected a whole number, got {said!r}") from None
+        raise InputError(f"expected a whole number, got {value!r}") from None
 
 
 async def gone(request: Request) -> None:
@@ -255,12 +255,12 @@ def with_error_text(server: Server, answer: Answer) -> Answer:
     """The same answer, with what goes wrong in words; a stale change gets the state as it is now."""
 
     async def answered(request: Request) -> Response:
-        told = await told_as_json(request)
-        if told.status_code < HTTPStatus.BAD_REQUEST or not request.url.path.startswith("/nest/"):
-            return told
-        said = json.loads(bytes(told.body))["message"]  # a browser asks for a page, and gets one
+        problem = await told_as_json(request)
+        if problem.status_code < HTTPStatus.BAD_REQUEST or not request.url.path.startswith("/nest/"):
+            return problem
+        message = json.loads(bytes(problem.body))["message"]  # a browser asks for a page, and gets one
         return page_of_words(
-            "This nest cannot be shown", said, HTTPStatus(told.status_code), link="The nests of the folder"
+            "This nest cannot be shown", message, HTTPStatus(problem.status_code), link="The nests of the folder"
         )
 
     async def told_as_json(request: Request) -> Response:
@@ -269,11 +269,11 @@ def with_error_text(server: Server, answer: Answer) -> Answer:
                 await server.reopen(request.path_params["id"])  # an earlier server had it open
             return await answer(request)
         except Stale:
-            told = server.as_json(session_of(server, request))
-            return JSONResponse({"kind": "stale", **told}, HTTPStatus.CONFLICT)
+            state = server.as_json(session_of(server, request))
+            return JSONResponse({"kind": "stale", **state}, HTTPStatus.CONFLICT)
         except NotOpen as error:
-            told = {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
-            return JSONResponse(told, HTTPStatus.NOT_FOUND)
+            state = {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
+            return JSONResponse(state, HTTPStatus.NOT_FOUND)
         except TooLarge:
             return too_large()
         except TimeoutError:

@@ -30,7 +30,7 @@ Undone = list[str]
 """Locks that gave way, in a line each."""
 
 
-def edited(wanted: PlanRequest, given: Inputs, changes: Sequence[dict[str, Any]]) -> tuple[str | None, Undone]:
+def edited(wanted: PlanRequest, inputs: Inputs, changes: Sequence[dict[str, Any]]) -> tuple[str | None, Undone]:
     """The text of the job file with all changes made, None for no file, and the locks that gave way to new ones.
 
     A change is `{"lock": LINE}`, `{"unlock": LINE}`, `{"set": KEY, "to": VALUE}`, `{"unset": KEY}`, `{"profile": NAME}`
@@ -43,17 +43,17 @@ def edited(wanted: PlanRequest, given: Inputs, changes: Sequence[dict[str, Any]]
     """
     undone: Undone = []
     text = JobText(wanted.job_text or "")
-    if given.profile.for_one_nest is not None:
-        text = text.without_numbers(dict(given.profile.for_one_nest.numbered))
+    if inputs.profile.for_one_nest is not None:
+        text = text.without_numbers(dict(inputs.profile.for_one_nest.numbered))
     for change in changes:
-        text = _changed(text, given.nest, change, undone)
-    made = text.text or (None if wanted.job_text is None else "")
-    request_inputs(replace(wanted, job_text=made))
-    return made, undone
+        text = _changed(text, inputs.nest, change, undone)
+    job_text = text.text or (None if wanted.job_text is None else "")
+    request_inputs(replace(wanted, job_text=job_text))
+    return job_text, undone
 
 
 def _changed(text: JobText, nest: Nest, change: dict[str, Any], undone: Undone) -> JobText:
-    made: dict[str, Callable[[str], JobText]] = {
+    actions: dict[str, Callable[[str], JobText]] = {
         "lock": lambda line: _locked(text, nest, line, undone),
         "unlock": text.without_lock,
         "set": lambda key: text.with_setting(key, _text(change, "to")),
@@ -61,16 +61,16 @@ def _changed(text: JobText, nest: Nest, change: dict[str, Any], undone: Undone) 
         "profile": text.with_profile,
         "answer": lambda said: text.with_answers(dict(answers_of([said]))),
     }
-    name = next((name for name in made if name in change), None)
+    name = next((name for name in actions if name in change), None)
     if name is None:
-        raise InputError(unknown("change", next(iter(change), ""), made))
+        raise InputError(unknown("change", next(iter(change), ""), actions))
     expect_keys(f"a change {name!r}", change, (name, "to") if name == "set" else (name,))
-    return made[name](_text(change, name))
+    return actions[name](_text(change, name))
 
 
-def expect_keys(what: str, said: Mapping[str, Any], keys: Collection[str]) -> None:
+def expect_keys(what: str, fields: Mapping[str, Any], keys: Collection[str]) -> None:
     """InputError if anything has a key that means nothing there."""
-    if strange := [key for key in said if key not in keys]:
+    if strange := [key for key in fields if key not in keys]:
         raise InputError(f"{what}: {unknown('key', strange[0], keys)}")
 
 
@@ -158,9 +158,9 @@ class JobText:
         root = self._root()
         locks = root.get(LOCKS) or CommentedSeq()
         for k in reversed(range(len(locks))):
-            said = [line for line, _ in JobText(_dumped({LOCKS: [locks[k]]})).lines()]
-            if line in said:
-                locks[k : k + 1] = [_scalar(other) for other in said if other != line]
+            lines = [line for line, _ in JobText(_dumped({LOCKS: [locks[k]]})).lines()]
+            if line in lines:
+                locks[k : k + 1] = [_scalar(other) for other in lines if other != line]
         tabs = root.get(TABS) or CommentedMap()
         for name in list(tabs):
             held = job_of(_dumped({TABS: {name: tabs[name]}}), "the job file").locks

@@ -125,17 +125,17 @@ class KeptSessions:
         """Keep a plan that was made."""
         if (folder := self._of(session.id)) is None:
             return
-        told = {
+        fields_kept = {
             f.name: getattr(plan, f.name) for f in fields(plan) if f.name not in ("files", "page", "wanted", "kept")
         }
-        told |= {"figures": dict(plan.figures), "wanted": _request_told(plan.wanted)}
-        made = BytesIO()
-        with zipfile.ZipFile(made, "w") as archive:  # what is packed is stored as it is
-            archive.writestr(PLAN, json.dumps(told))
+        fields_kept |= {"figures": dict(plan.figures), "wanted": _request_told(plan.wanted)}
+        buffer = BytesIO()
+        with zipfile.ZipFile(buffer, "w") as archive:  # what is packed is stored as it is
+            archive.writestr(PLAN, json.dumps(fields_kept))
             archive.writestr(PAGE, plan.page.data)
             for name, packed in plan.files.items():
                 archive.writestr(FILES + name, packed.data)
-        self._write(folder / f"plan-{plan.number}-{secrets.token_hex(4)}.zip", made.getvalue())
+        self._write(folder / f"plan-{plan.number}-{secrets.token_hex(4)}.zip", buffer.getvalue())
 
     def forget_plan(self, session: Session, number: int) -> None:
         """Keep a plan no longer."""
@@ -148,7 +148,7 @@ class KeptSessions:
         """Keep what is wanted and shown."""
         if (folder := self._of(session.id)) is None:
             return
-        told = {
+        data = {
             "format": FORMAT,
             "nest": session.name,
             "wanted": _request_told(session.wanted),
@@ -163,7 +163,7 @@ class KeptSessions:
             "planning": session.solving is not None,
             "kept": [one.number for one in session.alternatives if one.kept],
         }
-        self._write(folder / "session.json", json.dumps(told).encode())
+        self._write(folder / "session.json", json.dumps(data).encode())
 
     def nest_of(self, key: str) -> str | None:
         """The name of the nest whose session is kept under a key."""
@@ -175,24 +175,24 @@ class KeptSessions:
         folder = self._of(key, make=False)
         if folder is None or not folder.is_dir():
             return None
-        told = self._session(key)
-        kept = set(told.get("kept", ()))
+        data = self._session(key)
+        kept = set(data.get("kept", ()))
         plans = [replace(one, kept=one.number in kept) for one in self._plans(folder, nest)]
-        if not told and not plans:
+        if not data and not plans:
             return None
-        wanted = _request_of(told["wanted"], nest, self._trust) if told else plans[-1].wanted
+        wanted = _request_of(data["wanted"], nest, self._trust) if data else plans[-1].wanted
         numbers = [one.number for one in plans]
         return KeptSession(
             wanted,
-            told.get("on_disk"),
-            told.get("seen"),
-            told.get("changed_job"),
+            data.get("on_disk"),
+            data.get("seen"),
+            data.get("changed_job"),
             plans,
-            told["shown"] if told.get("shown") in numbers else max(numbers, default=0),
-            max([*numbers, told.get("made", 0)]),
-            max([*(one.run for one in plans), told.get("runs", 0)]),
-            told.get("saved"),
-            INTERRUPTED if told.get("planning") else "",
+            data["shown"] if data.get("shown") in numbers else max(numbers, default=0),
+            max([*numbers, data.get("made", 0)]),
+            max([*(one.run for one in plans), data.get("runs", 0)]),
+            data.get("saved"),
+            INTERRUPTED if data.get("planning") else "",
         )
 
     def state_of(self, key: str) -> str:
@@ -206,8 +206,8 @@ class KeptSessions:
 
     def _plans(self, folder: Path, nest: Path) -> Iterator[Alternative]:
         def number(path: Path) -> int:
-            said = path.name.split("-")[1]
-            return int(said) if said.isdecimal() else 0
+            digits = path.name.split("-")[1]
+            return int(digits) if digits.isdecimal() else 0
 
         seen: set[int] = set()
         for path in sorted(folder.glob("plan-*-*.zip"), key=number):
@@ -215,22 +215,22 @@ class KeptSessions:
                 if path.stat().st_size > MOST_BYTES:
                     continue
                 with zipfile.ZipFile(path) as archive:
-                    told = json.loads(archive.read(PLAN))
+                    data = json.loads(archive.read(PLAN))
                     names = [name for name in archive.namelist() if name.startswith(FILES)]
-                    told["files"] = {name.removeprefix(FILES): Packed(archive.read(name)) for name in names}
-                    told["page"] = Packed(archive.read(PAGE))
-                told["wanted"] = _request_of(told["wanted"], nest, self._trust)
-                told |= {"broken": tuple(told["broken"]), "notes": tuple(told["notes"])}
-                made = Alternative(**told)
-                while made.number in seen:  # two servers have planned the same nest
-                    made = replace(made, number=max(seen) + 1)
-                seen.add(made.number)
-                yield made
+                    data["files"] = {name.removeprefix(FILES): Packed(archive.read(name)) for name in names}
+                    data["page"] = Packed(archive.read(PAGE))
+                data["wanted"] = _request_of(data["wanted"], nest, self._trust)
+                data |= {"broken": tuple(data["broken"]), "notes": tuple(data["notes"])}
+                plan = Alternative(**data)
+                while plan.number in seen:  # two servers have planned the same nest
+                    plan = replace(plan, number=max(seen) + 1)
+                seen.add(plan.number)
+                yield plan
 
     def _session(self, key: str) -> dict[str, Any]:
         folder = self._of(key, make=False)
-        told = {} if folder is None else _json_in(folder / "session.json")
-        return told if told.get("format") == FORMAT else {}
+        data = {} if folder is None else _json_in(folder / "session.json")
+        return data if data.get("format") == FORMAT else {}
 
     def _of(self, key: str, make: bool = True) -> Path | None:
         if self._folder is None or not key.isalnum():
@@ -276,21 +276,21 @@ class KeptSession:
 
 def _json_in(path: Path) -> dict[str, Any]:
     try:
-        told = json.loads(path.read_bytes())
+        data = json.loads(path.read_bytes())
     except (OSError, ValueError):
         return {}
-    return told if isinstance(told, dict) else {}
+    return data if isinstance(data, dict) else {}
 
 
 def _request_told(wanted: PlanRequest) -> dict[str, Any]:
-    told = asdict(wanted)
+    data = asdict(wanted)
     for name in ("nest", "trust", "profile_now"):  # these are as the next server has them
-        del told[name]
-    return told
+        del data[name]
+    return data
 
 
-def _request_of(told: Mapping[str, Any], nest: Path, trust: bool) -> PlanRequest:
-    return PlanRequest(str(nest), told["job_text"], told["repair"], told["old_plan"], told["upto"], trust)
+def _request_of(data: Mapping[str, Any], nest: Path, trust: bool) -> PlanRequest:
+    return PlanRequest(str(nest), data["job_text"], data["repair"], data["old_plan"], data["upto"], trust)
 
 
 # What was changed outside while nobody looked.

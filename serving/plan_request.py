@@ -132,12 +132,12 @@ def request_inputs(wanted: PlanRequest, tell: Tell = silent) -> Inputs:
     """
     name = enter_nest_folder(wanted)
     job = job_in(wanted)
-    asked = NestRequest(job=False if job is None else job, last=old_plan(wanted))
-    plant = profile_for(asked, job, tell, lambda named: plant_of(named, wanted.trust))
+    request = NestRequest(job=False if job is None else job, last=old_plan(wanted))
+    plant = profile_for(request, job, tell, lambda named: plant_of(named, wanted.trust))
     read, as_cut = _nest_by(wanted, plant)
     for note in read.notes:
         tell(f"{note.severity}: {note.text}")
-    return locked_for(as_cut, name, plant, asked, job, tell)
+    return locked_for(as_cut, name, plant, request, job, tell)
 
 
 _MOST_READ = 3
@@ -161,10 +161,10 @@ def old_plan(wanted: PlanRequest) -> Plan | None:
     return None if wanted.old_plan is None else plan_in(wanted.old_plan, earlier_plan_name(wanted.nest))
 
 
-def already_of(wanted: PlanRequest, given: Inputs) -> AlreadyCut:
+def already_of(wanted: PlanRequest, inputs: Inputs) -> AlreadyCut:
     """What is cut already."""
     old = old_plan(wanted)
-    return NOTHING_CUT if old is None else already_cut(given, old, wanted.upto)
+    return NOTHING_CUT if old is None else already_cut(inputs, old, wanted.upto)
 
 
 def sha256_of(nest: Path) -> str:

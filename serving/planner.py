@@ -86,22 +86,22 @@ class Planner:
     ) -> dict[str, Any]:
         self._asking.tell(phase="reading")
         notes: list[str] = []
-        given = request_inputs(wanted)
-        already = already_of(wanted, given)
+        inputs = request_inputs(wanted)
+        already = already_of(wanted, inputs)
         listener = Listener(self._reached())
-        limits = options_for(given.nest, given.profile, work=work, memory_gb=memory_gb)
+        limits = options_for(inputs.nest, inputs.profile, work=work, memory_gb=memory_gb)
 
-        def kept(made: VerifiedPlan) -> dict[str, Any]:
-            return self._planned(wanted, given, made, False) | {"notes": [], "work": work, "memory_gb": memory_gb}
+        def kept(verified: VerifiedPlan) -> dict[str, Any]:
+            return self._planned(wanted, inputs, verified, False) | {"notes": [], "work": work, "memory_gb": memory_gb}
 
-        shown = PlansShown(self._asking, given, already, limits, kept)
+        shown = PlansShown(self._asking, inputs, already, limits, kept)
         if not relax:
             shown.first(start, wanted)
         while True:
-            limits = options_for(given.nest, given.profile, work=work, memory_gb=memory_gb)
+            limits = options_for(inputs.nest, inputs.profile, work=work, memory_gb=memory_gb)
             try:
                 done = plan_nest(
-                    given,
+                    inputs,
                     limits,
                     already=already,
                     relax=relax,
@@ -114,11 +114,11 @@ class Planner:
                 if no_plan.conflict is None and work < WORK and not listener.stopped:
                     work = min(WORK, max(SECOND_WORK, MORE_WORK * work))
                     continue
-                return {"conflict": conflict_data(no_plan, given.job)}
+                return {"conflict": conflict_data(no_plan, inputs.job)}
             except RulesConflict as error:
                 return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
-            said = {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
-            return self._planned(wanted, given, done.made, listener.stopped) | said
+            result = {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
+            return self._planned(wanted, inputs, done.made, listener.stopped) | result
 
     def _finishing(self, plan: Plan) -> None:
         self._asking.go_on()
@@ -129,24 +129,24 @@ class Planner:
     ) -> dict[str, Any]:
         """What a way out of a conflict would bring: a first plan's cost, or the sentence that is left in the way."""
         self._asking.begin()
-        given = request_inputs(wanted)
-        text, undone = edited(wanted, given, changes)
-        given = request_inputs(replace(wanted, job_text=text))
-        limits = options_for(given.nest, given.profile, work=REMEDY_WORK, memory_gb=memory_gb)
+        inputs = request_inputs(wanted)
+        text, undone = edited(wanted, inputs, changes)
+        inputs = request_inputs(replace(wanted, job_text=text))
+        limits = options_for(inputs.nest, inputs.profile, work=REMEDY_WORK, memory_gb=memory_gb)
         try:
             done = plan_nest(
-                given, limits, already=already_of(wanted, given), relax=relax, listener=Listener(self._reached())
+                inputs, limits, already=already_of(wanted, inputs), relax=relax, listener=Listener(self._reached())
             )
         except NoPlan as no_plan:
-            left = first_sentence(no_plan, given.job)
+            left = first_sentence(no_plan, inputs.job)
             return {"works": False, "text": f"another contradiction is left: {left}", "undone": undone}
         except RulesConflict as error:
             return {"works": False, "text": str(error), "undone": undone}
         plan = done.made.plan
         relaxed = sum(dropped.relaxed for dropped in plan.dropped)
         idle_mm = plan.totals.idle_mm
-        told = f"a plan with {idle_mm / 1000:.3f} m of idle travel" + (f", {relaxed} relaxed" if relaxed else "")
-        return {"works": done.made.verdict.ok, "text": told, "idle_mm": float(idle_mm), "undone": undone}
+        sentence = f"a plan with {idle_mm / 1000:.3f} m of idle travel" + (f", {relaxed} relaxed" if relaxed else "")
+        return {"works": done.made.verdict.ok, "text": sentence, "idle_mm": float(idle_mm), "undone": undone}
 
     def effect(
         self, wanted: PlanRequest, values: list[tuple[str, str, str]], memory_gb: float = MEMORY_GB
@@ -155,15 +155,15 @@ class Planner:
         self._asking.begin()
         return self._effects.effect(wanted, values, memory_gb)
 
-    def _planned(self, wanted: PlanRequest, given: Inputs, made: VerifiedPlan, stopped: bool) -> dict[str, Any]:
+    def _planned(self, wanted: PlanRequest, inputs: Inputs, made: VerifiedPlan, stopped: bool) -> dict[str, Any]:
         """All that is kept of a plan: its files but for the picture, and what a list of plans says of it."""
         plan = made.plan
         program, plan_file, _ = output_names(Path(wanted.nest))
-        remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
-        data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
+        remnant = {str(path): text for path, text in remnant_files(program, inputs.nest, inputs.profile).items()}
+        data = page_data(inputs, plan, made.verdict, made.program, heat=False, detail="none")
         files = {program: made.program, plan_file: plan.to_json(), **remnant}
         return {
-            "sha256": given.nest.sha256,
+            "sha256": inputs.nest.sha256,
             "files": {name: Packed.of(text) for name, text in files.items()},
             "plan_file": plan_file,
             "program_file": program,
@@ -192,8 +192,8 @@ class Planner:
 
 def planner(asking: Questions) -> Answers:
     """The questions that the planner answers."""
-    made = Planner(asking)
-    return {name: getattr(made, name) for name in ("ready", "solve", "tried", "effect")}
+    answers = Planner(asking)
+    return {name: getattr(answers, name) for name in ("ready", "solve", "tried", "effect")}
 
 
 # What is shown while a plan is made: plans that are better and better, and the phase in a planner's words.
@@ -257,13 +257,13 @@ class PlansShown:
     def __init__(
         self,
         asking: Questions,
-        given: Inputs,
+        inputs: Inputs,
         already: AlreadyCut,
         limits: SolveOptions,
         kept: Callable[[VerifiedPlan], dict[str, Any]],
     ) -> None:
-        self._asking, self._given, self._already, self._limits, self._kept = asking, given, already, limits, kept
-        self._profile = lock_broken_cut_first(given.profile, already)
+        self._asking, self._given, self._already, self._limits, self._kept = asking, inputs, already, limits, kept
+        self._profile = lock_broken_cut_first(inputs.profile, already)
         self._best_mm, self._next_s = math.inf, time.monotonic() + SHOWN_EACH_S  # it may be proven by then
 
     @property
@@ -295,15 +295,15 @@ class PlansShown:
         if solution.objective >= self._best_mm * (1 - SHOWN_GAIN) or time.monotonic() < self._next_s:
             return
         if self._asking.go_on():
-            made = verified_plan(request, self._profile, solution, self._limits)
-            self._shows(made, "better" if self._best_mm < math.inf else "first")
+            verified = verified_plan(request, self._profile, solution, self._limits)
+            self._shows(verified, "better" if self._best_mm < math.inf else "first")
 
-    def _shows(self, made: VerifiedPlan, stage: str) -> bool:
-        began_s, cost_mm = time.monotonic() - made.judging_s, float(made.plan.solve.objective)
-        if not made.verdict.ok or cost_mm >= self._best_mm:
+    def _shows(self, verified: VerifiedPlan, stage: str) -> bool:
+        began_s, cost_mm = time.monotonic() - verified.judging_s, float(verified.plan.solve.objective)
+        if not verified.verdict.ok or cost_mm >= self._best_mm:
             return False
         self._best_mm = cost_mm
-        self._asking.tell(plan=self._kept(made) | {"stage": stage}, phase="improving")
+        self._asking.tell(plan=self._kept(verified) | {"stage": stage}, phase="improving")
         now_s = time.monotonic()
         self._next_s = now_s + max(SHOWN_EACH_S, SHOWN_SHARE * (now_s - began_s))
         return True
@@ -418,8 +418,8 @@ class Effects:
         changes = [{"set": f"rules.{rule}.{key}", "to": value} for rule, key, value in values]
         text, _ = edited(wanted, before.given, changes)
         after = self._planned(replace(wanted, job_text=text), memory_gb)
-        told = {"before": _figures(before.plan, before.given), "after": _figures(after.plan, before.given)}
-        return told | {"text": "; ".join(one.text for one in (before, after) if one.text)}
+        result = {"before": _figures(before.plan, before.given), "after": _figures(after.plan, before.given)}
+        return result | {"text": "; ".join(one.text for one in (before, after) if one.text)}
 
     def _planned_before(self, wanted: PlanRequest, memory_gb: float) -> _Planned:
         if self._before is None or self._before[0] != wanted.key or not self._before[1].whole:
@@ -427,16 +427,16 @@ class Effects:
         return self._before[1]
 
     def _planned(self, wanted: PlanRequest, memory_gb: float) -> _Planned:
-        given = request_inputs(wanted)
-        limits = options_for(given.nest, given.profile, work=EFFECT_WORK, memory_gb=memory_gb)
+        inputs = request_inputs(wanted)
+        limits = options_for(inputs.nest, inputs.profile, work=EFFECT_WORK, memory_gb=memory_gb)
         listener = Listener(self.heard())
         try:
-            done = plan_nest(given, limits, already=already_of(wanted, given), listener=listener)
+            done = plan_nest(inputs, limits, already=already_of(wanted, inputs), listener=listener)
         except NoPlan as no_plan:
-            return _Planned(given, None, first_sentence(no_plan, given.job), whole=not listener.stopped)
+            return _Planned(inputs, None, first_sentence(no_plan, inputs.job), whole=not listener.stopped)
         except RulesConflict as error:
-            return _Planned(given, None, str(error))
-        return _Planned(given, done.made.plan, whole=not listener.stopped)
+            return _Planned(inputs, None, str(error))
+        return _Planned(inputs, done.made.plan, whole=not listener.stopped)
 
 
 def _figures(plan: Plan | None, judged_by: Inputs) -> dict[str, Any] | None:

@@ -155,8 +155,8 @@ class Planning:
     async def _solve(self, run: PlanningRun) -> None:
         loop, session = asyncio.get_running_loop(), run.session
 
-        def heard(told: dict[str, Any]) -> None:
-            loop.call_soon_threadsafe(self._reached, run, told)
+        def heard(event: dict[str, Any]) -> None:
+            loop.call_soon_threadsafe(self._reached, run, event)
 
         async with self.turns.turn(session.name):
             if self._runs.get(session.id) is not run:  # cancelled while it waited, and perhaps begun anew
@@ -168,18 +168,18 @@ class Planning:
             limits["start"] = None if start is None or start.wanted.upto != run.wanted.upto else start.plan
             try:
                 ask = partial(self.helper.ask, "solve", heard, wanted=run.wanted, relax=run.relax, **limits)
-                told = await to_thread.run_sync(ask)
+                answer = await to_thread.run_sync(ask)
             except Refused as error:
                 self._end(run, problem=error.told["message"], questions=error.told.get("questions", []))
             except Died as error:
-                asked = run.ending == "at once"
-                said = "ended" if run.shown else "ended without a plan"
-                self._end(run, problem=said if asked else str(error))
+                at_once = run.ending == "at once"
+                how = "ended" if run.shown else "ended without a plan"
+                self._end(run, problem=how if at_once else str(error))
             else:
-                if "conflict" in told:
-                    self._end(run, conflict=told["conflict"])
-                elif "superseded" not in told and not (told["stopped"] and session.is_known(told, run.number)):
-                    session.add(told | {"stage": "final"}, run.wanted, run.relax, run.number)
+                if "conflict" in answer:
+                    self._end(run, conflict=answer["conflict"])
+                elif "superseded" not in answer and not (answer["stopped"] and session.is_known(answer, run.number)):
+                    session.add(answer | {"stage": "final"}, run.wanted, run.relax, run.number)
                     self._end(run)
             finally:
                 self._end(run)
@@ -188,14 +188,14 @@ class Planning:
         if current is not None:  # so that the first move is answered at once
             self._planned(session, current.number)
 
-    def _reached(self, run: PlanningRun, told: dict[str, Any]) -> None:
+    def _reached(self, run: PlanningRun, event: dict[str, Any]) -> None:
         """A run has told something: a plan, or how far it is."""
         session = run.session
-        if (plan := told.pop("plan", None)) is not None:
+        if (plan := event.pop("plan", None)) is not None:
             shown = session.add(plan, run.wanted, run.relax, run.number)
             run.shown, run.gained_mm = shown.number, run.gained_mm + (shown.gained_mm or 0.0)
             self._planned(session, shown.number)
-        for name, value in told.items():
+        for name, value in event.items():
             setattr(run, name, value)
         self._tell(run)
         if run is self._now and run.ending:

@@ -90,12 +90,12 @@ def profile_text(wanted: PlanRequest, values: Sequence[RuleValue], new: str | No
         path = _new_path(wanted, new)
         based_on = Path(plant.file).stem if _shipped(plant) else _from(path.parent, plant)
         text = f"{_BEGUN}based_on: {Text().write(based_on)}\n"
-    made = with_rule_values(text, [(rule, key, value) for rule, key, value in values])
+    changed = with_rule_values(text, [(rule, key, value) for rule, key, value in values])
     try:
-        expect_usable(made, path, wanted.trust)
+        expect_usable(changed, path, wanted.trust)
     except OSError as error:
         raise InputError(f"cannot write here: {error.strerror}", file=path) from None
-    return {"path": str(path), "text": made, "sha256": None if new is not None else _sha256(before)}
+    return {"path": str(path), "text": changed, "sha256": None if new is not None else _sha256(before)}
 
 
 def profile_files(wanted: PlanRequest) -> list[str]:

@@ -22,12 +22,12 @@ Values = Sequence[tuple[str, str, str]]
 
 async def profile_told(server: Server, session: Session) -> dict[str, Any]:
     """The session's profile with its rules, whether it may be written here, and if not, why not."""
-    told: dict[str, Any] = await server.asked("profile", wanted=session.wanted)
-    why_not = _why_not(server, told)
-    return {**told, "file": _shown(server, Path(told["path"])), "writable": not why_not, "why_not": why_not}
+    answer: dict[str, Any] = await server.asked("profile", wanted=session.wanted)
+    why_not = _why_not(server, answer)
+    return {**answer, "file": _shown(server, Path(answer["path"])), "writable": not why_not, "why_not": why_not}
 
 
-async def write_profile(server: Server, session: Session, said: dict[str, Any]) -> dict[str, Any]:
+async def write_profile(server: Server, session: Session, body: dict[str, Any]) -> dict[str, Any]:
     """Write values into the profile, or into a new one that is based on it, and plan by that from now on.
 
     Raises
@@ -35,48 +35,48 @@ async def write_profile(server: Server, session: Session, said: dict[str, Any]) 
     InputError, Refused
         If the profile lies where nothing is written, was changed meanwhile, or cannot say this. Then it is as it was.
     """
-    values, new, version = values_of(said.get("changes")), said.get("as"), session.version
+    values, new, version = values_of(body.get("changes")), body.get("as"), session.version
     if new is not None and not isinstance(new, str):
         raise InputError("as: expected the name of a file")
     before = await profile_told(server, session)
     if new is None and not before["writable"]:
         raise InputError(before["why_not"])
-    if new is None and said.get("sha256") != before["sha256"]:
+    if new is None and body.get("sha256") != before["sha256"]:
         raise InputError(f"{before['file']} has changed since it was shown: look at it again")
-    made = await server.asked("profile_text", wanted=session.wanted, values=values, new=new)
+    written = await server.asked("profile_text", wanted=session.wanted, values=values, new=new)
     session.expect(version)
-    path = Path(made["path"])
+    path = Path(written["path"])
     if new is not None and not path.resolve().is_relative_to(server.folder.path):
         raise InputError("a new profile is written in the folder that is served only")
-    _write(path, made["text"].encode("utf-8"), made["sha256"])
+    _write(path, written["text"].encode("utf-8"), written["sha256"])
     if new is None:
         await _read_again(server, path)
     else:
-        told = await server.asked("edited", wanted=session.wanted, changes=[{"profile": path.name}])
-        await server.want(session, replace(session.wanted, job_text=told["job_text"]))
+        result = await server.asked("edited", wanted=session.wanted, changes=[{"profile": path.name}])
+        await server.want(session, replace(session.wanted, job_text=result["job_text"]))
     return {"file": _shown(server, path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 
-def values_of(said: Any) -> list[tuple[str, str, str]]:
+def values_of(value: Any) -> list[tuple[str, str, str]]:
     """`[{"rule": "heat-lag", "key": "weight", "to": "80 mm"}]` as rules, keys and values."""
-    if not isinstance(said, list) or not 0 < len(said) <= MOST_VALUES:
+    if not isinstance(value, list) or not 0 < len(value) <= MOST_VALUES:
         raise InputError(f"changes: expected a list of 1 to {MOST_VALUES} changes")
     found = []
-    for one in said:
-        given = [one.get(key) if isinstance(one, dict) else None for key in ("rule", "key", "to")]
-        texts = [text for text in given if isinstance(text, str) and text.strip()]
-        if len(texts) < len(given):
+    for one in value:
+        values = [one.get(key) if isinstance(one, dict) else None for key in ("rule", "key", "to")]
+        texts = [text for text in values if isinstance(text, str) and text.strip()]
+        if len(texts) < len(values):
             raise InputError(f'expected {{"rule": …, "key": …, "to": …}}, got {one!r}')
         expect_keys("a change of a rule", one, ("rule", "key", "to"))
         found.append((texts[0], texts[1], texts[2]))
     return found
 
 
-def _why_not(server: Server, told: dict[str, Any]) -> str:
+def _why_not(server: Server, answer: dict[str, Any]) -> str:
     """Why a profile is not written here; "" where it is."""
-    path = Path(told["path"])
-    if told["shipped"]:
-        return f"{told['name']} comes with kerfwise and is not changed: save it as a profile of your own"
+    path = Path(answer["path"])
+    if answer["shipped"]:
+        return f"{answer['name']} comes with kerfwise and is not changed: save it as a profile of your own"
     if path.is_relative_to(server.folder.path) or (server.profile and Path(server.profile).resolve() == path):
         return ""
     return (

@@ -90,8 +90,8 @@ class Desk:
 
     def picture(self, wanted: PlanRequest, plan: str) -> str:
         """The picture of a plan that is saved beside it (SVG)."""
-        given = self._read(wanted).given
-        return draw(given.nest, plan_in(plan), ".svg", given.profile.home_on(given.nest)).decode("utf-8")
+        inputs = self._read(wanted).given
+        return draw(inputs.nest, plan_in(plan), ".svg", inputs.profile.home_on(inputs.nest)).decode("utf-8")
 
     def preview(self, wanted: PlanRequest) -> str:
         """How a drawing is understood with the answers of the wanted job file, as the address of a picture.
@@ -101,8 +101,8 @@ class Desk:
         """
         name = enter_nest_folder(wanted)
         job = job_in(wanted)
-        asked = NestRequest(job=False if job is None else job)
-        plant = profile_for(asked, job, silent, lambda named: plant_of(named, wanted.trust))
+        request = NestRequest(job=False if job is None else job)
+        plant = profile_for(request, job, silent, lambda named: plant_of(named, wanted.trust))
         found = seen(name, reading(plant, repair=wanted.repair))
         lines = found.lines
         if found.nest is not None and job is not None and {question for question, _ in job.answers} & set(OF_CUTTING):
@@ -120,16 +120,16 @@ class Desk:
         """
         if outside := next((one for one in changes if one.startswith("add ") and re.search(r"[/\\\\]", one)), None):
             raise InputError(f"{outside!r}: parts are added from files in the folder of the nest")
-        given = self._read(wanted).given
-        cut = already_of(wanted, given).contours
-        made = editing(given.nest, given.profile, cut=cut).do(*changes)
-        parts = [part.id for part in made.nest.parts]
-        return {"text": made.text(), "parts": parts, "off": list(made.off), "drawing": nest_data(made.nest)}
+        inputs = self._read(wanted).given
+        cut = already_of(wanted, inputs).contours
+        edited = editing(inputs.nest, inputs.profile, cut=cut).do(*changes)
+        parts = [part.id for part in edited.nest.parts]
+        return {"text": edited.text(), "parts": parts, "off": list(edited.off), "drawing": nest_data(edited.nest)}
 
     def room(self, wanted: PlanRequest) -> dict[str, Any]:
         """How far parts keep from each other and from the edge of the sheet, mm, and which are cut already."""
-        given = self._read(wanted).given
-        now = editing(given.nest, given.profile, cut=already_of(wanted, given).contours)
+        inputs = self._read(wanted).given
+        now = editing(inputs.nest, inputs.profile, cut=already_of(wanted, inputs).contours)
         return {"gap_mm": now.spacing.gap_mm, "edge_mm": now.spacing.edge_mm, "cut": sorted(now.cut)}
 
     def thumbnail(self, wanted: PlanRequest) -> str:
@@ -157,8 +157,8 @@ class Desk:
 
     def why(self, wanted: PlanRequest, plan: str, contour: str) -> dict[str, Any]:
         """Why a contour is cut where it is, as the page shows it, and as `text`."""
-        told = self._mover(wanted, plan)[0].explain(contour)
-        return why_data(told) | {"text": as_text(told)}
+        explanation = self._mover(wanted, plan)[0].explain(contour)
+        return why_data(explanation) | {"text": as_text(explanation)}
 
     def move(
         self, wanted: PlanRequest, plan: str, contours: Sequence[str], place: int, look: bool = False
@@ -201,9 +201,9 @@ class Desk:
 
     def _against(self, wanted: PlanRequest, locks: Sequence[Lock]) -> list[Lock]:
         """The locks of the job file that give way to others."""
-        given, text = self._read(wanted).given, JobText(wanted.job_text or "")
-        gone = set(conflicting_locks(given.nest, text, locks))
-        return [] if given.job is None else [lock for lock in given.job.locks if gone & set(lines_of(lock))]
+        inputs, text = self._read(wanted).given, JobText(wanted.job_text or "")
+        gone = set(conflicting_locks(inputs.nest, text, locks))
+        return [] if inputs.job is None else [lock for lock in inputs.job.locks if gone & set(lines_of(lock))]
 
     def _read(self, wanted: PlanRequest, again: bool = False) -> _Read:
         def read() -> _Read:
@@ -228,17 +228,17 @@ class Desk:
 
     def _side(self, name: str, wanted: PlanRequest, plan: str) -> Side:
         def made() -> Side:
-            given, made_of = self._planned(wanted, plan)
-            return side_of(SideAsked(name, given, made_of))
+            inputs, made_of = self._planned(wanted, plan)
+            return side_of(SideAsked(name, inputs, made_of))
 
         return self._sides.get((name, wanted.key, plan), made)
 
     def _planned(self, wanted: PlanRequest, plan: str) -> tuple[Inputs, Plan]:
         """A plan, with the nest and the profile that it is of."""
-        made_of, given = plan_in(plan), self._read(wanted).given
-        if made_of.profile.get("sha256") != given.profile.sha256:  # it was changed on disk since it was read
-            given = self._read(wanted, again=True).given
-        return given, made_of
+        made_of, inputs = plan_in(plan), self._read(wanted).given
+        if made_of.profile.get("sha256") != inputs.profile.sha256:  # it was changed on disk since it was read
+            inputs = self._read(wanted, again=True).given
+        return inputs, made_of
 
 
 def _shapes(nest: Nest) -> dict[str, str]:
@@ -268,9 +268,9 @@ def _gives_way(explainer: Explainer, moved: MovePreview) -> list[str]:
     return rules if all(rule in book and book[rule].gives_way for rule in rules) else []
 
 
-def _rule(given: Inputs, name: str) -> dict[str, Any]:
+def _rule(inputs: Inputs, name: str) -> dict[str, Any]:
     """A rule as its slider shows it; one of the plant's own has no key that can be set."""
-    profile = given.profile
+    profile = inputs.profile
     rule, setting = profile.rulebook()[name], profile.rules.get(name) or profile.settings()[name]
     return {
         "id": name,
@@ -285,10 +285,11 @@ def _rule(given: Inputs, name: str) -> dict[str, Any]:
 
 def desk(asking: Questions) -> Answers:
     """The questions that the desk answers."""
-    made = Desk()
+    answers = Desk()
     own = (
-        made.ready, made.prepared, made.opened, made.preview, made.picture, made.thumbnail, made.edited, made.changed,
-        made.room, made.page, made.compared, made.heat, made.why, made.move,
+        answers.ready, answers.prepared, answers.opened, answers.preview, answers.picture,
+        answers.thumbnail, answers.edited, answers.changed, answers.room, answers.page, answers.compared,
+        answers.heat, answers.why, answers.move,
     )  # fmt: skip
     return {**{answer.__name__: answer for answer in own}, **profile_answers()}
 

@@ -86,7 +86,7 @@ class Reading:
         )
         wanted = [one for one in found if is_readable(one.name) and said in one.name.casefold()]
         rows = [self._row(one) for one in wanted[first : first + MOST_ROWS]]
-        told = {
+        answer = {
             "nests": [row["name"] for row in rows],
             "rows": rows,
             "found": len(wanted),
@@ -95,7 +95,7 @@ class Reading:
             "unreadable": [escape_text(one.name) for one in found if not is_readable(one.name)][:MOST_ROWS],
             "first": self._first,
         }
-        return JSONResponse(told)
+        return JSONResponse(answer)
 
     def _row(self, nest: NestFile) -> dict[str, Any]:
         """A nest of the list, with its plans: how many there are, and the state of the one that is shown."""
@@ -142,16 +142,16 @@ class Reading:
 
     async def move(self, request: Request) -> Response:
         """`?contours=P1.outer&place=3&look=0`: whether they may be cut from that place on, and what it costs."""
-        said = request.query_params
-        contours = said.getlist("contours")
+        query = request.query_params
+        contours = query.getlist("contours")
         if not contours:
             raise InputError("contours: expected the id of a contour or the name of a part")
-        given = {
+        arguments = {
             "contours": contours,
-            "place": whole(said.get("place")),
-            "look": said.get("look") == "1",
+            "place": whole(query.get("place")),
+            "look": query.get("look") == "1",
         }
-        return JSONResponse(await self._about(request, "move", **given))
+        return JSONResponse(await self._about(request, "move", **arguments))
 
     async def program(self, request: Request) -> Response:
         """The NC text of a plan."""
@@ -224,30 +224,30 @@ class Writing:
 
         A drawing that raises questions is refused with them; answers are kept in its job file once all are given.
         """
-        said = await said_in(request, "nest", "repair", "answers")
-        path = self._server.folder.nest(str(said.get("nest", "")))
-        session = await self._server.open_nest(path, said.get("repair") is True, _answers_in(said.get("answers")))
+        body = await said_in(request, "nest", "repair", "answers")
+        path = self._server.folder.nest(str(body.get("nest", "")))
+        session = await self._server.open_nest(path, body.get("repair") is True, _answers_in(body.get("answers")))
         return JSONResponse(self._server.as_json(session))
 
     async def preview(self, request: Request) -> Response:
         """`{"nest": NAME, "repair": false, "answers": {…}}`: a picture of how it is understood so; nothing is kept."""
-        said = await said_in(request, "nest", "repair", "answers")
-        path = self._server.folder.nest(str(said.get("nest", "")))
-        answers = _answers_in(said.get("answers"))
-        return JSONResponse({"picture": await self._server.preview(path, said.get("repair") is True, answers)})
+        body = await said_in(request, "nest", "repair", "answers")
+        path = self._server.folder.nest(str(body.get("nest", "")))
+        answers = _answers_in(body.get("answers"))
+        return JSONResponse({"picture": await self._server.preview(path, body.get("repair") is True, answers)})
 
     async def drop(self, request: Request) -> Response:
         """A drawing as the body, `?name=plate.dxf&repair=0`: one that can be cut is written into the folder.
 
         `&answers={"frame": "sheet"}` answers its questions; with `&preview=1` a picture is all that is made.
         """
-        said = request.query_params
-        name, repair, body = said.get("name", ""), said.get("repair") == "1", await request.body()
+        query = request.query_params
+        name, repair, body = query.get("name", ""), query.get("repair") == "1", await request.body()
         try:
-            answers = _answers_in(json.loads(said.get("answers") or "{}"))
+            answers = _answers_in(json.loads(query.get("answers") or "{}"))
         except json.JSONDecodeError:
             answers = _answers_in("no JSON")
-        if said.get("preview") == "1":
+        if query.get("preview") == "1":
             return JSONResponse({"picture": await self._server.preview_of_drop(name, body, repair, answers)})
         session = await self._server.drop(name, body, repair, answers)
         return JSONResponse(self._server.as_json(session), HTTPStatus.CREATED)
@@ -258,9 +258,9 @@ class Writing:
         With `"plan": true`, here and where a plan is gone back to or cut in part, what is wanted then is planned at
         once: a planning that runs gives way.
         """
-        session, said = await self._writing(request, "changes", "plan")
-        undone = await self._server.edit(session, changes_in(said.get("changes")))
-        self._plan(session, said)
+        session, body = await self._writing(request, "changes", "plan")
+        undone = await self._server.edit(session, changes_in(body.get("changes")))
+        self._plan(session, body)
         return JSONResponse({**self._server.as_json(session), "undone": undone})
 
     async def change_nest(self, request: Request) -> Response:
@@ -268,64 +268,64 @@ class Writing:
 
         Without a name nothing is written: its parts are told, or what would collide.
         """
-        session, said = await self._writing(request, "changes", "as")
-        changes, name = said.get("changes"), said.get("as")
+        session, body = await self._writing(request, "changes", "as")
+        changes, name = body.get("changes"), body.get("as")
         if not isinstance(changes, list) or not changes or not all(isinstance(one, str) for one in changes):
             raise InputError(f"changes: expected lines such as 'drop P1', got {changes!r}")
         if name is not None and not isinstance(name, str):
             raise InputError(f"as: expected the name of a nest, got {name!r}")
-        told = await self._server.change_nest(session, changes, name)
-        return JSONResponse(told, HTTPStatus.OK if name is None else HTTPStatus.CREATED)
+        result = await self._server.change_nest(session, changes, name)
+        return JSONResponse(result, HTTPStatus.OK if name is None else HTTPStatus.CREATED)
 
     async def cut(self, request: Request) -> Response:
         """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""
-        session, said = await self._writing(request, "upto", "plan", shown=True)
-        await self._server.cut_up_to(session, whole(said.get("upto")))
-        self._plan(session, said)
+        session, body = await self._writing(request, "upto", "plan", shown=True)
+        await self._server.cut_up_to(session, whole(body.get("upto")))
+        self._plan(session, body)
         return JSONResponse(self._server.as_json(session))
 
     async def back(self, request: Request) -> Response:
         """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again."""
-        session, said = await self._writing(request, "to", "plan")
-        number = whole(said.get("to"))
+        session, body = await self._writing(request, "to", "plan")
+        number = whole(body.get("to"))
         await self._server.want(session, restore_plan(session, number), shown=number, following=0)
-        self._plan(session, said)
+        self._plan(session, body)
         return JSONResponse(self._server.as_json(session))
 
     async def solve(self, request: Request) -> Response:
         """`{"version": 3, "work": 30, "relax": false}`: the planning begins; events tell how it goes."""
-        session, said = await self._writing(request, "work", "relax")
-        work = said.get("work")
+        session, body = await self._writing(request, "work", "relax")
+        work = body.get("work")
         if work is not None and not (isinstance(work, int | float) and 0 < work <= 10_000):
             raise InputError(f"work: expected a number over 0, got {work!r}")
-        self._server.planning.solve(session, work, said.get("relax") is True)
+        self._server.planning.solve(session, work, body.get("relax") is True)
         return JSONResponse(self._server.as_json(session), HTTPStatus.ACCEPTED)
 
     async def cancel(self, request: Request) -> Response:
         """`{"at_once": false}`: the best plan so far is kept, unless it is to end at once."""
-        session, said = self._session(request), await said_in(request, "version", "at_once")
-        self._server.planning.cancel(session, said.get("at_once") is True)
+        session, body = self._session(request), await said_in(request, "version", "at_once")
+        self._server.planning.cancel(session, body.get("at_once") is True)
         return JSONResponse(self._server.as_json(session), HTTPStatus.ACCEPTED)
 
     async def keep(self, request: Request) -> Response:
         """`{"number": 3, "kept": true}`: that plan is never thrown away, however many come."""
-        session, said = self._session(request), await said_in(request, "version", "number", "kept")
-        session.keep(whole(said.get("number")), said.get("kept") is not False)
+        session, body = self._session(request), await said_in(request, "version", "number", "kept")
+        session.keep(whole(body.get("number")), body.get("kept") is not False)
         return JSONResponse(self._server.as_json(session))
 
     async def differences(self, request: Request) -> Response:
         """`{"version": 3, "job": "disk"}` or `"kept"`: that job file counts; with `{"nest": "seen"}` the drawing is."""
-        session, said = await self._writing(request, "job", "nest")
-        job = said.get("job")
-        if job not in (None, "disk", "kept") or (job is None) == (said.get("nest") != "seen"):
+        session, body = await self._writing(request, "job", "nest")
+        job = body.get("job")
+        if job not in (None, "disk", "kept") or (job is None) == (body.get("nest") != "seen"):
             raise InputError('expected {"job": "disk"}, {"job": "kept"} or {"nest": "seen"}')
         await self._server.settle(session, job)
         return JSONResponse(self._server.as_json(session))
 
     async def tried(self, request: Request) -> Response:
         """`{"changes": […], "relax": false}`: what they would bring; nothing is changed. Who hangs up cancels it."""
-        session, said = self._session(request), await said_in(request, "version", "changes", "relax")
-        changes, relax = changes_in(said.get("changes") or []), said.get("relax") is True
+        session, body = self._session(request), await said_in(request, "version", "changes", "relax")
+        changes, relax = changes_in(body.get("changes") or []), body.get("relax") is True
         return await self._planned(request, session, "tried", changes=changes, relax=relax)
 
     async def effect(self, request: Request) -> Response:
@@ -333,50 +333,50 @@ class Writing:
 
         Nothing is changed. Who hangs up cancels it.
         """
-        session, said = self._session(request), await said_in(request, "version", "changes")
-        return await self._planned(request, session, "effect", values=values_of(said.get("changes")))
+        session, body = self._session(request), await said_in(request, "version", "changes")
+        return await self._planned(request, session, "effect", values=values_of(body.get("changes")))
 
     async def save(self, request: Request) -> Response:
         """`{"version": 3}`: the files of the shown plan and its job file, and the command line that makes the same."""
-        session, said = await self._writing(request, shown=True)
+        session, body = await self._writing(request, shown=True)
         plan = session.current
         profile_sha256 = picture = ""
         if plan is not None and plan.sha256 == session.opened["sha256"]:  # another one is refused anyway
             profile_sha256 = await self._server.asked("profile_sha256", wanted=plan.wanted)
             picture = await self._server.about(session, "picture")
-        session.expect(said.get("version"), shown=True)  # the desk took its time, and another tab did not wait
-        told = save(session, self._server.folder, profile_sha256, picture)
-        return JSONResponse({**self._server.as_json(session), "saved": told})
+        session.expect(body.get("version"), shown=True)  # the desk took its time, and another tab did not wait
+        saved = save(session, self._server.folder, profile_sha256, picture)
+        return JSONResponse({**self._server.as_json(session), "saved": saved})
 
     async def write_profile(self, request: Request) -> Response:
         """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile."""
-        session, said = await self._writing(request, "sha256", "changes", "as")
-        told = await write_profile(self._server, session, said)
-        return JSONResponse({**self._server.as_json(session), "written": told})
+        session, body = await self._writing(request, "sha256", "changes", "as")
+        result = await write_profile(self._server, session, body)
+        return JSONResponse({**self._server.as_json(session), "written": result})
 
     async def _planned(self, request: Request, session: Session, question: str, **given: Any) -> Response:
         hung_up = partial(gone, request)
-        asked = self._server.planning.asked(session.name, question, hung_up, wanted=session.wanted, **given)
-        return JSONResponse(await asked)
+        answer = self._server.planning.asked(session.name, question, hung_up, wanted=session.wanted, **given)
+        return JSONResponse(await answer)
 
     def _session(self, request: Request) -> Session:
         return session_of(self._server, request)
 
     async def _writing(self, request: Request, *keys: str, shown: bool = False) -> tuple[Session, dict[str, Any]]:
-        session, said = self._session(request), await said_in(request, "version", *keys)
-        session.expect(said.get("version"), shown)
-        return session, said
+        session, body = self._session(request), await said_in(request, "version", *keys)
+        session.expect(body.get("version"), shown)
+        return session, body
 
-    def _plan(self, session: Session, said: Mapping[str, Any]) -> None:
-        if said.get("plan") is True:
+    def _plan(self, session: Session, body: Mapping[str, Any]) -> None:
+        if body.get("plan") is True:
             self._server.planning.solve(session)
 
 
-def _answers_in(said: Any) -> dict[str, str]:
+def _answers_in(value: Any) -> dict[str, str]:
     """`{"frame": "sheet"}` as answers to questions of a drawing."""
-    answers = {} if said is None else said
+    answers = {} if value is None else value
     if not isinstance(answers, dict) or not all(isinstance(one, str) and one for row in answers.items() for one in row):
-        raise InputError(f'answers: expected {{"QUESTION": "CHOICE"}}, got {said!r}')
+        raise InputError(f'answers: expected {{"QUESTION": "CHOICE"}}, got {value!r}')
     return answers
 
 
@@ -471,12 +471,12 @@ class Stream(StreamingResponse):
 
     def _event(self, item: Item) -> str:
         what, key = item
-        told: dict[str, Any]
+        data: dict[str, Any]
         if what == "planner":
-            told = {"nest": self._server.planning.turns.of}
+            data = {"nest": self._server.planning.turns.of}
         elif what == "state":
-            told = self._server.as_json(self._server.sessions[key])
+            data = self._server.as_json(self._server.sessions[key])
         else:
             session = self._server.sessions[key]
-            told = {"id": key, "version": session.version, "solving": session.solving}
-        return f"event: {what}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n"
+            data = {"id": key, "version": session.version, "solving": session.solving}
+        return f"event: {what}\ndata: {json.dumps(data, ensure_ascii=False)}\n\n"

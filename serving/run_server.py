@@ -31,7 +31,7 @@ ENDING_S = 2
 
 
 def serve(
-    given: Path,
+    path: Path,
     *,
     port: int = 0,
     profile: str | None = None,
@@ -76,7 +76,7 @@ def serve(
     InputError
         If there is no such folder or nest, or the port is taken.
     """
-    folder, first = _folder_of(given)
+    folder, first = _folder_of(path)
     server = Server(folder, profile, work, trust, memory_gb, state, also)
     before = server.kept.read_own(OWN)
     with contextlib.ExitStack() as until:
@@ -107,16 +107,16 @@ def _listening(port: int, before: object) -> socket.socket:
     """A socket at a port; with 0 at the one of the server before, if it is free, else at any that is."""
     tried = [port] if port else [before if isinstance(before, int) and 0 < before < 65536 else 0, 0]
     for one in tried:
-        made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
-            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            made.bind((LOOPBACK, one))
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind((LOOPBACK, one))
         except OSError as error:
-            made.close()
+            listener.close()
             if one == tried[-1]:
                 raise InputError(f"--port {port}: {error.strerror}; leave it out for any that is free") from None
         else:
-            return made
+            return listener
     raise AssertionError
 
 
@@ -201,8 +201,8 @@ def _folder_of(given: Path) -> tuple[Folder, str | None]:
         raise InputError(f"expected a nest or a folder of nests ({error})", file=given) from None
 
 
-def _no_nest(given: Path) -> str:
-    raise InputError("there is no such nest or folder", file=given)
+def _no_nest(path: Path) -> str:
+    raise InputError("there is no such nest or folder", file=path)
 
 
 # The application: its addresses behind the guard, and the processes for as long as it runs.

@@ -268,23 +268,23 @@ class Server:
     async def edit(self, session: Session, changes: list[dict[str, Any]]) -> list[str]:
         """Change the job file that is wanted; the locks that gave way."""
         version = session.version
-        told = await self.asked("edited", wanted=session.wanted, changes=changes)
+        answer = await self.asked("edited", wanted=session.wanted, changes=changes)
         session.expect(version)  # the desk took its time, and another tab did not wait
-        text = told["job_text"] or (None if session.on_disk is None else "")  # no file, no text
+        text = answer["job_text"] or (None if session.on_disk is None else "")  # no file, no text
         await self.want(session, replace(session.wanted, job_text=text))
-        undone: list[str] = told["undone"]
+        undone: list[str] = answer["undone"]
         return undone
 
     async def change_nest(self, session: Session, changes: list[str], name: str | None) -> dict[str, Any]:
         """Change the nest itself: under a name, a new nest in the folder that is opened; else what it would be."""
-        told: dict[str, Any] = await self.asked("changed", wanted=session.wanted, changes=changes)
-        text = told.pop("text")
+        answer: dict[str, Any] = await self.asked("changed", wanted=session.wanted, changes=changes)
+        text = answer.pop("text")
         if name is None:
-            return told
+            return answer
         if not name.lower().endswith(".json"):
             raise InputError(f"{escape_text(name)!r}: an edited nest is JSON: give a name ending in .json")
         opened = await self.open_nest(self.folder.keep(name, text.encode(), Path(session.wanted.nest)))
-        return {**self.as_json(opened), **told}
+        return {**self.as_json(opened), **answer}
 
     async def want(self, session: Session, wanted: PlanRequest, **also: Any) -> None:
         """Want something else from now on."""
@@ -405,14 +405,14 @@ def save(session: Session, folder: Folder, profile_sha256: str, picture: str) ->
     if wanted.job_text is not None and wanted.job_text != session.on_disk:
         files[job] = wanted.job_text
     write_files(files)
-    told = {
+    result = {
         "number": current.number,
         "files": [path.name for path in files],
         "command": current.command,
         "same_bytes": current.stage == "final" and not current.stopped,
     }
-    session.changed(saved=told, on_disk=wanted.job_text if wanted.job_text is not None else session.on_disk)
-    return told
+    session.changed(saved=result, on_disk=wanted.job_text if wanted.job_text is not None else session.on_disk)
+    return result
 
 
 def job_text_beside(nest: Path, folder: Folder) -> str | None:

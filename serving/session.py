@@ -130,41 +130,41 @@ class Session:
             raise InputError(f"there is no plan {number!r} in this session")
         return found
 
-    def add(self, told: dict[str, Any], wanted: PlanRequest, relax: bool, run: int) -> Alternative:
+    def add(self, event: dict[str, Any], wanted: PlanRequest, relax: bool, run: int) -> Alternative:
         """Keep a plan that was made, and show it, unless somebody has gone back, or one of its planning costs less."""
-        work = told["work"]
+        work = event["work"]
         options = f" --work {work:g}" if work != WORK else ""
-        options += f" --memory {told['memory_gb']:g}" if told["memory_gb"] != MEMORY_GB else ""
+        options += f" --memory {event['memory_gb']:g}" if event["memory_gb"] != MEMORY_GB else ""
         options += " --relax" if relax else ""
         keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped", "stage")
-        parts = {key: told[key] for key in keys}
-        broken, notes = tuple(told["broken"]), tuple(told["notes"])
+        parts = {key: event[key] for key in keys}
+        broken, notes = tuple(event["broken"]), tuple(event["notes"])
         before = [one for one in self.alternatives if one.run == run]
         last = min(before, key=lambda one: one.figures["objective_mm"], default=None)
-        gained = None if last is None else last.gain_of(told["figures"])
+        gained = None if last is None else last.gain_of(event["figures"])
         parts |= {"broken": broken, "options": options, "notes": notes, "run": run, "gained_mm": gained}
-        made = Alternative(self.made + 1, wanted, **parts)
-        same = last is not None and not last.kept and last.same_order(made)
-        kept = [one for one in self.alternatives if not (same and one is last)] + [made]
-        best = last is None or same or made.figures["objective_mm"] <= last.figures["objective_mm"]
-        shows = self.following == run and made.sha256 == self.opened["sha256"] and best
-        shown = made.number if shows else self.shown
+        alternative = Alternative(self.made + 1, wanted, **parts)
+        same = last is not None and not last.kept and last.same_order(alternative)
+        kept = [one for one in self.alternatives if not (same and one is last)] + [alternative]
+        best = last is None or same or alternative.figures["objective_mm"] <= last.figures["objective_mm"]
+        shows = self.following == run and alternative.sha256 == self.opened["sha256"] and best
+        shown = alternative.number if shows else self.shown
         if len(kept) > MOST_ALTERNATIVES:
             kept.remove(min((one for one in kept if one.number != shown), key=lambda one: (one.weight, one.number)))
         if self.keeper is not None:
-            self.keeper.keep_plan(self, made)
+            self.keeper.keep_plan(self, alternative)
         gone = [one.number for one in self.alternatives if one not in kept]
         undone: dict[str, Any] = {"conflict": None, "problem": "", "questions": []}
-        self.changed(by_hand=False, alternatives=kept, shown=shown, made=made.number, **undone)
+        self.changed(by_hand=False, alternatives=kept, shown=shown, made=alternative.number, **undone)
         for number in gone:
             if self.keeper is not None:
                 self.keeper.forget_plan(self, number)
-        return made
+        return alternative
 
-    def is_known(self, told: dict[str, Any], run: int) -> bool:
+    def is_known(self, event: dict[str, Any], run: int) -> bool:
         """Whether a planning has shown a cheaper plan than one that it ends with."""
         before = [one.figures["objective_mm"] for one in self.alternatives if one.run == run]
-        return bool(min(before, default=math.inf) < told["figures"]["objective_mm"])
+        return bool(min(before, default=math.inf) < event["figures"]["objective_mm"])
 
     def keep(self, number: int, kept: bool) -> None:
         """Have a plan never thrown away, however many come; or no longer."""

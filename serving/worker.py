@@ -37,9 +37,9 @@ SLOW = "there was no answer within {:g} s, and it was given up"
 class Refused(Exception):
     """The question was answered: it cannot be, and `told` says why, as JSON."""
 
-    def __init__(self, told: dict[str, Any]) -> None:
-        super().__init__(told["message"])
-        self.told = told
+    def __init__(self, answer: dict[str, Any]) -> None:
+        super().__init__(answer["message"])
+        self.told = answer
 
 
 class Died(Exception):
@@ -91,13 +91,13 @@ class Worker:
                     if ends_s < math.inf and not way.poll(max(0.0, ends_s - time.monotonic())):
                         self._end()
                         raise Refused({"kind": "slow", "message": SLOW.format(within_s), "details": []})
-                    kind, told = way.recv()
+                    kind, reply = way.recv()
                     if kind == "heard":
-                        heard(told)
+                        heard(reply)
                     elif kind == "answer":
-                        return told
+                        return reply
                     else:
-                        raise Refused(told)
+                        raise Refused(reply)
             except (EOFError, OSError):
                 self._end()
                 raise Died(f"the process that worked on it died ({self._how()}); another is started") from None
@@ -175,12 +175,12 @@ def answer_questions(role: str, way: Connection, stop: Connection, readable: Seq
     answers = made(asking)
     with contextlib.suppress(EOFError, OSError):
         while True:
-            question, given = way.recv()
+            question, arguments = way.recv()
             try:
-                told = ("answer", answers[question](**given))
+                reply = ("answer", answers[question](**arguments))
             except Exception as error:  # the server lives on, whatever went wrong
-                told = ("refused", error_as_json(error))
-            way.send(told)
+                reply = ("refused", error_as_json(error))
+            way.send(reply)
 
 
 def _end_all_with_parent() -> None:

@@ -179,8 +179,8 @@ def _spoilt_by_tabs(nest: Nest, tried: LeadAttempt, around: Surroundings, option
 
 def _locked(candidates: Sequence[Candidate], locked: Joints) -> set[int]:
     """The numbers of the candidates at entries that an operator asks for."""
-    asked = set(zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True))
-    return {k for k, c in enumerate(candidates) if (c.contour, c.entry_mm) in asked}
+    locked_entries = set(zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True))
+    return {k for k, c in enumerate(candidates) if (c.contour, c.entry_mm) in locked_entries}
 
 
 def _check(options: LeadOptions, nest: Nest) -> None:
@@ -343,8 +343,8 @@ def _severed(nest: Nest, kerf_mm: float) -> list[str]:
     for k, places_mm in severed_lines(lines, metal, kerf_mm).items():
         points = shapely.get_coordinates(shapely.line_interpolate_point(lines[k], places_mm)).tolist()
         places = " and ".join(f"({x:z.1f}, {y:z.1f})" for x, y in points)
-        told = f"{nest.scrap[k].id} is cut in two by the lines that end on it at {places}"
-        found.append(f"{told}: draw it as {'two' if len(points) == 1 else len(points) + 1} lines that meet there")
+        text = f"{nest.scrap[k].id} is cut in two by the lines that end on it at {places}"
+        found.append(f"{text}: draw it as {'two' if len(points) == 1 else len(points) + 1} lines that meet there")
     return found
 
 

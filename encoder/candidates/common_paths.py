@@ -40,11 +40,11 @@ def common_cut_paths(
     them; it changes nothing about which edges are common. Parts that tabs hold, or `held_before`, have none, nor have
     those that hang together with them.
     """
-    asked = options.common
-    if asked is None:
+    common = options.common
+    if common is None:
         return CommonEdges({}), []
     held = {*held_before, *(() if options.tab_places is None else options.tab_places.wanted)}
-    edges, found = _cut_once(nest, sorted({*left, *gone}), options.kerf_mm, asked, held)
+    edges, found = _cut_once(nest, sorted({*left, *gone}), options.kerf_mm, common, held)
     found |= {
         k: _sets(nest, edges, k, options.kerf_mm, out)
         for k, beside in edges.of.items()
@@ -55,12 +55,12 @@ def common_cut_paths(
         for number in edges.of
         if number in left
         for out, run in found[number]
-        for way in along_the_rest(nest, number, out, edges, run, options, asked)
+        for way in along_the_rest(nest, number, out, edges, run, options, common)
     ]
     return edges, ways
 
 
-def whole_for_tabs(nest: Nest, kerf_mm: float, asked: CommonOptions, tabs: TabOptions) -> tuple[list[str], list[str]]:
+def whole_for_tabs(nest: Nest, kerf_mm: float, options: CommonOptions, tabs: TabOptions) -> tuple[list[str], list[str]]:
     """Ids of the contours that have common edges but for tabs, and of those among them that tabs hold.
 
     Raises
@@ -72,12 +72,12 @@ def whole_for_tabs(nest: Nest, kerf_mm: float, asked: CommonOptions, tabs: TabOp
     held = {k for k, part in zip(numbers, nest.parts, strict=True) if tabs.reason(part) is not None}
     if not held:
         return [], []
-    free = _cut_once(nest, numbers, kerf_mm, asked, ())[0].of.keys()
-    lost = sorted(free - _cut_once(nest, numbers, kerf_mm, asked, held)[0].of.keys()) if free & held else []
+    free = _cut_once(nest, numbers, kerf_mm, options, ())[0].of.keys()
+    lost = sorted(free - _cut_once(nest, numbers, kerf_mm, options, held)[0].of.keys()) if free & held else []
     return [nest.contours[k].id for k in lost], [nest.contours[k].id for k in lost if k in held]
 
 
-def whole_for_want_of_an_order(nest: Nest, kerf_mm: float, asked: CommonOptions, held: Collection[int]) -> list[str]:
+def whole_for_want_of_an_order(nest: Nest, kerf_mm: float, options: CommonOptions, held: Collection[int]) -> list[str]:
     """Ids of the contours with common edges that are yet cut all round, for no order cuts every edge once.
 
     Raises
@@ -86,18 +86,18 @@ def whole_for_want_of_an_order(nest: Nest, kerf_mm: float, asked: CommonOptions,
         If the kerf leaves nothing of a contour to cut.
     """
     numbers = [nest.index[part.outer.id] for part in nest.parts]
-    every = common_edges(nest, numbers, kerf_mm, asked, held).of.keys()
-    return [nest.contours[k].id for k in sorted(every - _cut_once(nest, numbers, kerf_mm, asked, held)[0].of.keys())]
+    every = common_edges(nest, numbers, kerf_mm, options, held).of.keys()
+    return [nest.contours[k].id for k in sorted(every - _cut_once(nest, numbers, kerf_mm, options, held)[0].of.keys())]
 
 
 Sets = list[tuple[frozenset[int], Run]]
 
 
 def _cut_once(
-    nest: Nest, numbers: Sequence[int], kerf_mm: float, asked: CommonOptions, held: Collection[int]
+    nest: Nest, numbers: Sequence[int], kerf_mm: float, options: CommonOptions, held: Collection[int]
 ) -> tuple[CommonEdges, dict[int, Sets]]:
     """The common edges of these contours, but for those `held`; and the sets of neighbours that leave one stretch."""
-    edges = common_edges(nest, numbers, kerf_mm, asked, held)
+    edges = common_edges(nest, numbers, kerf_mm, options, held)
     found = {number: _sets(nest, edges, number, kerf_mm, ()) for number in edges.of}
     return _that_have_an_order(nest, edges, found), found
 

@@ -54,8 +54,8 @@ def cut_questions(
     holes = [k for k in of_each if options.holes.under == "ask" and any(r.key == "under" for r in of_each[k])]
     if len(narrow) + len(holes) < len(of_each):
         return []
-    asked = [_of_holes(nest, holes, of_each, remedies, options)] if holes else []
-    return [*asked, _of_slots(tried, narrow, options)] if narrow else asked
+    questions = [_of_holes(nest, holes, of_each, remedies, options)] if holes else []
+    return [*questions, _of_slots(tried, narrow, options)] if narrow else questions
 
 
 def _asks_of_slots(tried: LeadAttempt, k: int, options: LeadOptions) -> bool:
@@ -66,7 +66,7 @@ def _asks_of_slots(tried: LeadAttempt, k: int, options: LeadOptions) -> bool:
 
 def _of_slots(tried: LeadAttempt, contours: Sequence[int], options: LeadOptions) -> Question:
     lost = [(tried.narrow[k].contour.id, one) for k in contours for one in tried.narrow[k].lost]
-    told = "; ".join(f"{name}, {one.sentence().removeprefix('the ')}" for name, one in lost[:MOST_TOLD])
+    text = "; ".join(f"{name}, {one.sentence().removeprefix('the ')}" for name, one in lost[:MOST_TOLD])
     more = f"; and {len(lost) - MOST_TOLD} more" if len(lost) > MOST_TOLD else ""
     kerf = f"the kerf of {options.kerf_mm:g} mm"
     which = f"{kerf} does not enter a deep slot, notch or neck" if len(lost) == 1 else (
@@ -77,7 +77,7 @@ def _of_slots(tried: LeadAttempt, contours: Sequence[int], options: LeadOptions)
     opens = all(not slits_of(tried.narrow[k].contour, options.kerf_mm)[1] for k in contours)
     choices = (slit, leave) if opens else (leave,)
     refuse = Choice("refuse", "not cut: the nest is refused, to be drawn otherwise")
-    return Question(NARROW, f"{which}: {told}{more}: what is done?", (*choices, refuse))
+    return Question(NARROW, f"{which}: {text}{more}: what is done?", (*choices, refuse))
 
 
 def _of_holes(
@@ -97,7 +97,7 @@ def _of_holes(
         (small, f"under small_holes.min_hole, {limits.least_mm:g} mm"),
         (rest, f"without room for a pierce {limits.room_mm / 2:g} mm from their edge"),
     )
-    told = [
+    texts = [
         f"{len(group)} {why} ({_sizes([across_mm[k] for k in group])}: "
         f"{join_names([nest.contours[k].id for k in group], 3)})"
         for group, why in groups
@@ -116,7 +116,7 @@ def _of_holes(
     besides = f" ({' and '.join(others[:2])} would have some of them cut)" if rest and others else ""
     which = "1 hole is too small to be cut" if len(holes) == 1 else f"{len(holes)} holes are too small to be cut"
     refuse = Choice("refuse", "not cut: the nest is refused, to be drawn otherwise")
-    return Question(SMALL_HOLES, f"{which}: {'; '.join(told)}{besides}: what is done?", (*choices, refuse))
+    return Question(SMALL_HOLES, f"{which}: {'; '.join(texts)}{besides}: what is done?", (*choices, refuse))
 
 
 def _counted(count: int, done: str) -> str:

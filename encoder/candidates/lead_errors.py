@@ -309,11 +309,11 @@ class Reason:
 
 def reasons(tried: LeadAttempt, around: Surroundings, options: LeadOptions) -> dict[int, Reason]:
     """The reason of every contour at fault, by number."""
-    said = {k: Reason(text, "small") for k, text in tried.small.items()}
-    said |= {k: Reason(text, "kerf") for k, text in tried.uncut.items()}
-    said |= {k: Reason(one.sentence(options), "narrow") for k, one in tried.narrow.items()}
-    said |= {k: Reason(text, "reach") for k, text in tried.beyond.items()}
-    said |= {k: Reason(text, "slit") for k, text in tried.shut.items()}
+    small = {k: Reason(text, "small") for k, text in tried.small.items()}
+    small |= {k: Reason(text, "kerf") for k, text in tried.uncut.items()}
+    small |= {k: Reason(one.sentence(options), "narrow") for k, one in tried.narrow.items()}
+    small |= {k: Reason(text, "reach") for k, text in tried.beyond.items()}
+    small |= {k: Reason(text, "slit") for k, text in tried.shut.items()}
     if tried.bare:
         joints = Joints.joined([dense(tried.outlines[k], _LOOKS) for k in tried.bare])
         burnt = _but_for_what_is_cut(tried, around, options)
@@ -321,15 +321,15 @@ def reasons(tried: LeadAttempt, around: Surroundings, options: LeadOptions) -> d
             if k in burnt:
                 cause, why, gap_mm = "burnt", BURNT, None
             x, y = tried.outlines[k].contour.curve.vertices[0, :2].tolist()
-            said[k] = Reason(f"{tried.outlines[k].contour.id} at ({x:.1f}, {y:.1f}): {why}", cause, gap_mm)
+            small[k] = Reason(f"{tried.outlines[k].contour.id} at ({x:.1f}, {y:.1f}): {why}", cause, gap_mm)
     for i in tried.unmet:
         k = int(tried.locked.contour[i])
         x, y = tried.locked.entry[i].tolist()
         cause, why, gap_mm = _why(tried.locked.take(np.array([i])), tried.outlines, around, options, [k])[k]
-        said[k] = Reason(
+        small[k] = Reason(
             f"{tried.outlines[k].contour.id} at the entry asked for, ({x:.1f}, {y:.1f}): {why}", cause, gap_mm
         )
-    return said
+    return small
 
 
 def _but_for_what_is_cut(tried: LeadAttempt, around: Surroundings, options: LeadOptions) -> set[int]:

@@ -238,8 +238,8 @@ def try_leads(nest: Nest, contours: Iterable[int], around: Surroundings, options
     joints = found.ways.joints
     led = set(zip(joints.contour.tolist(), joints.entry_mm.tolist(), strict=True))
     bare = tuple(sorted(set(outlines) - {k for k, _ in led}))
-    asked = zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True)
-    unmet = tuple(i for i, (k, entry_mm) in enumerate(asked) if k not in bare and (k, entry_mm) not in led)
+    locked_places = zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True)
+    unmet = tuple(i for i, (k, entry_mm) in enumerate(locked_places) if k not in bare and (k, entry_mm) not in led)
     ways_in = {k: slit_candidates(k, around, options) for k in chosen if nest.contours[k].kind == "slit"}
     slits = tuple(c for of in ways_in.values() for c in reachable_candidates(of, options.reach))
     led_in = {c.contour for c in slits}

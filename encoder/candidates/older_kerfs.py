@@ -147,19 +147,19 @@ class _Paths:
         part: Ints,
         pierce_mm: float,
         lead_mm: float,
-        asked: Bools | None = None,
+        mask: Bools | None = None,
     ) -> Ints:
         """Rows (candidate, name of a line), sorted, where a candidate comes too near to a line of another part.
 
         `pierce_mm` is what pierces keep, `lead_mm` what leads keep; `part` numbers the part of each line. Only lines
-        that are `asked` count, where not all do.
+        that are `mask` count, where not all do.
         """
         found = []
         for shapes, of, least_mm in ((self.pierces, self.pierce_of, pierce_mm), (self.free, self.free_of, lead_mm)):
             row, line = nearer(tree, shapes, least_mm)
             others = self.part[of[row]] != part[line]
-            if asked is not None:
-                others &= asked[line]
+            if mask is not None:
+                others &= mask[line]
             found.append(np.column_stack([of[row[others]], name[line[others]]]))
         return unique_pairs(np.concatenate(found))
 

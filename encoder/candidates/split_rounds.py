@@ -40,7 +40,7 @@ class SplitOptions:
     last_mm: float | None = None
 
 
-def to_be_split(nest: Nest, kerf_mm: float, asked: SplitOptions, left: Collection[str]) -> dict[str, bool]:
+def to_be_split(nest: Nest, kerf_mm: float, options: SplitOptions, left: Collection[str]) -> dict[str, bool]:
     """Ids of the outer contours, of those that are `left`, that are cut in two, and whether in halves.
 
     Contours that another part stands within two kerfs of are cut in one round.
@@ -60,9 +60,9 @@ def to_be_split(nest: Nest, kerf_mm: float, asked: SplitOptions, left: Collectio
         if part.outer.id not in {*left} or part.outer.id in crowded:
             continue
         short_mm, long_mm = _sides_mm(part.outer)
-        if asked.half_ratio is not None and long_mm >= asked.half_ratio * short_mm:
+        if options.half_ratio is not None and long_mm >= options.half_ratio * short_mm:
             found[part.outer.id] = True
-        elif asked.last_mm is not None and part.outer.curve.length_mm >= _ROUNDS * asked.last_mm:
+        elif options.last_mm is not None and part.outer.curve.length_mm >= _ROUNDS * options.last_mm:
             found[part.outer.id] = False
     return found
 

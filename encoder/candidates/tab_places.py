@@ -69,13 +69,13 @@ class TabPlaces:
         """
         if options is None:
             return TabPlaces()
-        neighbours, asked = Neighbours.of(nest, kerf_mm), frozenset(contours)
+        neighbours, numbers = Neighbours.of(nest, kerf_mm), frozenset(contours)
         wanted: dict[int, ContourTabs] = {}
         wrong: dict[str, list[str]] = {}
         for k, part in enumerate(nest.parts):
             name = part.outer.id
             number = nest.index[name]
-            if number in asked and options.reason(part) is not None:
+            if number in numbers and options.reason(part) is not None:
                 room = Room.of(part.outer, k, neighbours, options.corner_mm, kerf_mm)
                 wanted[number], texts = _wanted(room, options.drawn(part), options, entries.get(name))
                 if texts:
@@ -386,14 +386,14 @@ def wrong_tab_places(room: Room, drawn: Sequence[Tab], options: TabOptions) -> l
         elif not room.straight(one, tab_mm)[0]:
             edge_mm = _edge_mm(room, at_mm)
             if edge_mm < tab_mm:
-                told = f"is wider than its edge: {tab_mm:g} mm with the kerf, on an edge of {edge_mm:.1f} mm"
-                found.append(f"{place} {told}; make it narrower, or move it")
+                text = f"is wider than its edge: {tab_mm:g} mm with the kerf, on an edge of {edge_mm:.1f} mm"
+                found.append(f"{place} {text}; make it narrower, or move it")
             else:
-                told = f"lies in a corner, or less than {options.corner_mm:g} mm from one"
-                found.append(f"{place} {told}; move it along its edge, or lower corner of {IN_PROFILE['tabs']}")
+                text = f"lies in a corner, or less than {options.corner_mm:g} mm from one"
+                found.append(f"{place} {text}; move it along its edge, or lower corner of {IN_PROFILE['tabs']}")
         elif not room.held(one)[0]:
-            told = f"has less than {room.clear_mm:g} mm of waste beside it: no metal would stay that holds it"
-            found.append(f"{place} {told}; move it to another edge")
+            text = f"has less than {room.clear_mm:g} mm of waste beside it: no metal would stay that holds it"
+            found.append(f"{place} {text}; move it to another edge")
         elif any(
             shorter_way_mm(np.array([at_mm]), other, room.curve.length_mm)[0] < tab_mm + FROM_OTHERS_MM
             for other in middles

@@ -189,27 +189,27 @@ def skeleton_of(nest: Nest, kerf_mm: float) -> Skeleton:
 # The facts with ways along stretches of contours, which are cut before these are finished.
 
 
-def with_ways(facts: Facts, made: StretchWays, heat_kj: Floats) -> Facts:
+def with_ways(facts: Facts, ways: StretchWays, heat_kj: Floats) -> Facts:
     """The facts of the nest without its ways, with these behind all contours; `heat_kj` (m,) is that of each way.
 
     A way faces nothing and lies in nothing. It is in the first of the zones of what it begins.
     """
-    nest, count, more = made.nest, facts.n, len(made.nest.stretches)
+    nest, count, more = ways.nest, facts.n, len(ways.nest.stretches)
     zone = [min(int(facts.zone[nest.index[s.contour]]) for s in way.along) for way in nest.stretches]
 
-    def grown(given: Any, by: float) -> Any:
-        return np.concatenate([given, np.full((more, *given.shape[1:]), by, dtype=given.dtype)])
+    def grown(values: Any, by: float) -> Any:
+        return np.concatenate([values, np.full((more, *values.shape[1:]), by, dtype=values.dtype)])
 
-    def stretch(given: Stretch) -> Stretch:
-        none = np.zeros(len(made.ways))
-        total, edge, solid = (np.concatenate([mm, none]) for mm in (given.total_mm, given.edge_mm, given.solid_mm))
-        return Stretch(total, edge, solid, given.neighbours)
+    def stretch(whole: Stretch) -> Stretch:
+        none = np.zeros(len(ways.ways))
+        total, edge, solid = (np.concatenate([mm, none]) for mm in (whole.total_mm, whole.edge_mm, whole.solid_mm))
+        return Stretch(total, edge, solid, whole.neighbours)
 
-    candidates = (*facts.candidates, *made.ways)
+    candidates = (*facts.candidates, *ways.ways)
     contour = np.array([c.contour for c in candidates], dtype=np.int64)
     paths = [shapely.LineString(link.path) for link in facts.links]
     burnt = shapely.union_all([way.line for way in nest.stretches])
-    leads = [lead.line() for c in made.ways for lead in (c.lead_in,) if lead is not None]
+    leads = [lead.line() for c in ways.ways for lead in (c.lead_in,) if lead is not None]
     off = (
         shapely.distance(np.array(paths, dtype=object), shapely.union_all([burnt, *leads])) > 2 * facts.options.kerf_mm
     )
@@ -228,7 +228,7 @@ def with_ways(facts: Facts, made: StretchWays, heat_kj: Floats) -> Facts:
         head=stretch(facts.head),
         tail=stretch(facts.tail),
         scrap_framed=grown(facts.scrap_framed, False),
-        older_kerfs=OlderKerfs.none() if made.met is None else made.met,
+        older_kerfs=OlderKerfs.none() if ways.met is None else ways.met,
         links=tuple(link for link, free in zip(facts.links, off.tolist(), strict=True) if free),
     )
 
@@ -239,8 +239,8 @@ def without_ways(facts: Facts) -> Facts:
         return facts
     n, m = facts.n - len(facts.nest.stretches), int(facts.first[facts.n - len(facts.nest.stretches)])
 
-    def stretch(given: Stretch) -> Stretch:
-        return Stretch(given.total_mm[:m], given.edge_mm[:m], given.solid_mm[:m], given.neighbours)
+    def stretch(whole: Stretch) -> Stretch:
+        return Stretch(whole.total_mm[:m], whole.edge_mm[:m], whole.solid_mm[:m], whole.neighbours)
 
     rings, leads = facts.older_kerfs.rings, facts.older_kerfs.leads
     return replace(
@@ -293,18 +293,18 @@ def subset_facts(whole: Facts, nest: Nest, number: Ints) -> Facts:
     kept = subset_candidates(whole, number)
     candidate = new_numbers(len(whole.candidates), kept)
 
-    def pairs(given: Ints) -> Ints:
-        there = (number[given] >= 0).all(axis=1)
-        return np.asarray(number[given[there]], dtype=np.int64).reshape(-1, 2)
+    def pairs(rows: Ints) -> Ints:
+        there = (number[rows] >= 0).all(axis=1)
+        return np.asarray(number[rows[there]], dtype=np.int64).reshape(-1, 2)
 
-    def facing(given: Facing, rows: Ints) -> Facing:
-        row = rows[given.row]
-        there = (number[given.neighbour] >= 0) & (row >= 0)
-        return Facing(row[there], number[given.neighbour[there]], given.length_mm[there], given.gap_mm[there])
+    def facing(whole: Facing, rows: Ints) -> Facing:
+        row = rows[whole.row]
+        there = (number[whole.neighbour] >= 0) & (row >= 0)
+        return Facing(row[there], number[whole.neighbour[there]], whole.length_mm[there], whole.gap_mm[there])
 
-    def stretch(given: Stretch) -> Stretch:
-        faced = facing(given.neighbours, candidate)
-        return Stretch(given.total_mm[kept], given.edge_mm[kept], given.solid_mm[kept], faced)
+    def stretch(whole: Stretch) -> Stretch:
+        faced = facing(whole.neighbours, candidate)
+        return Stretch(whole.total_mm[kept], whole.edge_mm[kept], whole.solid_mm[kept], faced)
 
     met = whole.older_kerfs.of_kept(kept, len(whole.candidates))
     there = number[met.rings[:, 1]] >= 0

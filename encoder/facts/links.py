@@ -90,9 +90,9 @@ def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> lis
         clear[clear] = _off_tabs(facts, links.take(clear), options.kerf_mm)
         return links.take(clear)
 
-    asked = LinkLines.straight(leave, one, reach, other)
-    straight = free(asked)
-    bent = round_corners(asked, straight, leave, reach, options.longest_mm, options.kerf_mm, free)
+    lines = LinkLines.straight(leave, one, reach, other)
+    straight = free(lines)
+    bent = round_corners(lines, straight, leave, reach, options.longest_mm, options.kerf_mm, free)
     unmet = _without_meetings(leave, reach, (straight, bent), options.kerf_mm)
     return [
         LinkPath(leave.members[i], reach.members[j], tuple(_xy(at) for at in points))
@@ -389,7 +389,7 @@ _CLEAR_KERFS = 1.1
 
 
 def round_corners(
-    asked: LinkLines,
+    lines: LinkLines,
     straight: LinkLines,
     leave: Places,
     reach: Places,
@@ -410,7 +410,7 @@ def round_corners(
     free
         Leaves out the links that something is in the way of.
     """
-    pairs = asked.take(_nearest(asked, straight, leave, reach))
+    pairs = lines.take(_nearest(lines, straight, leave, reach))
     corners = _corners(pairs.points[:, 0], pairs.points[:, 1], kerf_mm)
     way, number = np.nonzero(np.isfinite(corners[..., 0]))
     bent = pairs.take(way).round(corners[way, number])
@@ -422,13 +422,13 @@ def round_corners(
     return found.take(np.sort(order[np.append(True, ~same)[: len(order)]]))
 
 
-def _nearest(asked: LinkLines, straight: LinkLines, leave: Places, reach: Places) -> Ints:
+def _nearest(lines: LinkLines, straight: LinkLines, leave: Places, reach: Places) -> Ints:
     """The numbers of the lines between contours without a straight link, the nearest few of each two contours."""
     n = int(max(leave.contour.max(initial=0), reach.contour.max(initial=0))) + 1
-    of = leave.contour[asked.one] * n + reach.contour[asked.other]
+    of = leave.contour[lines.one] * n + reach.contour[lines.other]
     joined = np.unique(leave.contour[straight.one] * n + reach.contour[straight.other])
     rows = np.flatnonzero(~np.isin(of, joined))
-    rows = rows[np.lexsort((rows, asked.length_mm[rows], of[rows]))]
+    rows = rows[np.lexsort((rows, lines.length_mm[rows], of[rows]))]
     begins = np.flatnonzero(np.append(True, np.diff(of[rows]) != 0)[: len(rows)])
     rank = np.arange(len(rows)) - np.repeat(begins, np.diff(np.append(begins, len(rows))))
     return np.sort(rows[rank < _WAYS])

@@ -102,10 +102,10 @@ def _hollow(outlines: Outlines, outers: Ints) -> Ints:
     """Those of the outer contours that are not convex: a point of theirs lies deeper than FLAT_MM inside the hull."""
     hull_area_mm2 = shapely.area(shapely.convex_hull(outlines.line[outers]))
     maybe = outers[hull_area_mm2 > outlines.area_mm2[outers] * (1 + SAME_AREA)]
-    asked = np.isin(outlines.chord_contour, maybe)
-    of = np.searchsorted(maybe, outlines.chord_contour[asked])
+    tested = np.isin(outlines.chord_contour, maybe)
+    of = np.searchsorted(maybe, outlines.chord_contour[tested])
     rims = shapely.boundary(shapely.convex_hull(outlines.line[maybe]))
-    depth_mm = shapely.distance(shapely.points(outlines.chord_start[asked]), rims[of])
+    depth_mm = shapely.distance(shapely.points(outlines.chord_start[tested]), rims[of])
     return unique(maybe[of[depth_mm > FLAT_MM + ROUNDING_MM]])
 
 

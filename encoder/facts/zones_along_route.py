@@ -47,8 +47,13 @@ SQUARENESS = 0.9, 0.5
 def movable(facts: Facts) -> bool:
     """Whether geometry alone has made the zones: no number, lock or budget of the plant has, nothing is cut yet, and no
     lines cut up the skeleton, whose zone is the last."""
-    given = facts.options
-    decided = given.zone_contours is not None or given.zone_heat_kj is not None or given.zone_fixed or given.zone_places
+    options = facts.options
+    decided = (
+        options.zone_contours is not None
+        or options.zone_heat_kj is not None
+        or options.zone_fixed
+        or options.zone_places
+    )
     return not decided and facts.past is None and not facts.nest.scrap and not facts.nest.stretches
 
 
@@ -89,9 +94,9 @@ def _zones_of(facts: Facts, order: Sequence[int], most_contours: int, any_shape:
     if any_shape:
         yield one_by_one
         return
-    given = _by_block(facts.zone, blocks)
+    zones = _by_block(facts.zone, blocks)
     square = options.square_ratio
-    most = LESS_SQUARE * _ratio(given, blocks, square), LESS_TOGETHER * _around_mm2(given, blocks)
+    most = LESS_SQUARE * _ratio(zones, blocks, square), LESS_TOGETHER * _around_mm2(zones, blocks)
     if _do_what_zones_do(one_by_one, facts, blocks, most):
         yield one_by_one
     found = np.unique([zone[small - 1] for zone in _drawn(small, blocks, facts, bears, most)], axis=0)

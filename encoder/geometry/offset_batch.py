@@ -121,9 +121,9 @@ def offset_curves(curves: Sequence[Curve], distances_mm: Sequence[float]) -> lis
     beside = _Beside.made(drawn, right_mm)
     convex = beside.convex
     tried = np.flatnonzero(beside.whole & (convex | beside.roomy))
-    made = dict(zip(tried.tolist(), beside.curves(tried), strict=True))
-    asked = tried[~convex[tried]]
-    shown = asked[_keeps_away([made[k] for k in asked.tolist()], curves, right_mm, asked, 0.0)]
+    by_row = dict(zip(tried.tolist(), beside.curves(tried), strict=True))
+    concave = tried[~convex[tried]]
+    shown = concave[_keeps_away([by_row[k] for k in concave.tolist()], curves, right_mm, concave, 0.0)]
     if len(shown):
         some = SegmentArrays.of(*(curves[k] for k in shown.tolist()))
         more_mm = right_mm[shown] + np.copysign(FURTHER_MM, right_mm[shown])
@@ -133,18 +133,18 @@ def offset_curves(curves: Sequence[Curve], distances_mm: Sequence[float]) -> lis
         shown = rows[_keeps_away(further.curves(every), curves, right_mm, rows, FURTHER_MM)]
     found: list[Curve | None] = [None] * len(curves)
     for k in tried[convex[tried]].tolist():
-        if abs(made[k].signed_area_mm2) > SLIVER_MM * made[k].length_mm:  # of a point nothing is kept
-            found[k] = made[k]
+        if abs(by_row[k].signed_area_mm2) > SLIVER_MM * by_row[k].length_mm:  # of a point nothing is kept
+            found[k] = by_row[k]
     for k in shown.tolist():
-        found[k] = made[k]
+        found[k] = by_row[k]
     return found
 
 
 def _keeps_away(
-    made: Sequence[Curve], curves: Sequence[Curve], right_mm: Floats, numbers: Ints, further_mm: float
+    offsets: Sequence[Curve], curves: Sequence[Curve], right_mm: Floats, numbers: Ints, further_mm: float
 ) -> Bools:
     """Which of the offsets made of the curves with these numbers come nowhere nearer to them than they should."""
-    lines = lines_of(made, CHORD_MM)
+    lines = lines_of(offsets, CHORD_MM)
     drawn = lines_of([curves[k] for k in numbers.tolist()], CHORD_MM)
     least_mm = np.abs(right_mm[numbers]) + further_mm - NEARER_MM
     return np.asarray(~shapely.dwithin(lines, drawn, least_mm), dtype=np.bool_)

@@ -103,9 +103,9 @@ class ByLayer:
         return tuple(found)
 
 
-def answered_as_cut(told: ByLayer, piece: DrawnCurve) -> bool:
+def answered_as_cut(layers: ByLayer, piece: DrawnCurve) -> bool:
     """Whether somebody has answered that the layer of a piece is cut, and no profile for all drawings."""
-    use = told.uses[look_of(piece)]
+    use = layers.uses[look_of(piece)]
     return use.purpose == "cut" and use.because in (ANSWERED, LIKELIEST) and use.stated
 
 
@@ -154,11 +154,11 @@ def use_of(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) 
     if answered in PURPOSES:
         asking.used[f"{LAYER}{piece.layer}"] = asking.given[f"{LAYER}{piece.layer}"]
         return Use(cast(Purpose, answered), ANSWERED, True)
-    for what, drawn, given in (
+    for what, drawn, value in (
         ("colour", look.colour, options.colours),
         ("linetype", look.linetype, options.linetypes),
     ):
-        for name, meant in given:
+        for name, meant in value:
             if drawn and name.lower() == drawn.lower():
                 return Use(meant, f"by the profile (drawing.layers.{what})", True)
     if own:
@@ -178,7 +178,7 @@ def _by_doubtful_names(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], a
     found: dict[Look, Use] = {}
     for layer in layers:
         own = [p for p in loose if p.layer == layer]
-        said = asking.ask(
+        answer = asking.ask(
             Question(
                 f"{LAYER}{layer}",
                 f"layer '{layer}' ({_lines(len(own))}) may not be meant to be cut, by its name: what is it?",
@@ -186,7 +186,7 @@ def _by_doubtful_names(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], a
             )
         )
         because = asking.because(f"{LAYER}{layer}")
-        found |= {look_of(p): Use(cast(Purpose, said), because, said == "cut") for p in own}
+        found |= {look_of(p): Use(cast(Purpose, answer), because, answer == "cut") for p in own}
     return found
 
 
@@ -207,7 +207,7 @@ def _by_colour(
         same = [p for p in mixed if p.colour == colour]
         engraved = colour in marks or all(p.filled for p in same) or bool(join(same, tolerance_mm).chains)
         order: tuple[Purpose, ...] = ("mark", "cut", "ignore") if engraved else ("cut", "mark", "ignore")
-        said = asking.ask(
+        answer = asking.ask(
             Question(
                 f"colour:{colour}",
                 f"{counted(p.layer for p in same)} {'is' if len(same) == 1 else 'are'} {_look(same, colour)}, beside "
@@ -215,7 +215,7 @@ def _by_colour(
                 tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
             )
         )
-        found |= {look_of(p): Use(cast(Purpose, said), asking.because(f"colour:{colour}"), False) for p in same}
+        found |= {look_of(p): Use(cast(Purpose, answer), asking.because(f"colour:{colour}"), False) for p in same}
     return found
 
 
@@ -250,7 +250,7 @@ def _by_linetype(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking:
         order: tuple[Purpose, ...] = ("ignore", "mark", "cut")
         if not kind.lower().startswith(HELP_LINES):
             order = ("mark", "cut", "ignore")
-        said = asking.ask(
+        answer = asking.ask(
             Question(
                 f"linetype:{kind}",
                 f"{counted(p.layer for p in same)} {'is' if len(same) == 1 else 'are'} drawn {kind}, beside lines that "
@@ -258,26 +258,26 @@ def _by_linetype(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking:
                 tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
             )
         )
-        found |= {look_of(p): Use(cast(Purpose, said), asking.because(f"linetype:{kind}"), False) for p in same}
+        found |= {look_of(p): Use(cast(Purpose, answer), asking.because(f"linetype:{kind}"), False) for p in same}
     return found
 
 
-def sheet_by_name(told: ByLayer, options: ReadOptions, asking: Asking) -> ByLayer:
+def sheet_by_name(read_layers: ByLayer, options: ReadOptions, asking: Asking) -> ByLayer:
     """The same, once it is clear of each layer that only sounds like the sheet whether it is: PLATE names parts, too.
 
     A name that says the sheet and nothing else decides, and so does one that says the size of its outline. Else the
     layer is asked about, unless something in the drawing makes it plain.
     """
-    loose = [p for p in told.sheet if not told.uses[look_of(p)].stated]
+    loose = [p for p in read_layers.sheet if not read_layers.uses[look_of(p)].stated]
     layers = dict.fromkeys(p.layer for p in loose)
     for layer in layers:
         own = [p for p in loose if p.layer == layer]
-        others = [p for p in (*told.cut, *told.mark) if p.layer != layer]
-        if is_surely_sheet(own, told.cut, options):
+        others = [p for p in (*read_layers.cut, *read_layers.mark) if p.layer != layer]
+        if is_surely_sheet(own, read_layers.cut, options):
             continue
-        sheet_first = len(told.cut) > 0 and _holds_parts(own, told.cut)
+        sheet_first = len(read_layers.cut) > 0 and _holds_parts(own, read_layers.cut)
         order: tuple[Purpose, ...] = ("sheet", "cut", "ignore") if sheet_first else ("cut", "sheet", "ignore")
-        said = asking.ask(
+        answer = asking.ask(
             Question(
                 f"{LAYER}{layer}",
                 f"layer '{layer}' ({_lines(len(own))}) may be the sheet by its name, or a part"
@@ -286,9 +286,11 @@ def sheet_by_name(told: ByLayer, options: ReadOptions, asking: Asking) -> ByLaye
                 tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
             )
         )
-        if said != "sheet":
-            told = _moved(told, own, Use(cast(Purpose, said), asking.because(f"{LAYER}{layer}"), said == "cut"))
-    return told
+        if answer != "sheet":
+            read_layers = _moved(
+                read_layers, own, Use(cast(Purpose, answer), asking.because(f"{LAYER}{layer}"), answer == "cut")
+            )
+    return read_layers
 
 
 def _lines(count: int) -> str:
@@ -306,8 +308,8 @@ def is_surely_sheet(own: Sequence[DrawnCurve], cut: Sequence[DrawnCurve], option
         sides = {f"{(x1 - x0) / per_unit:.0f}", f"{(y1 - y0) / per_unit:.0f}"}
         if cut and any(sides <= set(_numbers(name)) for name in names):
             return True
-    given = options.sheet_size_mm
-    return given is not None and abs(x1 - x0 - given[0]) < 1.0 and abs(y1 - y0 - given[1]) < 1.0
+    size = options.sheet_size_mm
+    return size is not None and abs(x1 - x0 - size[0]) < 1.0 and abs(y1 - y0 - size[1]) < 1.0
 
 
 def _numbers(name: str) -> list[str]:
@@ -324,15 +326,15 @@ def _holds_parts(own: Sequence[DrawnCurve], cut: Sequence[DrawnCurve]) -> bool:
     return bool((inner != outer).any())
 
 
-def _moved(told: ByLayer, pieces: Sequence[DrawnCurve], use: Use) -> ByLayer:
+def _moved(layers: ByLayer, pieces: Sequence[DrawnCurve], use: Use) -> ByLayer:
     """The same with some of the sheet's pieces for something else."""
     gone = set(map(id, pieces))
-    kept = tuple(p for p in told.sheet if id(p) not in gone)
-    uses = {**told.uses, **{look_of(p): use for p in pieces}}
-    now = replace(told, sheet=kept, uses=uses)
+    kept = tuple(p for p in layers.sheet if id(p) not in gone)
+    uses = {**layers.uses, **{look_of(p): use for p in pieces}}
+    now = replace(layers, sheet=kept, uses=uses)
     if use.purpose == "cut":
-        return replace(now, cut=tuple(sorted((*told.cut, *pieces), key=lambda p: p.order)))
-    return replace(now, ignored=(*told.ignored, *pieces))
+        return replace(now, cut=tuple(sorted((*layers.cut, *pieces), key=lambda p: p.order)))
+    return replace(now, ignored=(*layers.ignored, *pieces))
 
 
 def _left_out(ignored: Sequence[DrawnCurve], uses: Mapping[Look, Use]) -> list[Note]:
@@ -366,12 +368,12 @@ def nothing_to_cut(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use]) -> st
     layers = {p.layer: uses[look_of(p)] for p in pieces}
     count = Counter(p.layer for p in pieces)
     likely = min(layers, key=lambda layer: (layers[layer].purpose == "sheet", -count[layer], layer))
-    said = join_names([f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)], 8)
+    text = join_names([f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)], 8)
     if layers[likely].stated:
         advice = f"let drawing.layers.{layers[likely].purpose} match less"
     else:
         advice = f"to cut one, say so in the profile: {setting('cut', likely)}"
-    return f"nothing to cut: every line is on a layer that is not cut ({said}); {advice}"
+    return f"nothing to cut: every line is on a layer that is not cut ({text}); {advice}"
 
 
 def _word(use: Use) -> str:

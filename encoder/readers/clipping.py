@@ -49,13 +49,13 @@ def seen_through(pieces: Sequence[tuple[DrawnCurve, Clips]], asking: Asking) -> 
     notes = [_note(hidden)] if hidden else []
     if not partly:
         return kept, notes
-    said = asking.ask(_question([piece for _, piece, _ in partly]))
-    if said == "ignore":
+    answer = asking.ask(_question([piece for _, piece, _ in partly]))
+    if answer == "ignore":
         return kept, [*notes, _note([piece for _, piece, _ in partly])]
-    made = list(kept)
+    shown = list(kept)
     for before, piece, area in reversed(partly):
-        made[before:before] = [piece] if said == "whole" else _inside(piece, area)
-    return made, notes
+        shown[before:before] = [piece] if answer == "whole" else _inside(piece, area)
+    return shown, notes
 
 
 def texts_seen(texts: Sequence[tuple[DrawnText, Clips]]) -> tuple[tuple[DrawnText, ...], list[Note]]:

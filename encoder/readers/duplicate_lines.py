@@ -50,12 +50,12 @@ def drawn_once(
         for group, gap in near
     ]
     if wide:
-        said = asking.ask(
+        answer = asking.ask(
             _question([[rings[k] for k in group] for group, _ in wide], [gap for _, gap in wide], limit_mm)
         )
-        for group, gap in wide if said != "both" else ():
+        for group, gap in wide if answer != "both" else ():
             by_size = sorted(group, key=lambda k: abs(rings[k].curve.signed_area_mm2))
-            kept = by_size[0] if said == "inner" else by_size[-1]
+            kept = by_size[0] if answer == "inner" else by_size[-1]
             gone |= set(group) - {kept}
             notes.append(
                 Note(
@@ -88,12 +88,12 @@ def holes_drawn_once(
     pairs = _holes_with_discs(rings, max(options.kerf_mm, LEAST_MM))
     if not pairs:
         return tuple(rings), []
-    said = asking.ask(_hole_question([(rings[hole], rings[disc]) for hole, disc in pairs], options))
-    if said == "both":
+    answer = asking.ask(_hole_question([(rings[hole], rings[disc]) for hole, disc in pairs], options))
+    if answer == "both":
         return tuple(rings), []
-    gone = {hole if said == "inner" else disc for hole, disc in pairs}
-    told = f"of {len(pairs)} holes drawn twice" if len(pairs) > 1 else "of a hole drawn twice"
-    note = Note("warning", f"{told} the {said} line is cut: {counted(rings[k].layer for k in sorted(gone))} left out")
+    gone = {hole if answer == "inner" else disc for hole, disc in pairs}
+    text = f"of {len(pairs)} holes drawn twice" if len(pairs) > 1 else "of a hole drawn twice"
+    note = Note("warning", f"{text} the {answer} line is cut: {counted(rings[k].layer for k in sorted(gone))} left out")
     return tuple(ring for k, ring in enumerate(rings) if k not in gone), [note]
 
 

@@ -143,16 +143,16 @@ def _text(entity: DXFGraphic, scale: float, look: Callable[[Curve], DrawnCurve],
             return DrawnText("", mark, spot_mm, (mark,))
     except InputError as error:
         raise InputError(f"{error.message} ({_where(entity)})") from error.__cause__
-    made = written(entity)
-    text, trouble, drawn = made.text.strip(), made.trouble, list[DrawnCurve]()
-    place = np.nan_to_num(np.clip(np.array(made.at) * scale, -FAREST_MM, FAREST_MM))
+    written_text = written(entity)
+    text, trouble, drawn = written_text.text.strip(), written_text.trouble, list[DrawnCurve]()
+    place = np.nan_to_num(np.clip(np.array(written_text.at) * scale, -FAREST_MM, FAREST_MM))
     try:
-        strokes = (checked_stroke(stroke, scale) for stroke in made.strokes)
+        strokes = (checked_stroke(stroke, scale) for stroke in written_text.strokes)
         drawn = [look(stroke) for stroke in strokes if stroke is not None]
     except InputError as error:
         trouble, drawn = error.message, []
     at = look(checked_curve([place.tolist()] * 2, False))
-    return DrawnText(text, at, made.height * scale, tuple(drawn), trouble) if text else None
+    return DrawnText(text, at, written_text.height * scale, tuple(drawn), trouble) if text else None
 
 
 def _paper(document: Document) -> tuple[Note, ...]:
@@ -170,7 +170,7 @@ def _on_paper(document: Document, hidden: Hidden, unread: Unread, asking: Asking
     if len(drawn) != 1 or drawn[0].name == "Model":
         return []
     count = sum(e.dxftype() not in NO_LINES for e in drawn[0])
-    said = asking.ask(
+    answer = asking.ask(
         Question(
             "paper",
             f"the model space is empty, and {count} lines are drawn in paper space ('{drawn[0].name}'), where "
@@ -178,7 +178,7 @@ def _on_paper(document: Document, hidden: Hidden, unread: Unread, asking: Asking
             (Choice("read", "read as they are, at full size"), Choice("ignore", "left out: nothing is cut then")),
         )
     )
-    return list(entities(drawn[0], hidden, unread)) if said == "read" else []
+    return list(entities(drawn[0], hidden, unread)) if answer == "read" else []
 
 
 def _never_inserted(document: Document) -> tuple[Note, ...]:

@@ -94,12 +94,12 @@ def entities(
             unread.add(entity, layer)
         elif isinstance(entity, Insert):
             placed = _placed(entity, layer, within)
-            said = tuple((name_of(str(a.dxf.tag)), plain_text(a)) for a in entity.attribs)
+            attributes = tuple((name_of(str(a.dxf.tag)), plain_text(a)) for a in entity.attribs)
             placed = replace(
                 placed,
                 clips=(*placed.clips, *_clip(entity)),
                 blocks=(*placed.blocks, name_of(str(entity.dxf.name))),
-                attributes=(*placed.attributes, *said),
+                attributes=(*placed.attributes, *attributes),
             )
             for insert in _inserted(entity, layer, unread):
                 skip = partial(_skipped, unread=unread, layer=layer)
@@ -406,18 +406,18 @@ def check_numbers(data: bytes) -> None:
         elif number == 8:
             layer = value.strip()
         elif section in _READ and _is_real(number) and not _NUMBER.fullmatch(value):
-            given = value.strip().decode("utf-8", "replace")
+            text = value.strip().decode("utf-8", "replace")
             on = name_of(layer.decode("utf-8", "surrogateescape"))
             raise InputError(
-                f"{given!r} is no number (group code {number}, on layer '{on}'): expected one such as {_meant(given)}, "
+                f"{text!r} is no number (group code {number}, on layer '{on}'): expected one such as {_meant(text)}, "
                 "with a point and without spaces; export the drawing again with such numbers",
                 line=k + 2,
             )
 
 
-def _meant(given: str) -> str:
+def _meant(value: str) -> str:
     """The number as it should have been written, where that is plain."""
-    tried = re.sub(r"[dD](?=[-+]?\d+$)", "E", given.replace(",", ".").replace("#", ""))
+    tried = re.sub(r"[dD](?=[-+]?\d+$)", "E", value.replace(",", ".").replace("#", ""))
     return tried if _NUMBER.fullmatch(tried.encode("utf-8", "replace")) else "120.75"
 
 

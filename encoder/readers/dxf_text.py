@@ -66,14 +66,14 @@ def written(entity: DXFEntity) -> Written:
     try:
         if isinstance(entity, Attrib | AttDef) and entity.has_embedded_mtext_entity:
             entity = entity.virtual_mtext_entity()
-        made = _paragraphs(entity) if isinstance(entity, MText) else _line(entity)
+        drawn = _paragraphs(entity) if isinstance(entity, MText) else _line(entity)
     except DXF_ERRORS as error:
         raw = str(entity.text if isinstance(entity, MText) else entity.dxf.get("text", ""))
         at = Vec3(entity.dxf.get("insert", (0, 0, 0)))
         return Written(raw, (), (at.x, at.y), 0.0, f"its formatting cannot be read ({error})")
-    if made.trouble or all((np.abs(stroke) < FAR).all() for stroke in made.strokes):  # no number is not less
-        return made
-    return Written(made.text, (), made.at, made.height, "it lies nowhere near anything, or its height is no number")
+    if drawn.trouble or all((np.abs(stroke) < FAR).all() for stroke in drawn.strokes):  # no number is not less
+        return drawn
+    return Written(drawn.text, (), drawn.at, drawn.height, "it lies nowhere near anything, or its height is no number")
 
 
 def middle_of_point(point: Point) -> tuple[float, float]:
@@ -139,13 +139,13 @@ def _line(entity: Any) -> Written:
     trouble = _trouble(text, _font_of(entity), height)
     if trouble:
         return Written(text, (), (at.x, at.y), height, trouble)
-    made, angle = lettering(text), math.radians(float(dxf.rotation))
+    letters, angle = lettering(text), math.radians(float(dxf.rotation))
     h_align, v_align = unified_alignment(entity)
-    if align in (TextEntityAlignment.FIT, TextEntityAlignment.ALIGNED) and end is not None and made.width:
+    if align in (TextEntityAlignment.FIT, TextEntityAlignment.ALIGNED) and end is not None and letters.width:
         h_align, v_align, angle = 0, 0, (end - start).angle
-        stretch = (end - start).magnitude / (made.width * wide)
+        stretch = (end - start).magnitude / (letters.width * wide)
         wide, height = wide * stretch, height * (stretch if align is TextEntityAlignment.ALIGNED else 1.0)
-    left = -made.width * wide * (0.0, 0.5, 1.0)[h_align]
+    left = -letters.width * wide * (0.0, 0.5, 1.0)[h_align]
     backwards = -1.0 if int(dxf.text_generation_flag) & _BACKWARDS else 1.0
     upside_down = -1.0 if int(dxf.text_generation_flag) & _UPSIDE_DOWN else 1.0
     matrix = (
@@ -156,7 +156,7 @@ def _line(entity: Any) -> Written:
         @ Matrix44.translate(*start)
         @ _to_world(OCS(dxf.extrusion))
     )
-    return Written(text, tuple(_placed(made.strokes, matrix)), (at.x, at.y), height)
+    return Written(text, tuple(_placed(letters.strokes, matrix)), (at.x, at.y), height)
 
 
 def _to_world(ocs: OCS) -> Matrix44:
@@ -232,14 +232,14 @@ class _Setter(AbstractMTextRenderer):
         text = _plain(text)
         if not self.trouble:
             self.trouble = _trouble(text, str(ctx.font_face.family), 1.0)
-        made = lettering(text)
+        letters = lettering(text)
         wide, height, slant = ctx.cap_height * ctx.width_factor, ctx.cap_height, math.radians(ctx.oblique)
         return text_layout.Text(
-            width=made.width * wide,
+            width=letters.width * wide,
             height=height,
             valign=text_layout.CellAlignment(ctx.align),
             stroke=self.get_stroke(ctx),
-            renderer=_Strokes(self.strokes, made, _sheared(wide, height, slant)),
+            renderer=_Strokes(self.strokes, letters, _sheared(wide, height, slant)),
         )
 
     def fraction(self, data: tuple[str, str, str], ctx: MTextContext) -> text_layout.ContentCell:
@@ -270,8 +270,8 @@ class _Setter(AbstractMTextRenderer):
 class _Strokes(text_layout.ContentRenderer):
     """Puts the strokes of a word, and lines under it, where the library says."""
 
-    def __init__(self, strokes: list[Floats], made: Lettering, size: Matrix44) -> None:
-        self.strokes, self.made, self.size = strokes, made, size
+    def __init__(self, strokes: list[Floats], letters: Lettering, size: Matrix44) -> None:
+        self.strokes, self.made, self.size = strokes, letters, size
 
     def render(self, left: float, bottom: float, right: float, top: float, m: Matrix44 | None = None) -> None:
         """The word, from its lower left corner on."""

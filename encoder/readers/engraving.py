@@ -34,7 +34,7 @@ class Engraved:
     notes: tuple[Note, ...]
 
 
-def engraved(texts: Sequence[DrawnText], told: ByLayer, options: ReadOptions, asking: Asking) -> Engraved:
+def engraved(texts: Sequence[DrawnText], layers: ByLayer, options: ReadOptions, asking: Asking) -> Engraved:
     """What becomes of texts and points, by the use of their layers; an answer for those of a layer goes before it.
 
     Raises
@@ -48,7 +48,7 @@ def engraved(texts: Sequence[DrawnText], told: ByLayer, options: ReadOptions, as
     rows: Counter[tuple[str, str, str]] = Counter()
     silent: list[DrawnText] = []
     for text in texts:
-        use = _use(text, told, options, asking)
+        use = _use(text, layers, options, asking)
         if use.purpose == "mark" and (why := _why_not(text)):
             failed.append((text, why))
         elif use.purpose == "mark":
@@ -89,15 +89,15 @@ def _what(text: DrawnText) -> str:
     return "text" if text.text else "point"
 
 
-def _use(text: DrawnText, told: ByLayer, options: ReadOptions, asking: Asking) -> Use:
+def _use(text: DrawnText, layers: ByLayer, options: ReadOptions, asking: Asking) -> Use:
     """By the answer for its layer, or for all texts or points, else by what its layer is for."""
     name = next((one for one in (question_of(text), _what(text)) if asking.answered(one) is not None), None)
     if name is not None:
         choices = tuple(Choice(purpose, WORDS[purpose]) for purpose in ("mark", "ignore"))
-        said = asking.ask(Question(name, f"what are the {_what(text)}s of layer '{text.look.layer}'", choices))
-        return Use(cast(Purpose, said), asking.because(name), True)
+        answer = asking.ask(Question(name, f"what are the {_what(text)}s of layer '{text.look.layer}'", choices))
+        return Use(cast(Purpose, answer), asking.because(name), True)
     look = look_of(text.look)
-    return told.uses[look] if look in told.uses else use_of(look, text.look, options, asking)
+    return layers.uses[look] if look in layers.uses else use_of(look, text.look, options, asking)
 
 
 def _not_marked(texts: Sequence[DrawnText]) -> list[Note]:
@@ -149,10 +149,10 @@ def with_marks(
     if not marks and not strokes:
         return tuple(parts), [], ()
     owner = _owners(parts, [*marks, *strokes])
-    made: list[list[Contour]] = [[] for _ in parts]
+    new_marks: list[list[Contour]] = [[] for _ in parts]
 
     def add(n: int, mark: DrawnCurve, text: str = "") -> str:
-        part, own = parts[owner[n]].id, made[owner[n]]
+        part, own = parts[owner[n]].id, new_marks[owner[n]]
         source = replace(mark.source, text=" ".join(text.split()))
         own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve, source=source))
         return own[-1].id
@@ -179,7 +179,7 @@ def with_marks(
     if partly:
         listed = "; ".join(partly[:FIRST]) + ("; …" if len(partly) > FIRST else "")
         notes.append(Note("warning", f"left out, as it lies in waste: {listed}"))
-    found = tuple(replace(p, marks=tuple(own)) for p, own in zip(parts, made, strict=True))
+    found = tuple(replace(p, marks=tuple(own)) for p, own in zip(parts, new_marks, strict=True))
     return found, notes, tuple(writings)
 
 

@@ -159,16 +159,16 @@ def refitted(curve: Curve, tolerance_mm: float) -> Refit:
         rows = np.roll(rows, -_first(rows), axis=0)
         rows = np.concatenate([rows, rows[:1]])
     ends = _breaks(rows)
-    made: list[Floats] = []
+    pieces: list[Floats] = []
     arcs = lines = 0
     off_mm = 0.0
     for first, last in pairwise(ends):
         piece, counted, replaced, off = _piece(rows[first : last + 1], tolerance_mm)
-        made.append(piece[:-1])
+        pieces.append(piece[:-1])
         arcs, lines, off_mm = arcs + counted, lines + replaced, max(off_mm, off)
     if not arcs:
         return Refit(curve)
-    whole = np.concatenate([*made, rows[-1:]])
+    whole = np.concatenate([*pieces, rows[-1:]])
     return Refit(Curve(whole[:-1] if curve.closed else whole, curve.closed), arcs, lines, off_mm)
 
 
@@ -177,11 +177,11 @@ def with_arcs(nest: Nest, tolerance_mm: float) -> Nest:
     found: list[Refit] = []
 
     def of_contour(contour: Contour) -> Contour:
-        made = refitted(contour.curve, tolerance_mm)
-        if not made.arcs:
+        refit = refitted(contour.curve, tolerance_mm)
+        if not refit.arcs:
             return contour
-        found.append(made)
-        return replace(contour, curve=made.curve)
+        found.append(refit)
+        return replace(contour, curve=refit.curve)
 
     parts = tuple(_with_each(part, of_contour) for part in nest.parts)
     return replace(nest, parts=parts, notes=(*nest.notes, _note(found, tolerance_mm)))
@@ -239,7 +239,7 @@ def _piece(rows: Floats, tolerance_mm: float) -> tuple[Floats, int, int, float]:
     if len(rows) <= LEAST_LINES or rows[0, 2] != 0 or _doubled(rows):
         return rows, 0, 0, 0.0
     fit = fit_arcs(rows[:, :2], tolerance_mm)
-    at, made = 0, []
+    at, count = 0, []
     arcs = lines = 0
     most_mm = 0.0
     for (x, y, bulge), nearest in zip(fit[:-1].tolist(), fit[1:, :2].tolist(), strict=True):
@@ -247,12 +247,12 @@ def _piece(rows: Floats, tolerance_mm: float) -> tuple[Floats, int, int, float]:
         piece = rows[at : to + 1]
         off_mm = _off_mm(piece, bulge) if bulge and to - at >= LEAST_LINES and _even(piece) else math.inf
         if off_mm <= tolerance_mm:
-            made.append(np.array([[x, y, bulge]]))
+            count.append(np.array([[x, y, bulge]]))
             arcs, lines, most_mm = arcs + 1, lines + to - at, max(most_mm, off_mm)
         else:
-            made.append(piece[:-1])
+            count.append(piece[:-1])
         at = to
-    return np.concatenate([*made, rows[-1:]]), arcs, lines, most_mm
+    return np.concatenate([*count, rows[-1:]]), arcs, lines, most_mm
 
 
 def _doubled(rows: Floats) -> bool:

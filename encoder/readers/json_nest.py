@@ -46,21 +46,21 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     units = options.units or document.get("units", "mm")
     scale = mm_of(units) or 1.0
     _check_ids(document["parts"], text)
-    parts = tuple(_part(given, scale) for given in document["parts"])
+    parts = tuple(_part(entry, scale) for entry in document["parts"])
     sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
     if options.sheet_size_mm is not None and not same_size(_size(sheet), options.sheet_size_mm):
         sheet, why, sheet_notes = overridden(sheet, options.sheet_size_mm)
     notes = (*_typing_slips(document["parts"]), *sheet_notes, *doubts(sheet, units))
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
     bridges = _bridges(document.get("bridges", ()), text, scale)
-    said = (
+    because = (
         "as given (--units, in Python units=, or drawing.units)"
         if options.units
         else "the file says so"
         if "units" in document
         else "by default"
     )
-    reading = reading_of((units, said), sheet, why, (), notes, {})
+    reading = reading_of((units, because), sheet, why, (), notes, {})
     return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap), bridges=bridges, reading=reading)
 
 
@@ -85,14 +85,14 @@ def sheet_in_json(data: bytes, options: ReadOptions) -> Sheet:
     return _sheet(document["sheet"], mm_of(options.units or document.get("units", "mm")) or 1.0)
 
 
-def _bridges(given: Sequence[Mapping[str, Any]], text: str, scale: float) -> tuple[Bridge, ...]:
+def _bridges(entries: Sequence[Mapping[str, Any]], text: str, scale: float) -> tuple[Bridge, ...]:
     def point(at: Sequence[float]) -> tuple[float, float]:
         return at[0] * scale, at[1] * scale
 
-    lines = places(text, [["bridges", k] for k in range(len(given))])
+    lines = places(text, [["bridges", k] for k in range(len(entries))])
     return tuple(
         Bridge((row["parts"][0], row["parts"][1]), point(row["from"]), point(row["to"]), row["width"] * scale, k, line)
-        for k, (row, (line, _)) in enumerate(zip(given, lines, strict=True), 1)
+        for k, (row, (line, _)) in enumerate(zip(entries, lines, strict=True), 1)
     )
 
 
@@ -122,18 +122,18 @@ def _check_ids(parts: Sequence[Mapping[str, Any]], text: str) -> None:
             )
 
 
-def _sheet(given: Mapping[str, Any], scale: float) -> Sheet:
-    if "width" in given:
-        return Sheet.rectangle(given["width"] * scale, given["height"] * scale)
+def _sheet(entry: Mapping[str, Any], scale: float) -> Sheet:
+    if "width" in entry:
+        return Sheet.rectangle(entry["width"] * scale, entry["height"] * scale)
     return Sheet(
-        _curve("the sheet's outline", given["outline"], True, scale),
-        tuple(_curve(f"the sheet's hole {k}", h, True, scale) for k, h in enumerate(given.get("holes", ()), 1)),
+        _curve("the sheet's outline", entry["outline"], True, scale),
+        tuple(_curve(f"the sheet's hole {k}", h, True, scale) for k, h in enumerate(entry.get("holes", ()), 1)),
     )
 
 
-def _part(given: Mapping[str, Any], scale: float) -> Part:
-    name = given["id"]
-    source = Source(*(str(given.get(key) or "") for key in ("layer", "colour", "linetype", "block")))
+def _part(entry: Mapping[str, Any], scale: float) -> Part:
+    name = entry["id"]
+    source = Source(*(str(entry.get(key) or "") for key in ("layer", "colour", "linetype", "block")))
 
     def contour(kind: Kind, rows: Sequence[Sequence[float]], number: str = "") -> Contour:
         closed = kind != "mark" or (len(rows) > 2 and rows[0][:2] == rows[-1][:2])
@@ -142,17 +142,17 @@ def _part(given: Mapping[str, Any], scale: float) -> Part:
 
     return Part(
         name,
-        contour("outer", given["outer"]),
-        tuple(contour("hole", rows, str(k)) for k, rows in enumerate(given.get("holes", ()), 1)),
-        tuple(contour("mark", rows, str(k)) for k, rows in enumerate(given.get("marks", ()), 1)),
-        {key: value for key, value in given.items() if key not in PART_KEYS},
-        tabs=tuple(_tab(tab, scale) for tab in given.get("tabs", ())),
+        contour("outer", entry["outer"]),
+        tuple(contour("hole", rows, str(k)) for k, rows in enumerate(entry.get("holes", ()), 1)),
+        tuple(contour("mark", rows, str(k)) for k, rows in enumerate(entry.get("marks", ()), 1)),
+        {key: value for key, value in entry.items() if key not in PART_KEYS},
+        tabs=tuple(_tab(tab, scale) for tab in entry.get("tabs", ())),
     )
 
 
-def _tab(given: Mapping[str, Any], scale: float) -> Tab:
-    x, y = given["at"]
-    return Tab((x * scale, y * scale), given.get("width", 0.0) * scale)
+def _tab(entry: Mapping[str, Any], scale: float) -> Tab:
+    x, y = entry["at"]
+    return Tab((x * scale, y * scale), entry.get("width", 0.0) * scale)
 
 
 def _curve(name: str, rows: Sequence[Sequence[float]], closed: bool, scale: float) -> Curve:
@@ -227,8 +227,8 @@ def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[obje
     if len(found) == 1:
         return InputError(f"not a kerfwise-nest/1 file: {spoken(first[0], ids)}: {first[1]}", line=line, column=column)
     lines = [f" (line {at[k][0]})" if at[k][0] else "" for k in order]
-    said = [f"{spoken(found[k][0], ids)}{where}: {found[k][1]}" for k, where in zip(order, lines, strict=True)]
-    return InputError("not a kerfwise-nest/1 file", line=line, column=column, details=tuple(said))
+    texts = [f"{spoken(found[k][0], ids)}{where}: {found[k][1]}" for k, where in zip(order, lines, strict=True)]
+    return InputError("not a kerfwise-nest/1 file", line=line, column=column, details=tuple(texts))
 
 
 def _plain_nest(document: object) -> bool:

@@ -204,13 +204,13 @@ class Layers:
 
     def use(self, names: Sequence[str]) -> Use:
         """What the innermost of these names says of which any pattern knows; the names are given outermost first."""
-        given = [p for p in PURPOSES if getattr(self, p) != getattr(DEFAULT, p)]
-        defaults = [p for p in PURPOSES if p not in given and p != "cut"]
+        named = [p for p in PURPOSES if getattr(self, p) != getattr(DEFAULT, p)]
+        defaults = [p for p in PURPOSES if p not in named and p != "cut"]
         for name in reversed(names):
-            for purpose in (*given, *defaults):
-                if _found(getattr(self, purpose), name if purpose in given else _in_words(name)):
-                    return Use(purpose, purpose in given)
-        return Use(None if "cut" in given else "cut", False)
+            for purpose in (*named, *defaults):
+                if _found(getattr(self, purpose), name if purpose in named else _in_words(name)):
+                    return Use(purpose, purpose in named)
+        return Use(None if "cut" in named else "cut", False)
 
 
 DEFAULT = Layers()

@@ -110,9 +110,9 @@ def _letters(text: str) -> tuple[tuple[Letter | None, str], ...]:
             found.append((letter, sign))
             continue
         parts = unicodedata.normalize("NFKD", sign)
-        made = [_letter(part) for part in parts]
-        if parts != sign and all(made):
-            found += zip(made, parts, strict=True)
+        letters = [_letter(part) for part in parts]
+        if parts != sign and all(letters):
+            found += zip(letters, parts, strict=True)
         elif not (unicodedata.category(sign) == "Cf" or unicodedata.category(sign).startswith("Z")):
             found.append((None, sign))
         elif unicodedata.category(sign).startswith("Z"):

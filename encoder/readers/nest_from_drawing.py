@@ -61,24 +61,24 @@ def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None
     joined_notes = [note for joined in (stock, cut) for note in _join_notes(joined, "cut", options)]
     joined_notes += _join_notes(marks, "marked", options)
     sheet_notes = _open_on_the_sheet(stock, options)
-    made = _assembled(cut, stock, bridge_mm, drawing, told_apart, options, asking)
-    if not made.rings:
+    nest = _assembled(cut, stock, bridge_mm, drawing, told_apart, options, asking)
+    if not nest.rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     texts = engraved(drawing.texts, told_apart, options, asking)
-    lines = [*marks.rings, *marks.chains, *made.thin, *made.open_lines.marks]
-    parts, mark_notes, writings = with_marks(made.parts, lines, texts.marked)
+    lines = [*marks.rings, *marks.chains, *nest.thin, *nest.open_lines.marks]
+    parts, mark_notes, writings = with_marks(nest.parts, lines, texts.marked)
     scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
     layers = [piece.layer for piece in told_apart.cut]
     parts = with_tabs(parts, told_apart.tab, options, layers)
     bridges = bridges_of_drawing(told_apart.bridge, parts, options, layers)
-    sheet, sheet_because, choice_notes = choose_sheet(made.outline, made.rings, drawing.page, options, made.why_sheet)
+    sheet, sheet_because, choice_notes = choose_sheet(nest.outline, nest.rings, drawing.page, options, nest.why_sheet)
     notes = [
         *drawing.notes,
         *told_apart.notes,
         *_wide(told_apart.cut),
         *joined_notes,
         *sheet_notes,
-        *made.notes,
+        *nest.notes,
         *texts.notes,
         *mark_notes,
     ]
@@ -151,13 +151,13 @@ def _wide(cut: Sequence[DrawnCurve]) -> list[Note]:
 
 def taken_apart(drawing: Drawing, options: ReadOptions, asking: Asking) -> tuple[tuple[str, DrawnCurve], ...]:
     """Every line of a drawing with what its layer is taken for."""
-    told = sheet_by_name(by_layer(drawing.pieces, options, asking), options, asking)
+    layers = sheet_by_name(by_layer(drawing.pieces, options, asking), options, asking)
     groups = {
-        "cut": told.cut, "mark": told.mark, "sheet": told.sheet, "scrap": told.scrap, "bridge": told.bridge,
-        "tab": told.tab, "ignore": told.ignored,
+        "cut": layers.cut, "mark": layers.mark, "sheet": layers.sheet, "scrap": layers.scrap, "bridge": layers.bridge,
+        "tab": layers.tab, "ignore": layers.ignored,
     }  # fmt: skip
     rows = [(purpose, piece) for purpose, pieces in groups.items() for piece in pieces]
-    texts = engraved(drawing.texts, told, options, asking)
+    texts = engraved(drawing.texts, layers, options, asking)
     for purpose, those in (("mark", texts.marked), ("ignore", texts.left_out)):
         rows += [(purpose, stroke) for text in those for stroke in text.strokes]
     return tuple(rows)
@@ -171,14 +171,14 @@ def _without_thin(
     thin = thin_parts(parts, options)
     if not thin or len(thin) == len(parts):
         return rings, parts, [], notes
-    said = asking.ask(thin_question(thin, options))
-    if said == "cut":
+    answer = asking.ask(thin_question(thin, options))
+    if answer == "cut":
         return rings, parts, [], notes
     curves = {id(contour.curve) for part in thin for contour in part}
     gone = [ring for ring in rings if id(ring.curve) in curves]
     rings = tuple(ring for ring in rings if id(ring.curve) not in curves)
     parts, notes = assemble(rings)
-    marked = gone if said == "mark" else []
+    marked = gone if answer == "mark" else []
     text = f"left out, as answered (thin): {counted(ring.layer for ring in gone)}"
     return rings, parts, marked, [*notes, *([] if marked else [Note("warning", text)])]
 

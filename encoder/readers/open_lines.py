@@ -79,10 +79,10 @@ def decide_open_lines(
     lines = _Lines(
         [chains[k] for k in rows], [stated[k] for k in rows], [whole[k] for k in rows], [metal_mm[k] for k in rows]
     )
-    asked, closing = _asked(lines, rings, parts, options, asking)
+    answers, closing = _asked(lines, rings, parts, options, asking)
     if closing:
         return OpenLineDecision((), (), tuple(closing))
-    asked |= dict.fromkeys(closed_layers, "open")
+    answers |= dict.fromkeys(closed_layers, "open")
     dropped: list[DrawnCurve] = []
     marked: list[DrawnCurve] = []
     in_waste: list[DrawnCurve] = []
@@ -90,12 +90,12 @@ def decide_open_lines(
     answered: list[DrawnCurve] = []
     left: list[DrawnCurve] = []
     for chain, is_stated, is_whole, inside_mm, gone in zip(chains, stated, whole, metal_mm, repaired, strict=True):
-        said = asked.get(chain.layer, "")
-        if gone and said in ("", "open"):
+        answer = answers.get(chain.layer, "")
+        if gone and answer in ("", "open"):
             dropped.append(chain)
-        elif said in ("open:ignore", "ignore"):
+        elif answer in ("open:ignore", "ignore"):
             answered.append(chain)
-        elif said:
+        elif answer:
             (in_waste if inside_mm <= slack_mm else marked).append(chain)
         elif not (is_stated and is_whole) or options.open_lines == "refuse":
             left.append(chain)
@@ -157,9 +157,9 @@ def _asked(
         noted = _are_notes(broken, layer, rings)
         if not stated and broken and not likely and answered is None and not noted:
             continue
-        said = asking.ask(_question(layer, chains, len(inside), rings, ways, likely, noted))
-        closed_by += [way for way in ways if way.choice.value == said]
-        answers[layer] = said
+        answer = asking.ask(_question(layer, chains, len(inside), rings, ways, likely, noted))
+        closed_by += [way for way in ways if way.choice.value == answer]
+        answers[layer] = answer
     return answers, closed_by
 
 
@@ -251,27 +251,27 @@ def _by_layer(
     left: Sequence[DrawnCurve], closed: Counter[str], cut: set[str], options: ReadOptions, told_apart: ByLayer
 ) -> list[str]:
     """A sentence for each layer: what it holds, and what a profile can say of it."""
-    said = []
+    lines = []
     stated = {c.layer: told_apart.stated(c) for c in left}
     for layer, count in sorted(Counter(c.layer for c in left).items()):
         held = f"layer '{layer}' holds {count} open line{'s' if count != 1 else ''}"
         beside = closed[layer]
         if stated[layer] and options.open_lines == "refuse":
-            said.append(f"{held}, and drawing.open_lines is refuse; with mark or ignore they are not refused")
+            lines.append(f"{held}, and drawing.open_lines is refuse; with mark or ignore they are not refused")
         elif stated[layer]:
-            said.append(f"{held} that cannot be marked: they may be broken contours, or cross one")
+            lines.append(f"{held} that cannot be marked: they may be broken contours, or cross one")
         elif beside:
-            said.append(
+            lines.append(
                 f"{held} beside {beside} closed one{'s' if beside != 1 else ''}, which would be cut through. Say in "
                 f"the profile what it is: {setting('mark', layer)} marks all of it; with ignore in place of mark it "
                 f"is left out; {setting('cut', *cut)} cuts what is closed, and marks what is open in a part"
             )
         else:
-            said.append(
+            lines.append(
                 f"{held} and nothing closed. If they are no contours, say in the profile what they are: "
                 f"{setting('mark', layer)}, or ignore or scrap in place of mark"
             )
-    return said
+    return lines
 
 
 def _told(chains: Sequence[DrawnCurve], how: str) -> list[Note]:

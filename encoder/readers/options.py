@@ -111,12 +111,12 @@ class ReadOptions:
         except re.error as error:
             raise InputError(f"quantity '{self.quantity}' is not a regular expression: {error}") from None
         _require(groups > 0, f"quantity '{self.quantity}' has no group (…) for the number")
-        for name, given, words in (
+        for name, value, words in (
             ("frame", self.frame or "sheet", get_args(FrameName)),
             ("open_lines", self.open_lines, get_args(OpenLines)),
             ("scrap_lines", self.scrap_lines, get_args(ScrapLines)),
         ):
-            _require(given in words, f"unknown {name} '{given}': expected one of {', '.join(words)}")
+            _require(value in words, f"unknown {name} '{value}': expected one of {', '.join(words)}")
         for side in self.sheet_size_mm or ():
             _require(0 < side < math.inf, f"sheet_size_mm has {side}: expected a width and a height over 0")
         _require(0 <= self.margin_mm < math.inf, f"margin_mm is {self.margin_mm}: expected 0 or more")
@@ -260,8 +260,8 @@ def dxf_units(
     if measurement == 1:
         return "mm", f"{nothing}, $MEASUREMENT 1 says metric"
     if imperial:
-        said = f"{' and '.join(imperial)} say{'s' if len(imperial) == 1 else ''} inches"
-        text = f"{nothing}, and {said}, {long}: what is it in?"
+        sentence = f"{' and '.join(imperial)} say{'s' if len(imperial) == 1 else ''} inches"
+        text = f"{nothing}, and {sentence}, {long}: what is it in?"
         order = ("in", "mm") if in_inches else ("mm", "in")
         return asking.ask(units_question(text, order, longest)), "asked: the file names no unit"
     order = ("in", "mm") if longest < SMALLEST_SHEET_MM else ("mm", "in")

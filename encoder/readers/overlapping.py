@@ -30,19 +30,19 @@ def without_overlaps(rings: Sequence[DrawnCurve], asking: Asking) -> tuple[tuple
     groups = _overlapping(rings)
     if not groups:
         return tuple(rings), []
-    said = asking.ask(_question([rings[k] for k in groups[0]], groups))
-    if said == "refuse":
+    answer = asking.ask(_question([rings[k] for k in groups[0]], groups))
+    if answer == "refuse":
         return tuple(rings), []
     gone: set[int] = set()
-    made: dict[int, list[DrawnCurve]] = {}
+    curves: dict[int, list[DrawnCurve]] = {}
     for group in groups:
         largest = max(group, key=lambda k: rings[k].area.area)
         gone |= set(group)
-        made[largest] = [rings[largest]] if said == "largest" else _merged(rings, group, largest, said == "join")
-    kept = [one for k, ring in enumerate(rings) for one in (made.get(k, []) if k in gone else [ring])]
+        curves[largest] = [rings[largest]] if answer == "largest" else _merged(rings, group, largest, answer == "join")
+    kept = [one for k, ring in enumerate(rings) for one in (curves.get(k, []) if k in gone else [ring])]
     done = {"join": "made one outline round them", "notch": "the smaller ones cut out of the largest"}
-    told = f"{counted(rings[k].layer for k in sorted(gone))} overlap: {done.get(said, 'the largest of each is kept')}"
-    return tuple(kept), [Note("repaired", told)]
+    text = f"{counted(rings[k].layer for k in sorted(gone))} overlap: {done.get(answer, 'the largest of each is kept')}"
+    return tuple(kept), [Note("repaired", text)]
 
 
 def _overlapping(rings: Sequence[DrawnCurve]) -> list[list[int]]:

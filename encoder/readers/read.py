@@ -175,8 +175,8 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
     """The lines of a drawing, those to be cut as the nest has them: open ones may be marked, others are left out."""
     if nest is None:
         return tuple(("unknown" if purpose == "cut" else purpose, piece.curve) for purpose, piece in rows)
-    made = [(_KINDS.get(contour.kind, "cut"), contour.curve) for contour in (nest.drawn or nest).contours]
-    tree = shapely.STRtree([curve.line() for _, curve in made])
+    curves = [(_KINDS.get(contour.kind, "cut"), contour.curve) for contour in (nest.drawn or nest).contours]
+    tree = shapely.STRtree([curve.line() for _, curve in curves])
     found: list[tuple[str, Curve]] = []
     for purpose, piece in rows:
         if not piece.curve.segments:
@@ -190,7 +190,7 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
             found.append(("sheet" if on_sheet else "ignore", piece.curve))
         elif purpose not in ("cut", "mark"):
             found.append((purpose, piece.curve))
-    return (*found, *made)
+    return (*found, *curves)
 
 
 _KINDS = {"mark": "mark", "scrap": "scrap"}
@@ -204,13 +204,13 @@ def _asked_about(
     lines: Sequence[tuple[str, Curve]], rows: Sequence[tuple[str, DrawnCurve]], questions: Questions
 ) -> tuple[tuple[str, Curve], ...]:
     """All lines, and those that a question is about once more, as unknown: a frame is the largest one."""
-    asked = {question.id for question in questions.questions}
+    ids = {question.id for question in questions.questions}
     about = [
         piece.curve
         for _, piece in rows
-        if asked & {f"{LAYER}{piece.layer}", f"colour:{piece.colour}", f"linetype:{piece.linetype}"}
+        if ids & {f"{LAYER}{piece.layer}", f"colour:{piece.colour}", f"linetype:{piece.linetype}"}
     ]
-    if "frame" in asked and rows:
+    if "frame" in ids and rows:
         about.append(max((piece.curve for _, piece in rows), key=lambda c: shapely.box(*c.line().bounds).area))
     return (*lines, *(("unknown", curve) for curve in about))
 
@@ -283,8 +283,8 @@ def _as_told(drawn: Nest, read: Nest, asking: Asking) -> Nest:
     if drawn.reading is None:
         return drawn
     mended = [note.text for note in drawn.notes[len(read.notes) :] if note.severity == "repaired"]
-    said = replace(drawn.reading, repaired=(*drawn.reading.repaired, *mended), answers=dict(asking.used))
-    return replace(drawn, reading=said)
+    reading = replace(drawn.reading, repaired=(*drawn.reading.repaired, *mended), answers=dict(asking.used))
+    return replace(drawn, reading=reading)
 
 
 def _with_gives(door: _Door, options: ReadOptions, asking: Asking) -> tuple[list[Question], bool]:

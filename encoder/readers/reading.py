@@ -109,11 +109,11 @@ class Reading:
 
     def lines(self) -> list[str]:
         """The whole reading, a line for each thing."""
-        told = [f"units: {self.units}: {self.units_because}", f"sheet: {self.sheet_told}"]
-        told += [row.told() for row in self.taken]
-        told += [f"answered: {question}={choice}" for question, choice in self.answers.items()]
+        texts = [f"units: {self.units}: {self.units_because}", f"sheet: {self.sheet_told}"]
+        texts += [row.told() for row in self.taken]
+        texts += [f"answered: {question}={choice}" for question, choice in self.answers.items()]
         return [
-            *told,
+            *texts,
             *(f"left out: {text}" for text in self.left_out),
             *(f"repaired: {text}" for text in self.repaired),
         ]

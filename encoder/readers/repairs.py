@@ -57,8 +57,8 @@ def repaired(nest: Nest, options: ReadOptions, asking: Asking) -> Nest:
     rings = [c for part in parts for c in (part.outer, *part.holes) if not flat(c.curve)]
     valid = shapely.is_valid(np.array([c.polygon for c in rings], dtype=object))
     crossed = [_loops(rings[k]) for k in np.flatnonzero(~valid).tolist()]
-    made: dict[str, tuple[Curve, ...]] = {}
-    asked: list[_Loops] = []
+    curves: dict[str, tuple[Curve, ...]] = {}
+    crossing: list[_Loops] = []
     for loops in crossed:
         if not loops.pieces:
             continue
@@ -66,24 +66,24 @@ def repaired(nest: Nest, options: ReadOptions, asking: Asking) -> Nest:
             loops.slack_mm <= options.join_tolerance_mm and loops.reach_mm <= REPAIR_FACTOR * options.join_tolerance_mm
         )
         if small or (options.repair and loops.dominant):
-            made[loops.contour.id] = (_curve_of(loops.pieces[0]),)
+            curves[loops.contour.id] = (_curve_of(loops.pieces[0]),)
             notes.append(_cut_off(loops))
         else:
-            asked.append(loops)
-    if asked and asking.may_mend(CROSSING):
-        said = asking.ask(_question(asked))
-        made |= {one.contour.id: _as_answered(one, said) for one in asked}
-        ids = [one.contour.id for one in asked]
+            crossing.append(loops)
+    if crossing and asking.may_mend(CROSSING):
+        answer = asking.ask(_question(crossing))
+        curves |= {one.contour.id: _as_answered(one, answer) for one in crossing}
+        ids = [one.contour.id for one in crossing]
         notes.append(
             Note(
                 "repaired",
-                f"{join_names(ids, 6)} crossed {_itself(ids)}: {_DONE[said]}, {asking.because(CROSSING)}",
+                f"{join_names(ids, 6)} crossed {_itself(ids)}: {_DONE[answer]}, {asking.because(CROSSING)}",
                 tuple(ids),
             )
         )
-    if not made:
+    if not curves:
         return nest if not notes else replace(nest, parts=tuple(parts), notes=(*nest.notes, *notes))
-    parts = [piece for part in parts for piece in _with_curves(part, made)]
+    parts = [piece for part in parts for piece in _with_curves(part, curves)]
     return replace(nest, parts=tuple(parts), notes=(*nest.notes, *notes))
 
 
@@ -139,17 +139,17 @@ _DONE = {
 }
 
 
-def _question(asked: Sequence[_Loops]) -> Question:
-    first, count = asked[0], len(asked)
+def _question(crossing: Sequence[_Loops]) -> Question:
+    first, count = crossing[0], len(crossing)
     which = f"{first.contour.id} crosses itself" if count == 1 else f"{count} contours cross themselves"
     sizes = ", ".join(f"{p.area:.6g}" for p in first.pieces[:4]) + (" …" if len(first.pieces) > 4 else "")
     largest = Choice("largest", "the largest loop of each, without the others")
     outline = Choice("outline", "the outline around all loops of each")
     loops = Choice("loops", "each loop as a contour of its own")
     choices: tuple[Choice, ...] = (outline, loops, largest)
-    if all(_is_bow_tie(one.contour.curve) for one in asked):
+    if all(_is_bow_tie(one.contour.curve) for one in crossing):
         choices = (Choice("corners", "its four corners, in their order round the middle"), loops, largest)
-    elif all(one.dominant for one in asked):
+    elif all(one.dominant for one in crossing):
         choices = (largest, outline, loops)
     at = place(first.contour.curve)
     text = f"{which}, the first is {first.contour.id}, {at}, with loops of {sizes} mm²: what is cut?"
@@ -160,14 +160,14 @@ def _is_bow_tie(curve: Curve) -> bool:
     return len(curve.segments) == BOW_TIE and not any(segment.is_arc for segment in curve.segments)
 
 
-def _as_answered(loops: _Loops, said: str) -> tuple[Curve, ...]:
-    if said == "corners":
+def _as_answered(loops: _Loops, answer: str) -> tuple[Curve, ...]:
+    if answer == "corners":
         corners = np.array([segment.start for segment in loops.contour.curve.segments])
         off = corners - corners.mean(axis=0)
         return (Curve.of(corners[np.argsort(np.arctan2(off[:, 1], off[:, 0]))]),)
-    if said == "loops":
+    if answer == "loops":
         return tuple(_curve_of(piece) for piece in loops.pieces)
-    if said == "largest":
+    if answer == "largest":
         return (_curve_of(loops.pieces[0]),)
     faces = shapely.polygonize([shapely.node(loops.contour.curve.line(FLATTEN_MM))])
     filled = shapely.union_all([shapely.Polygon(face.exterior) for face in faces.geoms])
@@ -183,14 +183,14 @@ def _curve_of(piece: shapely.Polygon) -> Curve:
     return curve
 
 
-def _with_curves(part: Part, made: dict[str, tuple[Curve, ...]]) -> list[Part]:
+def _with_curves(part: Part, curves: dict[str, tuple[Curve, ...]]) -> list[Part]:
     """The part with its mended contours; of an outer one that falls into several, each makes a part of its own."""
     holes = [
         replace(hole, id=_nth(hole.id, k), curve=curve)
         for hole in part.holes
-        for k, curve in enumerate(made.get(hole.id, (hole.curve,)))
+        for k, curve in enumerate(curves.get(hole.id, (hole.curve,)))
     ]
-    outers = made.get(part.outer.id, (part.outer.curve,))
+    outers = curves.get(part.outer.id, (part.outer.curve,))
     if len(outers) == 1:
         return [replace(part, outer=replace(part.outer, curve=outers[0]), holes=tuple(holes))]
     found = []

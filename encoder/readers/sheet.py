@@ -45,18 +45,18 @@ def choose_sheet(
     InputError
         When several sheets are drawn.
     """
-    asked = options.sheet_size_mm
+    size = options.sheet_size_mm
     if drawn:
         sheet = drawn_sheet(drawn)
         x0, y0, x1, y1 = sheet.bounds
-        if asked is None or same_size((x1 - x0, y1 - y0), asked):
+        if size is None or same_size((x1 - x0, y1 - y0), size):
             return sheet, why or f"drawn on layer '{drawn[0].layer}'", []
-        return overridden(sheet, asked)
+        return overridden(sheet, size)
     # chords cut the round side of an arc short, by less than what is rounded here
     lines = np.array([p.curve.line(1e-3) for p in parts], dtype=object)
     x0, y0, x1, y1 = shapely.total_bounds(lines).round(2).tolist()
-    if asked is not None:
-        return _given_sheet(asked, (x0, y0, x1, y1), options)
+    if size is not None:
+        return _given_sheet(size, (x0, y0, x1, y1), options)
     if page is not None and _is_page_of(page, (x0, y0, x1, y1), options):
         width, height = page.bounds[2], page.bounds[3]
         text = f"{NO_SHEET}: the page, {width:g} × {height:g} mm, is taken for it"
@@ -196,7 +196,7 @@ def use_of_frame(
     if options.sheet_size_mm is not None:
         if same_size(size, options.sheet_size_mm):
             return "sheet", "a rectangle around everything of the size of --sheet (in Python sheet_mm=)"
-        if any(side < ROUGHLY * given for side, given in zip(size, options.sheet_size_mm, strict=True)):
+        if any(side < ROUGHLY * stated_mm for side, stated_mm in zip(size, options.sheet_size_mm, strict=True)):
             return "part", ""
     holds = _holds_parts(frame, rings)
     on_page = page is not None and same_size(size, _sides(page.bounds))
@@ -205,7 +205,7 @@ def use_of_frame(
         Choice("sheet", "the sheet; what is in it is parts"),
         Choice("part", "a part; what is in it is openings"),
     )
-    said = asking.ask(
+    answer = asking.ask(
         Question(
             "frame",
             f"a rectangle of {size[0]:g} × {size[1]:g} mm is drawn around everything{as_large}, {frame[0].place}, and "
@@ -213,7 +213,7 @@ def use_of_frame(
             choices if holds else choices[::-1],
         )
     )
-    return ("sheet" if said == "sheet" else "part"), asking.because("frame")
+    return ("sheet" if answer == "sheet" else "part"), asking.because("frame")
 
 
 def _holds_parts(frame: Sequence[DrawnCurve], rings: Sequence[DrawnCurve]) -> bool:

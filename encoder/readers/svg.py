@@ -143,7 +143,7 @@ def _as_filled(
     A filling closes what it fills. Rings that do not cross, and of which it shows nothing, raise the question `fill`.
     Where nobody has said how a shape is drawn, it is filled by default only: its lines are what counts.
     """
-    made: list[tuple[Shown, list[Curve]]] = []
+    pieces: list[tuple[Shown, list[Curve]]] = []
     notes = []
     unseen: list[tuple[list[Curve], list[int], str]] = []
     for shape, own in shapes:
@@ -154,7 +154,7 @@ def _as_filled(
             own = [Curve(c.vertices, True) if len(c.vertices) > 2 and not c.closed else c for c in own]
             if not even_odd and (rings := unseen_rings(own)):
                 unseen.append((own, rings, shape.layer))
-        made.append((shape, own if filled is None else filled))
+        pieces.append((shape, own if filled is None else filled))
         if filled is not None:
             rule = "evenodd" if even_odd else "nonzero"
             which = f"a filled shape on layer '{shape.layer}' crosses itself"
@@ -165,7 +165,7 @@ def _as_filled(
         notes.append(Note("warning", f"left out, as their fill shows nothing of them: {gone}"))
         for own, rings, _ in unseen:
             own[:] = [curve for k, curve in enumerate(own) if k not in rings]
-    return made, notes
+    return pieces, notes
 
 
 def _fill_question(unseen: Sequence[tuple[list[Curve], list[int], str]]) -> Question:
@@ -200,7 +200,7 @@ def _through_masks(
     """Without what a mask may hide, or with it: how much of it is seen depends on how bright the mask is."""
     if not masked:
         return pieces, []
-    said = asking.ask(
+    answer = asking.ask(
         Question(
             "mask",
             f"{counted(p.layer for k, (p, _) in enumerate(pieces) if k in masked)} lie under a mask, which may hide "
@@ -208,7 +208,7 @@ def _through_masks(
             (Choice("whole", "all of it, as if there were no mask"), Choice("ignore", "nothing of it")),
         )
     )
-    if said == "whole":
+    if answer == "whole":
         return pieces, []
     gone = counted(p.layer for k, (p, _) in enumerate(pieces) if k in masked)
     return [row for k, row in enumerate(pieces) if k not in masked], [Note("warning", f"left out, as masked: {gone}")]

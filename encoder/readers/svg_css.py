@@ -47,8 +47,8 @@ def styled(root: Element) -> None:
         if not isinstance(element.tag, str):
             continue
         found: dict[str, tuple[str, tuple[int, ...]]] = {}
-        said = [(rule.says, rule.weight) for rule in rules if _matches(element, rule.chain, parents)]
-        for order, (says, weight) in enumerate([*said, (declarations(element.get("style", "")), (1000, 0, 0))]):
+        applied = [(rule.says, rule.weight) for rule in rules if _matches(element, rule.chain, parents)]
+        for order, (says, weight) in enumerate([*applied, (declarations(element.get("style", "")), (1000, 0, 0))]):
             for name, (value, important) in says.items():
                 rank = (int(important), *weight, order)
                 if name not in found or rank >= found[name][1]:
@@ -215,16 +215,16 @@ def _is_nth(place: int, text: str, simple: str) -> bool:
 
 
 def _has_attribute(element: Element, name: str, op: str | None, value: str) -> bool:
-    given = next((v for k, v in element.attrib.items() if k.rpartition("}")[2] == name.rpartition(":")[2]), None)
-    if given is None or op is None:
-        return given is not None
+    attribute = next((v for k, v in element.attrib.items() if k.rpartition("}")[2] == name.rpartition(":")[2]), None)
+    if attribute is None or op is None:
+        return attribute is not None
     return {
-        "=": given == value,
-        "~=": value in given.split(),
-        "^=": value != "" and given.startswith(value),
-        "$=": value != "" and given.endswith(value),
-        "*=": value != "" and value in given,
-        "|=": given == value or given.startswith(f"{value}-"),
+        "=": attribute == value,
+        "~=": value in attribute.split(),
+        "^=": value != "" and attribute.startswith(value),
+        "$=": value != "" and attribute.endswith(value),
+        "*=": value != "" and value in attribute,
+        "|=": attribute == value or attribute.startswith(f"{value}-"),
     }[op]
 
 

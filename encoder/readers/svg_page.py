@@ -108,9 +108,9 @@ def _pixels(data: bytes, extent: float, asking: Asking | None) -> tuple[str, str
     return asking.ask(question), "asked: the file names no unit"
 
 
-def _length(given: object) -> tuple[float | None, str]:
+def _length(value: object) -> tuple[float | None, str]:
     """A side of the page in mm and its unit; None where it is not given, or only as a share of the window."""
-    found = re.fullmatch(r"\s*\+?([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*", str(given))
+    found = re.fullmatch(r"\s*\+?([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*", str(value))
     if not found or (found[2] and found[2].lower() not in MM_PER_LENGTH):
         return None, ""
     return float(found[1]) * MM_PER_LENGTH[found[2].lower() or "px"], found[2]

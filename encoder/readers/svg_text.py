@@ -92,12 +92,12 @@ def _write_out(parent: Element, above: _Style, box: tuple[float, float]) -> None
 
 def _styled(element: Element, above: _Style) -> _Style:
     own = _properties(element)
-    said = dict(above.said) | {name: own[name] for name in _INHERITED if own.get(name, "inherit") != "inherit"}
+    style = dict(above.said) | {name: own[name] for name in _INHERITED if own.get(name, "inherit") != "inherit"}
     if short := re.search(r"(?:^|\s)([0-9.]+\s*(?:px|pt|mm|cm|in|pc|em|%))(?:/\S+)?\s+(\S.*)$", own.get("font", "")):
         own.setdefault("font-size", short[1])
-        said["font-family"] = short[2]
+        style["font-family"] = short[2]
     size = _size(own.get("font-size", ""), above.size)
-    return _Style(said, size, above.hidden or own.get("display") == "none", above.trouble)
+    return _Style(style, size, above.hidden or own.get("display") == "none", above.trouble)
 
 
 def _size(text: str, above: float) -> float:
@@ -232,9 +232,9 @@ def _runs(signs: Sequence[_Sign]) -> Iterator[_Run]:
 
 def _spacing(sign: _Sign) -> float:
     """How much further off the next letter is than the font has it."""
-    said = sign.style.said
-    more = _length(said.get("letter-spacing", ""), sign.style.size, 0.0) or 0.0
-    return more + ((_length(said.get("word-spacing", ""), sign.style.size, 0.0) or 0.0) if sign.sign == " " else 0.0)
+    style = sign.style.said
+    more = _length(style.get("letter-spacing", ""), sign.style.size, 0.0) or 0.0
+    return more + ((_length(style.get("word-spacing", ""), sign.style.size, 0.0) or 0.0) if sign.sign == " " else 0.0)
 
 
 def _advance(run: _Run) -> float:
@@ -267,10 +267,10 @@ def _drawn(run: _Run, text: Element, with_strokes: bool) -> str:
     for sign in run.signs if with_strokes else ():
         x, y = x + sign.dx, y + sign.dy
         size = CAPITAL * sign.style.size
-        made = lettering(sign.sign)
-        for stroke in made.strokes:
+        letters = lettering(sign.sign)
+        for stroke in letters.strokes:
             rows.append(_path(_turned(stroke * (size * factor, -size), sign.turn) + np.array([x, y])))
-        x += (made.width * size + _spacing(sign)) * factor + more
+        x += (letters.width * size + _spacing(sign)) * factor + more
     return "".join(rows)
 
 

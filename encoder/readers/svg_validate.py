@@ -76,8 +76,8 @@ _HEAD_BYTES = 4000
 
 def _path_of_style(element: ElementTree.Element) -> None:
     """The path that a style gives in place of the attribute."""
-    said = declarations(element.get("style", "")).get("d", ("", False))[0] if _tag(element) == "path" else ""
-    if found := re.fullmatch(r"path\(\s*[\"'](.*)[\"']\s*\)|none", said):
+    style = declarations(element.get("style", "")).get("d", ("", False))[0] if _tag(element) == "path" else ""
+    if found := re.fullmatch(r"path\(\s*[\"'](.*)[\"']\s*\)|none", style):
         kept = declarations(element.get("style", "")).items()
         element.set("style", ";".join(f"{name}:{text}" for name, (text, _) in kept if name != "d"))
         element.set("d", found[1] or "")
@@ -126,9 +126,9 @@ def _wrong(element: Any) -> Iterator[str]:
     tag = _tag(element)
     yield from filter(None, (too_long(name, value) for name, value in element.items()))
     for key in _SIZES.get(tag, ()):
-        given = element.get(key)
-        if given is not None and not _LENGTH.fullmatch(given):
-            yield f"{key} is {given!r}, expected a length"
+        attribute = element.get(key)
+        if attribute is not None and not _LENGTH.fullmatch(attribute):
+            yield f"{key} is {attribute!r}, expected a length"
     box = element.get("viewBox", "") if tag in ("svg", "symbol") else ""
     if box.strip() and (not _only_numbers(box) or len(re.findall(_NUMBER, box)) != 4):
         yield f"its viewBox {_short(box)!r} is not four numbers"

@@ -84,13 +84,13 @@ def lengths_resolved(root: Element) -> None:
 
 def _resolve(element: Element, size: Size, em: float, root_em: float, is_root: bool = False) -> None:
     tag = str(element.tag).rpartition("}")[2]
-    said = properties(element)
-    em = _font_px(said.get("font-size", ""), em, root_em)
+    style = properties(element)
+    em = _font_px(style.get("font-size", ""), em, root_em)
     if not is_root:
-        _plain_lengths(element, tag, said, size, em, root_em)
+        _plain_lengths(element, tag, style, size, em, root_em)
     inner = size
     if tag == "svg" and not is_root:
-        inner = _nested(element, said, size)
+        inner = _nested(element, style, size)
     elif tag == "symbol" and (box := box_of(element)):
         inner = box[2:]
     elif tag == "use":
@@ -100,19 +100,19 @@ def _resolve(element: Element, size: Size, em: float, root_em: float, is_root: b
             _resolve(child, inner, em, root_em if not is_root else em)
 
 
-def _plain_lengths(element: Element, tag: str, said: dict[str, str], size: Size, em: float, root_em: float) -> None:
+def _plain_lengths(element: Element, tag: str, style: dict[str, str], size: Size, em: float, root_em: float) -> None:
     whole = (*size, math.hypot(*size) / math.sqrt(2))
     for name, of in _SIDES.get(tag, {}).items():
-        found = _RELATIVE.fullmatch(said.get(name, ""))
+        found = _RELATIVE.fullmatch(style.get(name, ""))
         if found is None:
             continue
         number, unit = float(found[1]), found[2]
         per_unit = whole[of] / 100 if unit == "%" else root_em if unit == "rem" else em * _EMS[unit]
-        _set(element, said, name, f"{number * per_unit:.12g}")
+        _set(element, style, name, f"{number * per_unit:.12g}")
     if tag == "ellipse":  # a radius that is not given is as long as the other
         for name, other in (("rx", "ry"), ("ry", "rx")):
-            if said.get(name, "auto").strip() == "auto" and said.get(other, "auto").strip() != "auto":
-                _set(element, said, name, said[other])
+            if style.get(name, "auto").strip() == "auto" and style.get(other, "auto").strip() != "auto":
+                _set(element, style, name, style[other])
 
 
 def _set(element: Element, said: dict[str, str], name: str, value: str) -> None:
@@ -132,11 +132,11 @@ def _font_px(text: str, em: float, root_em: float) -> float:
     return length_px(text) or em
 
 
-def _nested(svg: Element, said: dict[str, str], around: Size) -> Size:
+def _nested(svg: Element, style: dict[str, str], around: Size) -> Size:
     """The size of what shares in a nested <svg> are of; the <svg> is given its size, and what is seen of it."""
-    size = _size(said, around)
+    size = _size(style, around)
     for name, side in zip(("width", "height"), size, strict=True):
-        _set(svg, said, name, f"{side:.12g}")
+        _set(svg, style, name, f"{side:.12g}")
     box = box_of(svg)
     if min(size) <= 0 or (box and min(box[2:]) <= 0):
         svg.set("style", "display:none")
@@ -145,9 +145,9 @@ def _nested(svg: Element, said: dict[str, str], around: Size) -> Size:
     return box[2:] if box else size
 
 
-def _size(said: dict[str, str], around: Size) -> Size:
+def _size(style: dict[str, str], around: Size) -> Size:
     width, height = (
-        whole if said.get(name, "auto").strip() in ("auto", "100%") else length_px(said[name])
+        whole if style.get(name, "auto").strip() in ("auto", "100%") else length_px(style[name])
         for name, whole in zip(("width", "height"), around, strict=True)
     )
     return width, height
@@ -156,8 +156,8 @@ def _size(said: dict[str, str], around: Size) -> Size:
 def seen_of(element: Element, size: Size) -> None:
     """Note on a nested <svg>, or a symbol, of what size it is: what is beyond is not seen, unless it says otherwise."""
     element.attrib.pop(VIEWPORT, None)
-    said = properties(element)
-    if said.get("overflow", "hidden").strip() in _SHOWN_BEYOND:
+    style = properties(element)
+    if style.get("overflow", "hidden").strip() in _SHOWN_BEYOND:
         return
     sx, sy, dx, dy = _fit_of(element, size)
     element.set(VIEWPORT, " ".join(f"{n!r}" for n in (-dx / sx, -dy / sy, size[0] / sx, size[1] / sy)))
@@ -166,8 +166,8 @@ def seen_of(element: Element, size: Size) -> None:
 def symbol_fitted(symbol: Element, use: Element) -> str | None:
     """The transform that fits a symbol, or an <svg>, into the size of its clone; None where nothing of it is seen."""
     around = use.get(VIEWPORT, "0 0").split()
-    said = properties(symbol) | {k: v for k, v in properties(use).items() if k in ("width", "height") and v != "auto"}
-    size = _size(said, (float(around[0]), float(around[1])))
+    style = properties(symbol) | {k: v for k, v in properties(use).items() if k in ("width", "height") and v != "auto"}
+    size = _size(style, (float(around[0]), float(around[1])))
     box = box_of(symbol)
     if min(size) <= 0 or (box and min(box[2:]) <= 0):
         return None

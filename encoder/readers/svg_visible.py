@@ -71,11 +71,11 @@ def _tag(element: Element) -> str:
 def _check_styles(root: Element) -> None:
     """Refuse what would have to be computed to know what is shown."""
     for element in root.iter():
-        said = properties(element)
+        style = properties(element)
         for name in _MATTERS:
-            if "var(" in said.get(name, ""):
+            if "var(" in style.get(name, ""):
                 raise InputError(
-                    f"{_called(element)} has {name}: {said[name]}, a variable, which is not read; save the drawing as "
+                    f"{_called(element)} has {name}: {style[name]}, a variable, which is not read; save the drawing as "
                     "plain SVG"
                 )
 
@@ -141,17 +141,17 @@ def _drawn(use: Element, named: Mapping[str, Element], within: tuple[str, ...], 
 
 def _moved_origin(element: Element, box: tuple[float, float]) -> None:
     """A transform of a style becomes an attribute, about its origin."""
-    said = properties(element)
+    style = properties(element)
     styled = declarations(element.get("style", "")).get("transform", ("", False))[0]
     transform = styled or element.get("transform", "")
-    origin = said.get("transform-origin", "").strip()
+    origin = style.get("transform-origin", "").strip()
     if not transform or transform == "none" or not (styled or origin):
         return
     transform = re.sub(
         r"([-+]?[0-9.]+(?:[eE][-+]?\d+)?)(px|mm|cm|in|pt|pc|deg|rad|turn|grad)\b", _plain_number, transform
     )
     if origin and origin not in ("0 0", "0px 0px", "0"):
-        if said.get("transform-box", "view-box") not in ("view-box", "") and _tag(element) != "svg":
+        if style.get("transform-box", "view-box") not in ("view-box", "") and _tag(element) != "svg":
             raise InputError(
                 f"{_called(element)} is turned about its own box (transform-box), which is not read; save the "
                 "drawing as plain SVG"
@@ -194,9 +194,9 @@ def _clipped(root: Element, named: Mapping[str, Element], seen: Seen) -> None:
         if _tag(parent) in ("clipPath", "mask"):
             continue
         for k, child in enumerate(list(parent)):
-            said = properties(child)
+            style = properties(child)
             space = str(child.tag)[: -len(_tag(child))]
-            mask = said.get("mask") or said.get("mask-image") or "none"
+            mask = style.get("mask") or style.get("mask-image") or "none"
             if mask.strip() != "none" and (not _url(mask) or _url(mask) in named):
                 seen.masks += 1
                 child = _wrapped(parent, k, child, f"{space}g", f"{MASK}{seen.masks}")
@@ -207,12 +207,12 @@ def _clipped(root: Element, named: Mapping[str, Element], seen: Seen) -> None:
                 SubElement(shapes, f"{space}rect", dict(numbers))
                 child.insert(0, shapes)
                 child = _wrapped(parent, k, child, f"{space}g", f"{CLIP}{seen.clips}")
-            clip = said.get("clip-path", "none").strip()
+            clip = style.get("clip-path", "none").strip()
             if "(" in clip and not _url(clip):
                 raise InputError(f"{_called(child)} is clipped by {clip}, which is not read; release it in {_PROGRAM}")
             if _url(clip) in named:
                 seen.clips += 1
-                shapes = _clipping_shapes(named[_url(clip)], space, said.get("transform", ""), seen.clips)
+                shapes = _clipping_shapes(named[_url(clip)], space, style.get("transform", ""), seen.clips)
                 child = _wrapped(parent, k, child, f"{space}g", f"{CLIP}{seen.clips}")
                 child.insert(0, shapes)
 
@@ -259,14 +259,14 @@ def _without_hidden(
     for child in list(element):
         if (child.get("id") or "").startswith(SHAPE):
             continue
-        said = properties(child)
-        own = dict(inherited) | {k: v for k, v in said.items() if k in _INHERITED and v != "inherit"}
-        clear = opacity * _share(said.get("opacity", "1"))
-        if said.get("display") == "none":
+        style = properties(child)
+        own = dict(inherited) | {k: v for k, v in style.items() if k in _INHERITED and v != "inherit"}
+        clear = opacity * _share(style.get("opacity", "1"))
+        if style.get("display") == "none":
             _count(child, "display: none", seen)
             element.remove(child)
         elif _tag(child) in LEAVES:
-            if why := _why_hidden(child, own, said, clear, named):
+            if why := _why_hidden(child, own, style, clear, named):
                 seen.hidden[why] += 1
                 element.remove(child)
             elif "fill" in own:
@@ -281,14 +281,14 @@ def _count(element: Element, why: str, seen: Seen) -> None:
 
 
 def _why_hidden(
-    leaf: Element, own: Mapping[str, str], said: Mapping[str, str], opacity: float, named: Mapping[str, Element]
+    leaf: Element, own: Mapping[str, str], style: Mapping[str, str], opacity: float, named: Mapping[str, Element]
 ) -> str:
     """Why a shape is not seen; "" for one that is, and for a <line> of which nobody says how it is drawn."""
     if own.get("visibility") in ("hidden", "collapse"):
         return "visibility: hidden"
     if opacity <= 0:
         return "opacity 0"
-    if any(length_px(said.get(name, "0")) < 0 for name in ("width", "height", "r")):
+    if any(length_px(style.get(name, "0")) < 0 for name in ("width", "height", "r")):
         return "size below 0"
     colour = own.get("color", "black")
     filled = _tag(leaf) != "line" and not _is_clear(own.get("fill", "black"), colour, named)

@@ -131,9 +131,9 @@ def page(
     frame = files(__package__).joinpath("index.html").read_text(encoding="utf-8")
     nests = rows_by_nest(rows)
     planned = sum(row.planned for row in rows)
-    said = f"{counted(len(nests), 'nest')}, {counted(len(machines), 'machine')}: {planned} of {len(rows)} planned."
+    summary = f"{counted(len(nests), 'nest')}, {counted(len(machines), 'machine')}: {planned} of {len(rows)} planned."
     parts = {
-        "@said": escape(said),
+        "@said": escape(summary),
         "@totals": "\n".join(_totals(rows, machines, papers)),
         "@refused": "\n".join(_refused(groups_of(rows))),
         "@left": "\n".join(_left(left)),
@@ -177,11 +177,11 @@ def _refused(groups: Sequence[Group]) -> Iterator[str]:
         yield '<h2 id="refused">Refused</h2>'
     for group in groups:
         yield f"<section class=group><h3>{escape(group.head)}</h3><p class=remedy>{escape(group.remedy)}</p>"
-        told: dict[str, list[str]] = {}
+        by_text: dict[str, list[str]] = {}
         for nest, text, on in group.said():
             link = f'<a href="#{anchor(nest)}">{escape(escape_text(nest))}</a> ({escape(", ".join(on))})'
-            told.setdefault(text, []).append(link)
-        for text, links in told.items():
+            by_text.setdefault(text, []).append(link)
+        for text, links in by_text.items():
             yield f"<p class=who>{', '.join(links)}</p>{_told(text)}"
         yield "</section>"
 
@@ -204,10 +204,10 @@ def _left(left: Sequence[StaleOutput]) -> Iterator[str]:
 def _told(text: str) -> str:
     """What is said of a nest; a long list is opened by a click."""
     short = truncate(escape_lines(text))
-    told = f"<pre>{escape(short.told)}</pre>"
+    body = f"<pre>{escape(short.told)}</pre>"
     if not short.rest:
-        return told
-    return f"{told}<details><summary>{short.more}</summary><pre>{escape(chr(10).join(short.rest))}</pre></details>"
+        return body
+    return f"{body}<details><summary>{short.more}</summary><pre>{escape(chr(10).join(short.rest))}</pre></details>"
 
 
 # A nest on the page of a batch: its picture, and a line for each machine.
@@ -238,9 +238,9 @@ def card(nest: str, rows: Sequence[Row]) -> str:
 
 def _sheets(row: Row) -> str:
     """How many sheets, for which order, by which day, where the job file says something of it."""
-    said = [f"{row.quantity} sheets"] if row.quantity > 1 else []
-    said += [f"{word} {text}" for word, text in (("order", row.order), ("due", row.due)) if text]
-    return f"<p>{escape(escape_text(', '.join(said)))}</p>" if said else ""
+    words = [f"{row.quantity} sheets"] if row.quantity > 1 else []
+    words += [f"{word} {text}" for word, text in (("order", row.order), ("due", row.due)) if text]
+    return f"<p>{escape(escape_text(', '.join(words)))}</p>" if words else ""
 
 
 def _machine(row: Row, rows: Sequence[Row]) -> Iterator[str]:
@@ -276,11 +276,11 @@ def _excuses(rows: Sequence[Row]) -> Iterator[str]:
 
 def _notes(rows: Sequence[Row]) -> Iterator[str]:
     """What is to be known of the nest, once for all machines that say the same."""
-    said: dict[str, list[str]] = {}
+    by_text: dict[str, list[str]] = {}
     for row in rows:
         for text in row.notes:
-            said.setdefault(text, []).append(row.machine)
-    for text, machines in said.items():
+            by_text.setdefault(text, []).append(row.machine)
+    for text, machines in by_text.items():
         yield text if len(machines) == len(rows) else f"{', '.join(machines)}: {text}"
 
 
@@ -310,7 +310,7 @@ def papers_of(rows: Mapping[NestTask, Row], machines: Iterable[str], out: Path, 
     InputError
         If one cannot be written or removed.
     """
-    files, told = dict[str, str](), list[str]()
+    files, notes = dict[str, str](), list[str]()
     for machine in machines:
         planned = {piece: row for piece, row in rows.items() if row.machine == machine and row.planned}
         pdf, record = out / f"{machine}.pdf", out / f"{machine}{RECORD}"
@@ -319,15 +319,15 @@ def papers_of(rows: Mapping[NestTask, Row], machines: Iterable[str], out: Path, 
             files[machine] = pdf.name
             continue
         leave_papers([machine], out)
-        sheets = _work_sheets(planned, out, told) if make else ()
+        sheets = _work_sheets(planned, out, notes) if make else ()
         if sheets:
-            made = sheets_pdf(sheets)
-            whole: dict[Path, str | bytes] = {pdf: made}
+            paper = sheets_pdf(sheets)
+            whole: dict[Path, str | bytes] = {pdf: paper}
             if len(sheets) == len(planned):  # else it is tried again
-                whole[record] = _record(key, made)
+                whole[record] = _record(key, paper)
             write_files(whole)
             files[machine] = pdf.name
-    return Papers(files, tuple(told))
+    return Papers(files, tuple(notes))
 
 
 def leave_papers(machines: Iterable[str], out: Path) -> None:
@@ -350,30 +350,30 @@ def _key(planned: Mapping[NestTask, Row]) -> str:
 
 def _is_finished(pdf: Path, record: Path, key: str) -> bool:
     try:
-        said: Any = json.loads(read_limited(record))
-        return said["format"] == SHEETS_FORMAT and said["key"] == key and has_content(pdf, said["sha256"])
+        content: Any = json.loads(read_limited(record))
+        return content["format"] == SHEETS_FORMAT and content["key"] == key and has_content(pdf, content["sha256"])
     except (*UNREADABLE, LookupError, TypeError, RecursionError):
         return False
 
 
-def _record(key: str, made: bytes) -> str:
+def _record(key: str, data: bytes) -> str:
     return (
-        json.dumps({"format": SHEETS_FORMAT, "key": key, "sha256": hashlib.sha256(made).hexdigest()}, indent=1) + "\n"
+        json.dumps({"format": SHEETS_FORMAT, "key": key, "sha256": hashlib.sha256(data).hexdigest()}, indent=1) + "\n"
     )
 
 
-def _work_sheets(planned: Mapping[NestTask, Row], out: Path, told: list[str]) -> Sequence[WorkSheet]:
+def _work_sheets(planned: Mapping[NestTask, Row], out: Path, notes: list[str]) -> Sequence[WorkSheet]:
     sheets = []
     for piece, row in planned.items():
         try:
             sheets.append(_sheet(piece, row, out))
         except (InputError, RulesConflict, Changed) as error:
-            told.append(f"no work sheet for {escape_text(row.nest)} on {row.machine}: {error}")
+            notes.append(f"no work sheet for {escape_text(row.nest)} on {row.machine}: {error}")
     return sheets
 
 
 def _sheet(piece: NestTask, row: Row, out: Path) -> WorkSheet:
     expect_same(piece, row.key)
-    given = task_inputs(piece, silent)
+    inputs = task_inputs(piece, silent)
     program, plan = (out / file_of(row, ending) for ending in (".nc", PLAN))
-    return work_sheet(given, read_plan(plan), program, about=about_of_job(given.job))
+    return work_sheet(inputs, read_plan(plan), program, about=about_of_job(inputs.job))

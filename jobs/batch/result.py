@@ -82,11 +82,11 @@ def row_of(data: Any) -> Row | None:
     try:
         if data["format"] != FORMAT or data["ended"] not in get_args(Ended):
             return None
-        given = {name: data[name] for name in Row.__slots__}
-        figures = given["figures"]
+        fields = {name: data[name] for name in Row.__slots__}
+        figures = fields["figures"]
         if figures is not None:
             figures = Figures(**{**figures, "excuses": tuple(figures["excuses"])})
-        return Row(**{**given, "figures": figures, "notes": tuple(given["notes"]), "files": dict(given["files"])})
+        return Row(**{**fields, "figures": figures, "notes": tuple(fields["notes"]), "files": dict(fields["files"])})
     except (LookupError, TypeError, ValueError):
         return None
 
@@ -132,7 +132,7 @@ class Group:
         machines: dict[tuple[str, str], list[str]] = {}
         for row in self.rows:
             machines.setdefault((row.nest, row.told), []).append(row.machine)
-        yield from ((nest, told, tuple(of)) for (nest, told), of in machines.items())
+        yield from ((nest, notes, tuple(of)) for (nest, notes), of in machines.items())
 
 
 def groups_of(rows: Iterable[Row]) -> tuple[Group, ...]:
@@ -174,7 +174,7 @@ class TruncatedText:
         return f"… and {sum(line.startswith(_ITEM) for line in self.rest)} more" if self.rest else ""
 
 
-def truncate(told: str) -> TruncatedText:
+def truncate(text: str) -> TruncatedText:
     """What is said of a nest, the list in it cut short.
 
     A list is of lines that begin with `  - `; lines below one that begin otherwise belong to it.
@@ -187,10 +187,10 @@ def truncate(told: str) -> TruncatedText:
     >>> truncate("it is open").more
     ''
     """
-    lines = told.split("\n")
+    lines = text.split("\n")
     items = [k for k, line in enumerate(lines) if line.startswith(_ITEM)]
     if len(items) <= MOST + 1:
-        return TruncatedText(told)
+        return TruncatedText(text)
     return TruncatedText("\n".join(lines[: items[MOST]]), tuple(lines[items[MOST] :]))
 
 

@@ -140,10 +140,10 @@ def run_batch(
     leave_papers({task.piece.machine.name for task in tasks if _is_other(task, store)}, store.out)
     faults: dict[str, Exception] = {}
     try:
-        for task, made in run(tasks, lambda task: watcher.began(task.piece)):
-            if isinstance(made, Exception):
-                faults[f"{task.piece.name} on {task.piece.machine.name}"] = made
-            rows[task.piece] = _kept(task, made, store)
+        for task, output in run(tasks, lambda task: watcher.began(task.piece)):
+            if isinstance(output, Exception):
+                faults[f"{task.piece.name} on {task.piece.machine.name}"] = output
+            rows[task.piece] = _kept(task, output, store)
             watcher.ended(rows[task.piece])
     except KeyboardInterrupt:
         interrupted = True
@@ -185,12 +185,12 @@ def _leave(pieces: Iterable[NestTask], machines: Machines, store: Store) -> None
                 store.leave(machine.name, nest)
 
 
-def _kept(task: Task, made: TaskOutput | Exception, store: Store) -> Row:
+def _kept(task: Task, output: TaskOutput | Exception, store: Store) -> Row:
     """The row of what was made, once its files are written; that they cannot be is the fault of this one alone."""
-    made = fault(task.piece, made) if isinstance(made, Exception) else made
-    row = replace(made.row, key=task.key)
+    output = fault(task.piece, output) if isinstance(output, Exception) else output
+    row = replace(output.row, key=task.key)
     try:
-        return store.keep(row, made.contents)
+        return store.keep(row, output.contents)
     except InputError as error:
         return replace(row, ended="fault", told=str(error), figures=None, files={})
 
@@ -220,9 +220,9 @@ def plan_task_inputs(piece: NestTask, key: str) -> TaskOutput:
     """
     try:
         expect_same(piece, key)
-        made = _planned(piece)
+        output = _planned(piece)
         expect_same(piece, key)
-        return made
+        return output
     except Changed as changed:
         return _without_plan(piece, "fault", str(changed))
     except Questions as error:
@@ -250,32 +250,32 @@ def fault(piece: NestTask, error: Exception) -> TaskOutput:
 
 def _planned(piece: NestTask) -> TaskOutput:
     options, notes = piece.options, list[str]()
-    given = task_inputs(piece, notes.append)
+    inputs = task_inputs(piece, notes.append)
     limits = options_for(
-        given.nest, given.profile, work=options.work, time_s=options.time_s, gap=options.gap, seed=options.seed,
+        inputs.nest, inputs.profile, work=options.work, time_s=options.time_s, gap=options.gap, seed=options.seed,
         memory_gb=options.memory_gb,
     )  # fmt: skip
-    done = plan_nest(given, limits, relax=options.relax, listener=_Elsewhere())
+    done = plan_nest(inputs, limits, relax=options.relax, listener=_Elsewhere())
     if not done.made.verdict.ok:
         broken = ", ".join(done.made.verdict.broken())
         return _without_plan(piece, "not safe", f"the check refuses the plan that was found: {broken}")
     seen = thumbnail(done.given.nest, done.made.plan)
     row = _row(piece, "planned", figures=_figures(done), notes=tuple(notes), thumbnail=seen)
-    return TaskOutput(row, _contents(piece, given, done))
+    return TaskOutput(row, _contents(piece, inputs, done))
 
 
-def _contents(piece: NestTask, given: Inputs, done: FinishedPlan) -> Mapping[str, str | bytes]:
+def _contents(piece: NestTask, inputs: Inputs, done: FinishedPlan) -> Mapping[str, str | bytes]:
     """Program, plan, picture and page, and what of the sheet can be used again, by the names that they have."""
     stem, plan = Path(piece.name).name, done.made.plan
     files: dict[str, str | bytes] = {
         f"{stem}.nc": done.made.program,
         f"{stem}{PLAN}": plan.to_json(),
-        f"{stem}.svg": draw(given.nest, plan, ".svg", given.profile.home_on(given.nest)),
+        f"{stem}.svg": draw(inputs.nest, plan, ".svg", inputs.profile.home_on(inputs.nest)),
     }
     if not done.given.profile.machine.torches.several:  # the page knows one
         page = page_data(done.given, plan, done.made.verdict, done.made.program, False, "none")
         files[f"{stem}.html"] = page_bytes(page)
-    saved = remnant_files(f"{stem}.nc", given.nest, given.profile)
+    saved = remnant_files(f"{stem}.nc", inputs.nest, inputs.profile)
     return files | {path.name: text for path, text in saved.items()}
 
 
@@ -321,13 +321,13 @@ def _seen(nest: Nest, alert: tuple[str, ...]) -> str:
         return ""
 
 
-def _row(piece: NestTask, ended: Any, told: str = "", **more: Any) -> Row:
+def _row(piece: NestTask, ended: Any, text: str = "", **more: Any) -> Row:
     sheets: dict[str, Any] = {"quantity": piece.quantity, "order": piece.order, "due": piece.due}
-    return Row(piece.name, str(piece.source), piece.machine.name, ended, told, **sheets, **more)
+    return Row(piece.name, str(piece.source), piece.machine.name, ended, text, **sheets, **more)
 
 
-def _without_plan(piece: NestTask, ended: Any, told: str, **more: Any) -> TaskOutput:
-    return TaskOutput(_row(piece, ended, told, **more), {})
+def _without_plan(piece: NestTask, ended: Any, text: str, **more: Any) -> TaskOutput:
+    return TaskOutput(_row(piece, ended, text, **more), {})
 
 
 # The same batch on the machines of a Dask cluster, given by the address of its scheduler.
@@ -375,8 +375,8 @@ class Cluster(Generic[Piece, Made]):
         try:
             self._client: Any = client(scheduler, timeout=ANSWER_S, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
-            said = f"no Dask scheduler answers ({error})"
-            raise InputError(f"--scheduler {scheduler}: {said}; start one with `dask scheduler`") from None
+            text = f"no Dask scheduler answers ({error})"
+            raise InputError(f"--scheduler {scheduler}: {text}; start one with `dask scheduler`") from None
         self._work, self._scheduler = work, scheduler
         workers = self._workers()
         if not workers:
@@ -395,22 +395,22 @@ class Cluster(Generic[Piece, Made]):
             If the scheduler is lost.
         """
         left = iter(pieces)
-        given: dict[Any, Piece] = {}
+        tasks: dict[Any, Piece] = {}
         answers = dask().as_completed(loop=self._client.loop)
         try:
             while True:
-                room = AHEAD * max(1, sum(worker["nthreads"] for worker in self._workers())) - len(given)
+                room = AHEAD * max(1, sum(worker["nthreads"] for worker in self._workers())) - len(tasks)
                 for _, piece in zip(range(room), left, strict=False):
                     future = self._client.submit(self._work, piece, pure=False)
-                    given[future] = piece
+                    tasks[future] = piece
                     answers.add(future)
                     began(piece)
-                if not given:
+                if not tasks:
                     return
                 future = next(answers)
-                yield given.pop(future), self._answer(future)
+                yield tasks.pop(future), self._answer(future)
         finally:
-            self._client.cancel(list(given), force=True)
+            self._client.cancel(list(tasks), force=True)
 
     def _answer(self, future: Any) -> Made | Exception:
         if future.cancelled():
@@ -418,9 +418,9 @@ class Cluster(Generic[Piece, Made]):
         error = future.exception()
         if isinstance(error, Exception):
             return error
-        made: Made = future.result()
+        answer: Made = future.result()
         future.release()
-        return made
+        return answer
 
     def _workers(self) -> list[dict[str, Any]]:
         with contextlib.suppress(OSError, TimeoutError):

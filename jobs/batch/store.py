@@ -43,10 +43,10 @@ def lock_folder(out: Path) -> Iterator[None]:
             yield
     except sqlite3.OperationalError as error:
         if "locked" in str(error):
-            said = "another batch is writing there: wait until it has ended, or give this one another folder"
+            text = "another batch is writing there: wait until it has ended, or give this one another folder"
         else:
-            said = f"cannot be locked for this batch: {error}"
-        raise InputError(said, file=out) from None
+            text = f"cannot be locked for this batch: {error}"
+        raise InputError(text, file=out) from None
 
 
 class Store:
@@ -253,10 +253,10 @@ def key_of(files: Iterable[Path], besides: Mapping[str, Any]) -> str:
     total = hashlib.sha256(json.dumps(besides, sort_keys=True).encode())
     for file in files:
         try:
-            said = hashlib.sha256(read_limited(file)).hexdigest()
+            digest = hashlib.sha256(read_limited(file)).hexdigest()
         except UNREADABLE:
-            said = "cannot be read"
-        total.update(f"\0{file.name}\0{said}".encode("utf-8", "surrogateescape"))
+            digest = "cannot be read"
+        total.update(f"\0{file.name}\0{digest}".encode("utf-8", "surrogateescape"))
     return total.hexdigest()
 
 

@@ -136,8 +136,8 @@ class Machines:
     def of(self, job: Job | None) -> Sequence[Machine]:
         """The machines that a nest with this job file is planned on."""
         if self.named:
-            asked = [m for m in self.named if job is not None and job.machine is not None and m.is_called(job.machine)]
-            return asked or self.named
+            called = [m for m in self.named if job is not None and job.machine is not None and m.is_called(job.machine)]
+            return called or self.named
         return [self._other(DEFAULT if job is None or job.profile_path is None else job.profile_path)]
 
     def _other(self, profile: str) -> Machine:
@@ -182,13 +182,13 @@ def task_inputs(piece: NestTask, tell: Tell) -> Inputs:
     named = None if job is None else job.profile_path
     if job is not None and named is not None and Path(named).resolve() == Path(piece.machine.profile).resolve():
         job = replace(job, profile=None)  # and so with the profile
-    asked = NestRequest(_plant(piece.machine), last=last if is_file(last) else None)
-    plant = profile_for(asked, job, tell)
+    request = NestRequest(_plant(piece.machine), last=last if is_file(last) else None)
+    plant = profile_for(request, job, tell)
     drawn = drawn_nest(piece.source, plant, repair=piece.options.repair)
-    given = locked_for(plant.as_cut(drawn), piece.source, plant, asked, job, tell)
-    for text in _notes(drawn, given):
+    inputs = locked_for(plant.as_cut(drawn), piece.source, plant, request, job, tell)
+    for text in _notes(drawn, inputs):
         tell(text)
-    return given
+    return inputs
 
 
 @lru_cache(maxsize=16)
@@ -202,17 +202,17 @@ def _plant(machine: Machine) -> Profile:
     return plant
 
 
-def _notes(drawn: Nest, given: Inputs) -> Iterator[str]:
+def _notes(drawn: Nest, inputs: Inputs) -> Iterator[str]:
     """What a planner should know of the nest, as `solve` says it on standard error."""
     if drawn.reading is not None and drawn.reading.taken:
         yield f"note: {drawn.reading.short()}"
-    yield from (f"{note.severity}: {note.text}" for note in given.profile.without_losses(drawn).notes)
-    if cut_all_the_same := tabs_not_left(drawn, given.profile):
+    yield from (f"{note.severity}: {note.text}" for note in inputs.profile.without_losses(drawn).notes)
+    if cut_all_the_same := tabs_not_left(drawn, inputs.profile):
         yield f"warning: {cut_all_the_same}"
-    yield from (f"warning: {text}" for text in placing_notes(given.nest, given.profile))
-    yield from (f"note: {text}" for text in (*given.profile.chart_notes(), *given.profile.time_and_price_notes()))
-    if told := common_cuts_not_made(given):
-        yield f"note: {told}"
+    yield from (f"warning: {text}" for text in placing_notes(inputs.nest, inputs.profile))
+    yield from (f"note: {text}" for text in (*inputs.profile.chart_notes(), *inputs.profile.time_and_price_notes()))
+    if warning := common_cuts_not_made(inputs):
+        yield f"note: {warning}"
 
 
 # New files as they arrive: a folder is looked at again and again, and a file read once nobody writes it any more.
@@ -299,7 +299,7 @@ class Source:
     name: str
 
 
-def sources_in(given: Iterable[Path], out: Path) -> tuple[Source, ...]:
+def sources_in(paths: Iterable[Path], out: Path) -> tuple[Source, ...]:
     """Every nest among files and folders, once: in the order in which they are given, in folders by their names.
 
     In a folder a nest is a file that ends as one. Hidden files, plans and pictures that kerfwise wrote are passed over,
@@ -311,7 +311,7 @@ def sources_in(given: Iterable[Path], out: Path) -> tuple[Source, ...]:
         If there is no such file or folder, or a file is of another kind.
     """
     found: dict[Path, Source] = {}
-    for place in given:
+    for place in paths:
         if is_folder(place):
             of_place: Iterable[Source] = _under(place, out)
         elif not is_file(place):
@@ -381,7 +381,7 @@ def _alike(name: str) -> str:
 Round = Callable[[Sequence[Source], Machines], object]
 
 
-def keep_on(given: Sequence[Path], out: Path, machines: Machines, one_round: Round, tell: Tell) -> None:
+def keep_on(paths: Sequence[Path], out: Path, machines: Machines, one_round: Round, tell: Tell) -> None:
     """A round for all nests that are there, and one each time that something has changed, until Ctrl-C.
 
     A profile that cannot be read is told, and waited for. Where no machine is named, the profiles that job files name
@@ -392,14 +392,14 @@ def keep_on(given: Sequence[Path], out: Path, machines: Machines, one_round: Rou
     InputError
         If one cannot be read at the start.
     """
-    found: tuple[Source, ...] = sources_in(given, out)
+    found: tuple[Source, ...] = sources_in(paths, out)
     profiles = [files_of(plant_of(machine.profile, machine.trust)) for machine in machines.named]
     profiles = profiles or _of_jobs(found, machines.trust)
 
     def files() -> Iterable[Path]:
         nonlocal found
         with contextlib.suppress(InputError):  # a share that is away for a while
-            found = sources_in(given, out)
+            found = sources_in(paths, out)
         for source in found:
             yield source.file
             yield from _jobs(source)

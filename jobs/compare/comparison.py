@@ -35,12 +35,12 @@ class RulePays:
         """The same in a few words."""
         if self.strength in ("off", "-"):
             return self.strength
-        told = f"{self.strength}, {self.verdict}"
+        text = f"{self.strength}, {self.verdict}"
         if self.cost_mm:
-            told += f": {self.breaches} × = {self.cost_mm / 1000:.3f} m"
+            text += f": {self.breaches} × = {self.cost_mm / 1000:.3f} m"
         elif self.breaches:
-            told += f": {self.breaches} ×"
-        return told + (f", {self.excuses} excused" if self.excuses else "")
+            text += f": {self.breaches} ×"
+        return text + (f", {self.excuses} excused" if self.excuses else "")
 
     @property
     def quiet(self) -> bool:
@@ -159,37 +159,41 @@ def _side(side: Side) -> dict[str, Any]:
 _TOLD = 20
 
 
-def text(made: Compared) -> str:
+def text(compared: Compared) -> str:
     """Both sides by name, the figures, the rules, the cuts that differ, and what may be claimed."""
-    lines = [*sides(made), ""]
-    lines += align_columns([("", "A", "B", ""), *figure_rows(made)])
-    telling = [row for row, (_, a, b) in zip(rule_rows(made), made.rules, strict=True) if not (a.quiet and b.quiet)]
+    lines = [*sides(compared), ""]
+    lines += align_columns([("", "A", "B", ""), *figure_rows(compared)])
+    telling = [
+        row for row, (_, a, b) in zip(rule_rows(compared), compared.rules, strict=True) if not (a.quiet and b.quiet)
+    ]
     lines += ["", *(align_columns([("rule", "A", "B", ""), *telling]) if telling else [])]
-    if quiet := len(made.rules) - len(telling):
+    if quiet := len(compared.rules) - len(telling):
         lines.append(f"{counted(quiet, 'hard rule')} more, which hold wherever they are asked (--json has them all)")
     lines.append("")
-    changed = made.changed
-    lines.append(summary_of(changed, len(made.cuts)))
+    changed = compared.changed
+    lines.append(summary_of(changed, len(compared.cuts)))
     if changed:
         lines += align_columns([("contour", "A", "B", ""), *(cut_row(pair) for pair in changed[:_TOLD])])
         if len(changed) > _TOLD:
             lines.append(f"... and {len(changed) - _TOLD} more (--json has them all)")
-    return "\n".join([*lines, "", *proofs(made)])
+    return "\n".join([*lines, "", *proofs(compared)])
 
 
-def sides(made: Compared) -> list[str]:
+def sides(compared: Compared) -> list[str]:
     """Both sides by name."""
-    return [f"A: {_named(made.a)}", f"B: {_named(made.b)}"]
+    return [f"A: {_named(compared.a)}", f"B: {_named(compared.b)}"]
 
 
-def figure_rows(made: Compared) -> list[tuple[str, str, str, str]]:
+def figure_rows(compared: Compared) -> list[tuple[str, str, str, str]]:
     """Label, both values, and the change."""
-    return [(figure.label, *figure.texts) for figure in made.figures]
+    return [(figure.label, *figure.texts) for figure in compared.figures]
 
 
-def rule_rows(made: Compared) -> list[tuple[str, str, str, str]]:
+def rule_rows(compared: Compared) -> list[tuple[str, str, str, str]]:
     """Id, what the rule is on both sides, and whether that differs."""
-    return [(name, a.told, b.told, "" if a == b or "-" in (a.told, b.told) else "changed") for name, a, b in made.rules]
+    return [
+        (name, a.told, b.told, "" if a == b or "-" in (a.told, b.told) else "changed") for name, a, b in compared.rules
+    ]
 
 
 def cut_row(pair: CutPair) -> tuple[str, str, str, str]:
@@ -198,17 +202,17 @@ def cut_row(pair: CutPair) -> tuple[str, str, str, str]:
     return escape_text(pair.contour), a, b, pair.told
 
 
-def proofs(made: Compared) -> list[str]:
+def proofs(compared: Compared) -> list[str]:
     """What is proven of each side, whether it keeps every hard rule, and what the difference may be taken for."""
-    lines = [f"{letter}: {side.proof}" for letter, side in (("A", made.a), ("B", made.b))]
+    lines = [f"{letter}: {side.proof}" for letter, side in (("A", compared.a), ("B", compared.b))]
     lines += [
         f"{letter}: the check refuses it: {', '.join(side.verdict.broken())}"
-        for letter, side in (("A", made.a), ("B", made.b))
+        for letter, side in (("A", compared.a), ("B", compared.b))
         if not side.verdict.ok
     ]
-    states = [(letter, side.verdict.state) for letter, side in (("A", made.a), ("B", made.b))]
+    states = [(letter, side.verdict.state) for letter, side in (("A", compared.a), ("B", compared.b))]
     lines += [f"{letter}: {escape_text(state.words())}" for letter, state in states if state.kind == "kept but for"]
-    return [*lines, made.claim]
+    return [*lines, compared.claim]
 
 
 def summary_of(changed: Sequence[CutPair], count: int) -> str:
@@ -223,10 +227,10 @@ def summary_of(changed: Sequence[CutPair], count: int) -> str:
         ("with other tabs", sum(pair.tabs for pair in changed)),
         ("in one only", sum(None in (pair.a, pair.b) for pair in changed)),
     )
-    told = ", ".join(f"{number} {what}" for what, number in kinds if number)
-    return f"{len(changed)} of {counted(count, 'cut')} differ: {told or 'linked in one only'}"
+    text = ", ".join(f"{number} {what}" for what, number in kinds if number)
+    return f"{len(changed)} of {counted(count, 'cut')} differ: {text or 'linked in one only'}"
 
 
 def _named(side: Side) -> str:
-    made = {"plan": "plan", "program": "program", "solved": "planned now"}[side.made]
-    return f"{escape_text(side.name)} ({made}, profile {escape_text(side.profile.name)})"
+    kind = {"plan": "plan", "program": "program", "solved": "planned now"}[side.made]
+    return f"{escape_text(side.name)} ({kind}, profile {escape_text(side.profile.name)})"

@@ -39,13 +39,13 @@ def expect_kinds(names: Iterable[str | Path]) -> None:
             raise InputError(f"a comparison is written as {', '.join(KINDS)}: give a name that ends so", file=name)
 
 
-def content_of(made: Compared, suffix: str) -> str | bytes:
+def content_of(compared: Compared, suffix: str) -> str | bytes:
     """The content of a file whose name ends so; one of `KINDS`."""
     from kerfwise.jobs.page import compared_data, page_bytes
 
     if suffix == ".pdf":
-        return paper(made)
-    return page_bytes(compared_data(made)) if suffix == ".html" else picture(made, suffix)
+        return paper(compared)
+    return page_bytes(compared_data(compared)) if suffix == ".html" else picture(compared, suffix)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -68,8 +68,8 @@ class Comparison(Compared):
 
     def picture(self, kind: PictureKind = "svg") -> Picture:
         """Both routes, cuts that differ in red; "html" is the page with the tables."""
-        made = content_of(self, f".{kind}")
-        return Picture(made.encode("utf-8") if isinstance(made, str) else made, kind)
+        content = content_of(self, f".{kind}")
+        return Picture(content.encode("utf-8") if isinstance(content, str) else content, kind)
 
     def save(self, *paths: str | Path) -> tuple[Path, ...]:
         """Write it as .svg, .png, .html or .pdf, by the ends of the names: all files or none.
@@ -98,50 +98,50 @@ _SAME_S = 1e-3
 """Plans write times to milliseconds."""
 
 
-def picture(made: Compared, suffix: str) -> str | bytes:
+def picture(compared: Compared, suffix: str) -> str | bytes:
     """The picture as SVG text or as PNG bytes."""
-    return draw_burns(_panels(made), suffix, title_of(made))
+    return draw_burns(_panels(compared), suffix, title_of(compared))
 
 
-def picture_scene(made: Compared) -> Scene:
+def picture_scene(compared: Compared) -> Scene:
     """The picture, to be set on a page."""
-    return burns_scene(_panels(made), title_of(made))
+    return burns_scene(_panels(compared), title_of(compared))
 
 
-def title_of(made: Compared) -> str:
+def title_of(compared: Compared) -> str:
     """What a picture or page of the comparison is called."""
-    return f"{escape_text(Path(made.a.given.nest.file or 'nest').name)} compared"
+    return f"{escape_text(Path(compared.a.given.nest.file or 'nest').name)} compared"
 
 
-def _panels(made: Compared) -> list[Panel]:
-    changed = {pair.contour for pair in made.changed}
-    return [_panel(letter, side, changed) for letter, side in (("A", made.a), ("B", made.b))]
+def _panels(compared: Compared) -> list[Panel]:
+    changed = {pair.contour for pair in compared.changed}
+    return [_panel(letter, side, changed) for letter, side in (("A", compared.a), ("B", compared.b))]
 
 
 def _panel(letter: str, side: Side, changed: Collection[str]) -> Panel:
     job = side.times.timed.job
-    told = f"idle {job.idle_mm / 1000:.3f} m, {job.pierces} pierces"
+    text = f"idle {job.idle_mm / 1000:.3f} m, {job.pierces} pierces"
     begun_s = np.array(sorted(cut.start_s for cut in side.cuts.new if cut.contour in changed))
     starts_s = np.array([burn.start_s for burn in side.burns])
     loud = frozenset((np.searchsorted(starts_s, begun_s + _SAME_S) - 1).tolist())
-    return Panel(f"{letter}: {side.name}", told, side.burns, side.home, side.end, loud, side.cuts.made + 1)
+    return Panel(f"{letter}: {side.name}", text, side.burns, side.home, side.end, loud, side.cuts.made + 1)
 
 
-def paper(made: Compared) -> bytes:
+def paper(compared: Compared) -> bytes:
     """The comparison as a PDF; the same one gives the same bytes."""
-    sheet = Paper(title_of(made))
-    sheet.heading(title_of(made))
-    sheet.lines(sides(made))
+    sheet = Paper(title_of(compared))
+    sheet.heading(title_of(compared))
+    sheet.lines(sides(compared))
     sheet.skip(6.0)
-    sheet.table(("", "A", "B", "change"), figure_rows(made), (3, 3, 3, 2))
+    sheet.table(("", "A", "B", "change"), figure_rows(compared), (3, 3, 3, 2))
     sheet.skip(6.0)
-    sheet.lines(proofs(made))
+    sheet.lines(proofs(compared))
     sheet.skip(6.0)
-    sheet.picture(picture_scene(made))
+    sheet.picture(picture_scene(compared))
     sheet.heading("Rules")
-    sheet.table(("rule", "A", "B", ""), rule_rows(made), (3, 4, 4, 1.5))
+    sheet.table(("rule", "A", "B", ""), rule_rows(compared), (3, 4, 4, 1.5))
     sheet.heading("Cuts")
-    sheet.lines([summary_of(made.changed, len(made.cuts))])
-    if made.changed:
-        sheet.table(("contour", "A", "B", ""), [cut_row(pair) for pair in made.changed], (4, 1, 1, 6))
-    return pdf_bytes(sheet.scenes(), title_of(made))
+    sheet.lines([summary_of(compared.changed, len(compared.cuts))])
+    if compared.changed:
+        sheet.table(("contour", "A", "B", ""), [cut_row(pair) for pair in compared.changed], (4, 1, 1, 6))
+    return pdf_bytes(sheet.scenes(), title_of(compared))

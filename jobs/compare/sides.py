@@ -99,13 +99,13 @@ class Side:
         """What is proven of it."""
         if self.plan is None:
             return "a program states no proof"
-        said = proof_of(self.plan)
+        text = proof_of(self.plan)
         if self.made == "solved" or self.plan.profile.get("sha256") == self.profile.sha256:
-            return said
-        return f"{said}, by the profile that it was made with"
+            return text
+        return f"{text}, by the profile that it was made with"
 
 
-def side_of(asked: SideAsked, heat: bool = False, listener: Listener | None = None, tell: Tell = silent) -> Side:
+def side_of(request: SideAsked, heat: bool = False, listener: Listener | None = None, tell: Tell = silent) -> Side:
     """Read or plan one side, time it and have it judged.
 
     Raises
@@ -115,33 +115,33 @@ def side_of(asked: SideAsked, heat: bool = False, listener: Listener | None = No
     NoPlan
         If it is to be planned, and no plan keeps the hard rules.
     """
-    if asked.file is None:
-        return _planned(asked, heat, listener or Listener(), tell)
-    if isinstance(asked.file, Plan):
-        return _of_plan(asked, asked.file, asked.given, check_made, "plan", heat, tell)
+    if request.file is None:
+        return _planned(request, heat, listener or Listener(), tell)
+    if isinstance(request.file, Plan):
+        return _of_plan(request, request.file, request.given, check_made, "plan", heat, tell)
     try:
-        if is_plan_file(asked.file):
-            return _of_plan(asked, read_plan(asked.file), asked.given, check_made, "plan", heat, tell)
-        return _of_program(asked, str(asked.file), heat, tell)
+        if is_plan_file(request.file):
+            return _of_plan(request, read_plan(request.file), request.given, check_made, "plan", heat, tell)
+        return _of_program(request, str(request.file), heat, tell)
     except InputError as error:
         if error.file is not None:
             raise
-        raise InputError(error.message, file=asked.file, details=error.details) from error
+        raise InputError(error.message, file=request.file, details=error.details) from error
 
 
-def _planned(asked: SideAsked, heat: bool, listener: Listener, tell: Tell) -> Side:
-    limits = options_for(asked.given.nest, asked.given.profile, **(asked.limits or {}))
-    done = plan_nest(asked.given, limits, relax=asked.relax, listener=listener, tell=tell)
+def _planned(request: SideAsked, heat: bool, listener: Listener, tell: Tell) -> Side:
+    limits = options_for(request.given.nest, request.given.profile, **(request.limits or {}))
+    done = plan_nest(request.given, limits, relax=request.relax, listener=listener, tell=tell)
     verdict = done.made.verdict
-    return _of_plan(asked, done.made.plan, done.given, lambda *_: verdict, "solved", heat, tell, listener.stopped)
+    return _of_plan(request, done.made.plan, done.given, lambda *_: verdict, "solved", heat, tell, listener.stopped)
 
 
 def _of_plan(
-    asked: SideAsked, plan: Plan, given: Inputs, judge: Any, made: Kind, heat: bool, tell: Tell, broken: bool = False
+    request: SideAsked, plan: Plan, inputs: Inputs, judge: Any, kind: Kind, heat: bool, tell: Tell, broken: bool = False
 ) -> Side:
-    profile = given.profile.at_origin(plan.origin)
+    profile = inputs.profile.at_origin(plan.origin)
     profile = profile.at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
-    paths = toolpaths(plan, given.nest, profile)  # refuses the plan of another nest
+    paths = toolpaths(plan, inputs.nest, profile)  # refuses the plan of another nest
     shift = profile.machine.torches.shift
     burns = tuple(
         Burn(
@@ -151,27 +151,27 @@ def _of_plan(
         for path in paths
         for cut in (path.planned.cut, *(planned.cut for planned in path.together))
     )  # fmt: skip
-    home = profile.home_on(given.nest)
-    found = simulate_made(given, plan, tell=tell) if heat else None
+    home = profile.home_on(inputs.nest)
+    found = simulate_made(inputs, plan, tell=tell) if heat else None
     return Side(
-        asked.name, made, given, plan.sequence(home), time_made(given, plan, tell), judge(given, plan, tell), found,
-        plan, burns, home, home, broken,
+        request.name, kind, inputs, plan.sequence(home), time_made(inputs, plan, tell), judge(inputs, plan, tell),
+        found, plan, burns, home, home, broken,
     )  # fmt: skip
 
 
-def _of_program(asked: SideAsked, file: str, heat: bool, tell: Tell) -> Side:
-    given = asked.given
-    program = read_program_of(file, given, tell)
-    torches = given.profile.machine.torches
-    torches = given.profile.at_spacing(stated_spacing(program, None, torches)).machine.torches
+def _of_program(request: SideAsked, file: str, heat: bool, tell: Tell) -> Side:
+    inputs = request.given
+    program = read_program_of(file, inputs, tell)
+    torches = inputs.profile.machine.torches
+    torches = inputs.profile.at_spacing(stated_spacing(program, None, torches)).machine.torches
     program = expand_torches(program, torches.shift)
-    profile = given.profile.at_origin(program.origin or given.profile.machine.origin)
-    home = profile.home_on(given.nest)
-    built = rebuild(given.nest, program, profile.material.kerf_mm, home, tabs_asked=profile.tabs())
-    found = simulate_made(given, file, tell=tell) if heat else None
+    profile = inputs.profile.at_origin(program.origin or inputs.profile.machine.origin)
+    home = profile.home_on(inputs.nest)
+    built = rebuild(inputs.nest, program, profile.material.kerf_mm, home, tabs_asked=profile.tabs())
+    found = simulate_made(inputs, file, tell=tell) if heat else None
     return Side(
-        asked.name, "program", given, built.cuts, time_made(given, file, tell), check_made(given, file, tell), found,
-        None, program.burns, home, program.end,
+        request.name, "program", inputs, built.cuts, time_made(inputs, file, tell), check_made(inputs, file, tell),
+        found, None, program.burns, home, program.end,
     )  # fmt: skip
 
 
@@ -203,7 +203,7 @@ def expect_two(a: Made | None, b: Made | None, profiles: int, with_: Collection[
 
 
 def pair_of(
-    given: tuple[Inputs, Inputs],
+    inputs: tuple[Inputs, Inputs],
     a: Made | None,
     b: Made | None,
     with_: Sequence[str],
@@ -227,25 +227,25 @@ def pair_of(
     InputError
         For a rule that there is not, with the nearest name, or a strength that it cannot have.
     """
-    changed, changes = _changed(given[1], with_, without)
-    by_profile = tuple(f"by profile {one.profile.name}" for one in given)
-    new = "a new plan" if a is not None and given[0] is given[1] else by_profile[1]
+    changed, changes = _changed(inputs[1], with_, without)
+    by_profile = tuple(f"by profile {one.profile.name}" for one in inputs)
+    new = "a new plan" if a is not None and inputs[0] is inputs[1] else by_profile[1]
     return (
-        SideAsked(_named(a, by_profile[0]), given[0], a, limits, relax),
+        SideAsked(_named(a, by_profile[0]), inputs[0], a, limits, relax),
         SideAsked(_named(b, changes or new), changed, b, limits, relax),
     )
 
 
-def _named(made: Made | None, planned: str) -> str:
+def _named(kind: Made | None, planned: str) -> str:
     """What the user knows a side by; `planned` is that of one that is planned."""
-    if made is None:
+    if kind is None:
         return planned
-    return "the plan that is given" if isinstance(made, Plan) else str(made)
+    return "the plan that is given" if isinstance(kind, Plan) else str(kind)
 
 
-def _changed(given: Inputs, with_: Sequence[str], without: Sequence[str]) -> tuple[Inputs, str]:
+def _changed(inputs: Inputs, with_: Sequence[str], without: Sequence[str]) -> tuple[Inputs, str]:
     """Nest and profile of B, with rules on and off, and what was changed."""
-    profile = given.profile
+    profile = inputs.profile
     for text in with_:
         name, _, strength = text.partition("=")
         if strength not in _STRENGTHS:
@@ -253,8 +253,8 @@ def _changed(given: Inputs, with_: Sequence[str], without: Sequence[str]) -> tup
         profile = _switched(f"--with {text}", partial(with_rule, profile, name, _STRENGTHS[strength]))
     for name in without:
         profile = _switched(f"--without {name}", partial(without_rule, profile, name))
-    told = [*(f"with {text}" for text in with_), *(f"without {name}" for name in without)]
-    return replace(given, profile=profile), ", ".join(told)
+    words = [*(f"with {text}" for text in with_), *(f"without {name}" for name in without)]
+    return replace(inputs, profile=profile), ", ".join(words)
 
 
 def _switched(option: str, switch: Callable[[], Profile]) -> Profile:

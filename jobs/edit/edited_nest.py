@@ -66,13 +66,13 @@ class Lying:
         x0, y0, x1, y1 = drawn.outer.polygon.bounds
         middle = np.array([[(x0 + x1) / 2, (y0 + y1) / 2]])
         by = middle - pose.moved(middle) + [self.dx_mm, self.dy_mm]
-        made = Placed(0, pose, float(by[0, 0]), float(by[0, 1])).part(drawn, drawn.id)
+        laid = Placed(0, pose, float(by[0, 0]), float(by[0, 1])).part(drawn, drawn.id)
         was = Pose(float(str(drawn.attributes.get("turned", 0.0))), bool(drawn.attributes.get("mirrored", False)))
         turn = self.turn_deg + (-was.turn_deg if self.mirrored else was.turn_deg)
-        told: dict[str, object] = {"turned": turn % 360.0 + 0.0, "mirrored": self.mirrored != was.mirrored}
-        if "turned" not in drawn.attributes and not (told["turned"] or told["mirrored"]):
-            told = {}
-        return replace(made, attributes={**drawn.attributes, **told})
+        attributes: dict[str, object] = {"turned": turn % 360.0 + 0.0, "mirrored": self.mirrored != was.mirrored}
+        if "turned" not in drawn.attributes and not (attributes["turned"] or attributes["mirrored"]):
+            attributes = {}
+        return replace(laid, attributes={**drawn.attributes, **attributes})
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,11 +153,11 @@ class EditedNest:
         if self.base.bridges or self.base.apart:
             raise InputError("a nest with bridges between parts cannot be edited: take them out of the drawing first")
         edits = tuple(edit_of(one, self.reading) if isinstance(one, str) else one for one in changes)
-        made = replace(self, edits=(*self.edits, *edits), undone=())
-        made.__dict__["_state"] = self._after(self._state, edits)
-        if wrong := made.faults:
+        edited = replace(self, edits=(*self.edits, *edits), undone=())
+        edited.__dict__["_state"] = self._after(self._state, edits)
+        if wrong := edited.faults:
             raise InputError("the parts would come too near to each other or to the edge", details=wrong)
-        return made
+        return edited
 
     def undo(self) -> EditedNest:
         """Without the last change; InputError where there is none."""
@@ -228,9 +228,9 @@ class EditedNest:
                 return state.laid(part, state.lying[part].moved(dx_mm, dy_mm))
             case Turn(part, turn_deg):
                 self._expect_free(state, (part,), "turned")
-                made = state.laid(part, state.lying[part].turned(turn_deg))
-                _expect_turn(state.drawn[part], made.lying[part])
-                return made
+                laid = state.laid(part, state.lying[part].turned(turn_deg))
+                _expect_turn(state.drawn[part], laid.lying[part])
+                return laid
             case Mirror(part):
                 self._expect_free(state, (part,), "mirrored")
                 return state.laid(part, state.lying[part].flipped())
@@ -278,10 +278,10 @@ class EditedNest:
         for one in laid:
             kind = shapes.types[one.kind]
             name = next(name for n in range(1, len(drawn) + 2) if (name := f"{kind.name}-{n}") not in drawn)
-            made = one.part(kind.part, name)
-            made.attributes.pop(QUANTITY_KEY, None)
-            made.attributes.update({"of": kind.name} | ({"order": kind.order} if kind.order else {}))
-            drawn[name] = made
+            copy = one.part(kind.part, name)
+            copy.attributes.pop(QUANTITY_KEY, None)
+            copy.attributes.update({"of": kind.name} | ({"order": kind.order} if kind.order else {}))
+            drawn[name] = copy
         return replace(state, drawn=drawn, lying={**dict.fromkeys(drawn, Lying()), **state.lying})
 
     def _anew(self, state: _State, fixed: set[str]) -> _State:
@@ -324,18 +324,18 @@ def _expect_there(state: _State, names: Sequence[str]) -> None:
 
 def _turns_of(part: Part) -> tuple[float, ...]:
     """How a part may be turned from where it lies, degrees."""
-    said: Any = part.attributes.get(TURNS)
-    if not isinstance(said, list):
+    value: Any = part.attributes.get(TURNS)
+    if not isinstance(value, list):
         return QUARTERS
     now = float(str(part.attributes.get("turned", 0.0)))
-    return tuple(sorted((float(turn) - now) % 360.0 for turn in said))
+    return tuple(sorted((float(turn) - now) % 360.0 for turn in value))
 
 
 def _expect_turn(drawn: Part, lying: Lying) -> None:
-    said: Any = drawn.attributes.get(TURNS)
+    value: Any = drawn.attributes.get(TURNS)
     turned = float(str(lying.part(drawn).attributes.get("turned", 0.0)))
-    if isinstance(said, list) and turned not in [float(turn) % 360.0 for turn in said]:
-        known = ", ".join(f"{turn:g}" for turn in said)
+    if isinstance(value, list) and turned not in [float(turn) % 360.0 for turn in value]:
+        known = ", ".join(f"{turn:g}" for turn in value)
         raise InputError(f"{drawn.id} may lie at {known} degrees only, because of grain, and would lie at {turned:g}")
 
 

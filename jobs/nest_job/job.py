@@ -182,8 +182,8 @@ def job_of(text: str, file: str) -> Job:
 
 def _of_profile(key: str, valid: Sequence[str]) -> str:
     """That a key is one of a profile, which a job file has under `set`; "" for others."""
-    told = where_it_belongs(key, valid, RULES)
-    return f"{told} of a profile: in a job file that stands under set" if told and "it belongs" in told else ""
+    text = where_it_belongs(key, valid, RULES)
+    return f"{text} of a profile: in a job file that stands under set" if text and "it belongs" in text else ""
 
 
 def _locks(node: yaml.Node, problems: Problems) -> Iterator[Lock]:

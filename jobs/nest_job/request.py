@@ -87,7 +87,7 @@ def job_for(nest: NestLike, job: JobLike, tell: Tell = silent) -> Job | None:
 
 
 def profile_for(
-    asked: NestRequest, job: Job | None, tell: Tell = silent, load: Callable[[ProfileLike], Profile] = plant_of
+    request: NestRequest, job: Job | None, tell: Tell = silent, load: Callable[[ProfileLike], Profile] = plant_of
 ) -> Profile:
     """The profile that is given, else that of the job file, else the default, with what job and asker set in it.
 
@@ -97,7 +97,7 @@ def profile_for(
         If there is no such profile, or it or a setting is wrong: with its place.
     """
     named = None if job is None else job.profile_path
-    if asked.profile is None and job is not None and named is not None:
+    if request.profile is None and job is not None and named is not None:
         try:
             plant = load(named)
         except InputError as error:
@@ -105,12 +105,12 @@ def profile_for(
                 raise
             raise wrong_at(job.said_at.get("profile"), f"profile: {error}") from None
     else:
-        plant = load(DEFAULT if asked.profile is None else asked.profile)
-    if job is not None and asked.profile is not None and named is not None:
+        plant = load(DEFAULT if request.profile is None else request.profile)
+    if job is not None and request.profile is not None and named is not None:
         tell(f"{job.name} names the profile {job.profile}: the one that is given, {plant.name}, goes before it")
     if job is not None and job.machine is not None and job.machine.casefold() != plant.name.casefold():
         tell(f"{job.name} is for the machine {job.machine}, and the profile is {plant.name}")
-    return with_values(answered(plant, job, asked.answers), job, asked.settings, asked.locks, asked.date)
+    return with_values(answered(plant, job, request.answers), job, request.settings, request.locks, request.date)
 
 
 def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
@@ -122,7 +122,7 @@ def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
 
 
 def locked_for(
-    nest: Nest, nest_file: str | Path | None, plant: Profile, asked: NestRequest, job: Job | None, tell: Tell = silent
+    nest: Nest, nest_file: str | Path | None, plant: Profile, request: NestRequest, job: Job | None, tell: Tell = silent
 ) -> Inputs:
     """The nest, and the profile with the locks of job and asker on the nest's contours.
 
@@ -131,16 +131,16 @@ def locked_for(
     InputError
         If a lock names what the nest does not have: with its place.
     """
-    last = cache(lambda: last_plan(asked.last, nest, nest_file, plant))
-    return Inputs(nest, with_locks(plant, nest, job, asked.locks, last, tell), job)
+    last = cache(lambda: last_plan(request.last, nest, nest_file, plant))
+    return Inputs(nest, with_locks(plant, nest, job, request.locks, last, tell), job)
 
 
-def profile_with_locks(plant: Profile, asked: NestRequest, job: Job | None) -> Profile:
+def profile_with_locks(plant: Profile, request: NestRequest, job: Job | None) -> Profile:
     """The profile with the locks of job and asker as they are written, where there is no nest to find them on."""
-    return replace(plant, locks=(*plant.locks, *(() if job is None else job.locks), *asked.locks))
+    return replace(plant, locks=(*plant.locks, *(() if job is None else job.locks), *request.locks))
 
 
-def inputs_for(nest: NestLike, asked: NestRequest = NOTHING, tell: Tell = silent) -> Inputs:
+def inputs_for(nest: NestLike, request: NestRequest = NOTHING, tell: Tell = silent) -> Inputs:
     """A nest as it is to be cut, and its profile, with all that is asked for it.
 
     Raises
@@ -148,12 +148,12 @@ def inputs_for(nest: NestLike, asked: NestRequest = NOTHING, tell: Tell = silent
     InputError
         If something given cannot be read, or is wrong: with its place.
     """
-    laid = isinstance(asked.profile, Profile) and asked.profile.for_one_nest is not None
-    job = None if laid and asked.job is None else job_for(nest, asked.job, tell)
-    plant = profile_for(asked, job, tell)
-    refit_mm = None if isinstance(nest, Nest) else refit_as_made(None, asked.last, plant, tell)
+    laid = isinstance(request.profile, Profile) and request.profile.for_one_nest is not None
+    job = None if laid and request.job is None else job_for(nest, request.job, tell)
+    plant = profile_for(request, job, tell)
+    refit_mm = None if isinstance(nest, Nest) else refit_as_made(None, request.last, plant, tell)
     read = plant.as_cut(drawn_nest(nest, plant, refit_arcs_mm=refit_mm))
-    return locked_for(read, None if isinstance(nest, Nest) else nest, plant, asked, job, tell)
+    return locked_for(read, None if isinstance(nest, Nest) else nest, plant, request, job, tell)
 
 
 def locks_told(profile: Profile) -> str:
@@ -212,8 +212,8 @@ def with_locks(
     found = [[one for lock in layer for one in names.on_nest(lock)] for layer in (profile.locks, *layers)]
     for number, contour in names.numbered.items():
         tell(f"{number} is {contour}, as in {last().name}")
-    told = replace(made_with, numbered=dict(names.numbered))
-    laid = replace(profile, locks=_standing(found, tell), for_one_nest=told)
+    with_numbers = replace(made_with, numbered=dict(names.numbered))
+    laid = replace(profile, locks=_standing(found, tell), for_one_nest=with_numbers)
     for _, _, text in rule_option_problems(laid.plant, laid.rules, laid.known_rules()):
         raise InputError(text, file=job.file if job is not None and job.locks else None)
     return laid
@@ -326,9 +326,9 @@ class Names:
         if marked and place == "last":
             found = [c for c in found if c.kind != "mark"]
         first, then = (found, others) if place == "first" else (others, found)
-        made = _orders(replace(lock, position=None), first, then)
-        locks = made.locks if len(found) > 1 or marked else (replace(lock, contour=found[0].id),)
-        return OnNest(lock, locks, frozenset(decides), made.orders)
+        placed = _orders(replace(lock, position=None), first, then)
+        locks = placed.locks if len(found) > 1 or marked else (replace(lock, contour=found[0].id),)
+        return OnNest(lock, locks, frozenset(decides), placed.orders)
 
     def _of_part(self, name: str) -> bool:
         return name in self._nest.part_of and name not in self._nest.index
@@ -421,7 +421,7 @@ class LastPlan:
         return self.cuts[number]
 
 
-def last_plan(given: Plan | str | Path | None, nest: Nest, nest_file: str | Path | None, profile: Profile) -> LastPlan:
+def last_plan(source: Plan | str | Path | None, nest: Nest, nest_file: str | Path | None, profile: Profile) -> LastPlan:
     """The plan or program that is given, or else the plan beside the nest, or in the folder that kerfwise is run in.
 
     Raises
@@ -429,47 +429,49 @@ def last_plan(given: Plan | str | Path | None, nest: Nest, nest_file: str | Path
     InputError
         If there is none, or it cannot be read.
     """
-    if isinstance(given, Plan):
-        return of_plan(given, "the plan")
-    if given is None:
+    if isinstance(source, Plan):
+        return of_plan(source, "the plan")
+    if source is None:
         stem = Path(nest_file).stem if nest_file else ""
         places = [Path(nest_file or "").with_name(f"{stem}.plan.json"), Path(f"{stem}.plan.json")] if stem else []
-        given = next((place for place in places if is_file(place)), None)
-        if given is None:
+        source = next((place for place in places if is_file(place)), None)
+        if source is None:
             looked = f" ({places[0]})" if places else ""
             raise InputError(
                 f"#N is cut N of the last plan, and there is none beside the nest{looked}: plan it first, or name the "
                 "plan with --lock-from (in Python: resume_from)"
             )
-    if is_plan_file(given):
-        return of_plan(read_plan(given), str(given))
-    program = read_on_machine(program_text(given), nest, profile, str(given))
+    if is_plan_file(source):
+        return of_plan(read_plan(source), str(source))
+    program = read_on_machine(program_text(source), nest, profile, str(source))
     cuts = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest)).cuts
-    return LastPlan(str(given), {k: cut.contour for k, cut in enumerate(cuts, 1)})
+    return LastPlan(str(source), {k: cut.contour for k, cut in enumerate(cuts, 1)})
 
 
 def of_plan(plan: Plan, name: str) -> LastPlan:
     """The same of a plan."""
     cuts = (*plan.already_cut, *plan.cuts)
-    return LastPlan(name, {k: made.cut.contour for k, made in enumerate(cuts, 1)}, plan.made_with)
+    return LastPlan(name, {k: cut.cut.contour for k, cut in enumerate(cuts, 1)}, plan.made_with)
 
 
 # Answers to questions of a drawing are kept in its job file, so that nobody is asked twice.
 
 
-def kept_answers(nest: str | Path, job: Job | None, asked: NestRequest, read: Nest, tell: Tell) -> Job | None:
+def kept_answers(nest: str | Path, job: Job | None, request: NestRequest, read: Nest, tell: Tell) -> Job | None:
     """The job with the answers that were given, written down in its file; those that no question asked for are told.
 
     Where there is to be no job file, or none can be written, that is told and the answers hold for this time.
     """
     used = set(OF_CUTTING) if read.reading is None else {*read.reading.answers, *OF_CUTTING}
-    for question, choice in asked.answers:
+    for question, choice in request.answers:
         if question not in used:
             tell(f"--answer {question}={choice} answers no question of {Path(nest).name}: it is not kept")
-    new = tuple((q, c) for q, c in asked.answers if q in used and dict(() if job is None else job.answers).get(q) != c)
-    if not new or asked.job is False or isinstance(asked.job, Job):
+    new = tuple(
+        (q, c) for q, c in request.answers if q in used and dict(() if job is None else job.answers).get(q) != c
+    )
+    if not new or request.job is False or isinstance(request.job, Job):
         return job
-    path = Path(asked.job) if asked.job is not None else Path(nest).with_name(beside_name(nest))
+    path = Path(request.job) if request.job is not None else Path(nest).with_name(beside_name(nest))
     try:
         text = path.read_text(encoding="utf-8-sig") if path.exists() else ""
         write_files({path: with_kept(text, new, str(path))})

@@ -116,8 +116,8 @@ class ListQuestions(Questions):
     """A list names material for which no profile has values, and nobody has said how it is cut."""
 
     def _text(self) -> str:
-        told = [f"  {k}. " + question.told().replace("\n", "\n  ") for k, question in enumerate(self.questions, 1)]
-        return "\n".join(["the list raises questions that nobody has answered:", *told])
+        lines = [f"  {k}. " + question.told().replace("\n", "\n  ") for k, question in enumerate(self.questions, 1)]
+        return "\n".join(["the list raises questions that nobody has answered:", *lines])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -148,20 +148,20 @@ def cutting_of(plants: Sequence[Profile], group: Group, answers: Answers = ()) -
     if (started := _starting(plants[0], group)) is not None:
         return started
     question = _question(plants, group, why)
-    said = dict(answers).get(question.id)
-    if said is None:
+    answer = dict(answers).get(question.id)
+    if answer is None:
         return question
-    if said not in (choice.value for choice in question.choices):
+    if answer not in (choice.value for choice in question.choices):
         known = ", ".join(choice.value for choice in question.choices)
-        raise InputError(f"--answer {question.id}={said}: expected one of {known}")
-    if said == _SKIP:
+        raise InputError(f"--answer {question.id}={answer}: expected one of {known}")
+    if answer == _SKIP:
         return None
-    if said == _AS_IT_IS:
+    if answer == _AS_IT_IS:
         return Cutting(plants[0], plants[0])
     charted = next(plant for plant in plants if plant.material.chart is not None)
-    if said == _BETWEEN:
+    if answer == _BETWEEN:
         return _with(charted, (*_settings(group), "material.interpolate=true"))
-    return _with(charted, _as_row(charted, group, said))
+    return _with(charted, _as_row(charted, group, answer))
 
 
 _STARTING = {"plasma": "plasma-air"}
@@ -186,8 +186,8 @@ def _is_of(plant: Profile, group: Group) -> bool:
 
 
 def _settings(group: Group) -> tuple[str, ...]:
-    said = [f"material.thickness={group.thickness_mm:g} mm"] if group.thickness_mm is not None else []
-    return (*said, *([f"material.name={_quoted(group.material)}"] if group.material else []))
+    settings = [f"material.thickness={group.thickness_mm:g} mm"] if group.thickness_mm is not None else []
+    return (*settings, *([f"material.name={_quoted(group.material)}"] if group.material else []))
 
 
 def _with(plant: Profile, settings: tuple[str, ...]) -> Cutting:
@@ -259,17 +259,17 @@ def cuttings_of(
     """
     found: list[tuple[Group, Cutting]] = []
     left_out: list[BadRow] = []
-    asked: list[Question] = []
+    questions: list[Question] = []
     for group in groups:
         match cutting_of(plants, group, answers):
             case None:
                 left_out += (BadRow(kind.name, None, f"left out with {group.said}") for kind in group.wanted.types)
             case Question() as question:
-                asked.append(question)
+                questions.append(question)
             case Cutting() as cutting:
                 found.append((group, cutting))
-    if asked:
-        raise ListQuestions(asked)
+    if questions:
+        raise ListQuestions(questions)
     return found, left_out
 
 

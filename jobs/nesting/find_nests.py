@@ -66,7 +66,7 @@ class NestingResult:
 
 
 def find_nests(
-    asked: NestingRequest, watching: Watching, listener: Callable[[str], Listener], tell: Tell
+    request: NestingRequest, watching: Watching, listener: Callable[[str], Listener], tell: Tell
 ) -> NestingResult:
     """Lay the parts, and weigh layouts for cutting where that is asked for.
 
@@ -77,25 +77,25 @@ def find_nests(
     KeyboardInterrupt
         If somebody ended the look before a part was laid.
     """
-    order = with_held(asked.wanted, asked.plant), asked.spacing, asked.effort, asked.engine, watching, tell
+    order = with_held(request.wanted, request.plant), request.spacing, request.effort, request.engine, watching, tell
     with watching:
-        expect_room(asked.wanted, asked.spacing)
-        groups = varied_layouts(*order) if asked.purpose == "cutting" else [ranked_layouts(*order)]
+        expect_room(request.wanted, request.spacing)
+        groups = varied_layouts(*order) if request.purpose == "cutting" else [ranked_layouts(*order)]
     best = min((group[0] for group in groups if group), key=lambda layout: layout.score, default=None)
     if best is None or (watching.stopped and not best.sheets):
         raise KeyboardInterrupt(NOTHING_LAID)
-    if not best.sheets and asked.effort.time_s is not None:
-        raise InputError(f"the limit of {asked.effort.time_s:g} s was over before a part was laid: give more")
-    if any(best.missing) and best.by == FIRST and (limit_s := asked.effort.time_s) is not None:
+    if not best.sheets and request.effort.time_s is not None:
+        raise InputError(f"the limit of {request.effort.time_s:g} s was over before a part was laid: give more")
+    if any(best.missing) and best.by == FIRST and (limit_s := request.effort.time_s) is not None:
         tell(f"the limit of {limit_s:g} s ended the first round: {sum(best.missing)} parts were not tried on any sheet")
-    if asked.purpose == "density" or watching.stopped:
+    if request.purpose == "density" or watching.stopped:
         return NestingResult(_sound(nests_from(best)), interrupted=watching.stopped)
     weighed: list[Weighed] = []
     heard = Listeners(listener)
-    for layout in comparable_layouts(groups, asked.most):
+    for layout in comparable_layouts(groups, request.most):
         if heard.interrupted:
             break
-        weighed.append(weigh(nests_from(layout), asked.plant, asked.work, heard))
+        weighed.append(weigh(nests_from(layout), request.plant, request.work, heard))
     return NestingResult(_sound(cheapest(weighed).nested), tuple(weighed), heard.interrupted)
 
 
@@ -143,8 +143,8 @@ def ranked_layouts(
         return ranked
     seconds = SECONDS_A_SHEET * len(best.sheets) if limit_s is None else (1 - _OWN_SHARE) * limit_s
     shapes = Shapes(wanted.types, spacing.gap_mm, spacing.common)
-    made = compact_layout(best, shapes, seconds, effort.seed, tell, lambda: watching.going("sparrow packs strips"))
-    return ranked if made is best else [replace(made, by="sparrow"), *ranked]
+    layout = compact_layout(best, shapes, seconds, effort.seed, tell, lambda: watching.going("sparrow packs strips"))
+    return ranked if layout is best else [replace(layout, by="sparrow"), *ranked]
 
 
 def varied_layouts(
@@ -244,8 +244,8 @@ def common_of(profile: Profile) -> Common | None:
     >>> common_of(replace(load_profile("laser-st10kp-2mm"), cuts=Cuts(common=CommonCuts(20.0, gap_tolerance_mm=0.3))))
     Common(apart_mm=0.2, shortest_mm=20.0, tolerance_mm=0.05)
     """
-    asked, kerf_mm = profile.common_options(), profile.material.kerf_mm
-    return None if asked is None else Common(kerf_mm, asked.shortest_mm, min(asked.gap_mm, tolerance_mm(kerf_mm)))
+    common, kerf_mm = profile.common_options(), profile.material.kerf_mm
+    return None if common is None else Common(kerf_mm, common.shortest_mm, min(common.gap_mm, tolerance_mm(kerf_mm)))
 
 
 def with_held(wanted: Demand, profile: Profile) -> Demand:
@@ -391,10 +391,10 @@ def _lines(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> Iter
         mark = " ← taken" if one is taken else ""
         name = "densest" if number == 1 else f"layout {number}"
         head = f"{name:9} {len(layout.sheets):6} {layout.remnant_mm2 / 1e6:8.3f}"
-        said = "".join(f"; {moved}" for moved in one.moved)
+        moves = "".join(f"; {moved}" for moved in one.moved)
         if one.price is None:
             yield f"{head} no plan: {one.why}{mark}"
             continue
         parts = sum(len(nest.parts) for nest in one.nested.nests)
         cut = f"{clock(one.time_s):>9} {one.pierces:7} {one.idle_mm / 1000:8.2f}"
-        yield f"{head} {cut} {one.price:10.2f} {one.price / parts:9.3f}{mark}  {layout.by}{said}"
+        yield f"{head} {cut} {one.price:10.2f} {one.price / parts:9.3f}{mark}  {layout.by}{moves}"

@@ -96,12 +96,12 @@ def request_list(
         if not group.wanted.stocks:
             wrong += (BadRow(kind.name, None, f"there is no sheet of {group.said}") for kind in group.wanted.types)
             continue
-        asked = request(cutting.plant, group.wanted)
-        cannot = uncuttable(group.wanted, cutting.plant, asked.spacing)
+        one_request = request(cutting.plant, group.wanted)
+        cannot = uncuttable(group.wanted, cutting.plant, one_request.spacing)
         wrong += (BadRow(group.wanted.types[kind].name, None, why) for kind, why in sorted(cannot.items()))
         if len(cannot) < len(group.wanted.types):
             wanted = without(group.wanted, cannot)
-            found.append(GroupRequest(replace(group, wanted=wanted), cutting, replace(asked, wanted=wanted)))
+            found.append(GroupRequest(replace(group, wanted=wanted), cutting, replace(one_request, wanted=wanted)))
     if wrong and not skip_bad:
         head = f"{len(wrong)} of {len(order.wanted.types)} parts cannot be nested or cut (--skip-bad leaves them out)"
         raise InputError(head, details=tuple(map(str, wrong)))
@@ -112,12 +112,12 @@ def request_list(
 
 
 def nest_groups(
-    asked: ListRequest, watching: Callable[[], Watching], listener: Callable[[str], Listener], tell: Tell
+    request: ListRequest, watching: Callable[[], Watching], listener: Callable[[str], Listener], tell: Tell
 ) -> list[tuple[GroupRequest, NestingResult]]:
     """Lay group after group; sheets that serve several are there once. Ctrl-C keeps what is laid so far."""
     used: Counter[int] = Counter()
     found: list[tuple[GroupRequest, NestingResult]] = []
-    for one in asked.groups:
+    for one in request.groups:
         wanted = left_of(one.asked.wanted, used)
         if not wanted.stocks:
             raise InputError(f"no sheet is left for {one.group.said}: other parts of the list take them all")
@@ -173,7 +173,7 @@ def _profile_name(plant: Profile, folder: Path) -> str:
 
 def write_list(
     out: Path,
-    asked: ListRequest,
+    request: ListRequest,
     found: Sequence[tuple[GroupRequest, Nested, Mapping[str, str | bytes]]],
     **about: Any,
 ) -> list[Path]:
@@ -181,22 +181,24 @@ def write_list(
 
     Files of an earlier run that are not made again are removed, folders of groups with them.
     """
-    left_out = [{"part": one.name, "at": str(one.place or ""), "why": one.why} for one in asked.bad]
+    left_out = [{"part": one.name, "at": str(one.place or ""), "why": one.why} for one in request.bad]
     make_folder(out)
     written: list[Path] = []
     for one, nested, files in found:
-        folder = out / asked.folder(one)
+        folder = out / request.folder(one)
         if one.group.said:
             jobs = {
                 f"{name}{ENDING}": job_text(one.group, one.cutting, folder, nested, k)
                 for k, name in enumerate(nested.names)
             }
             files = {**files, **jobs}
-        more = {"left_out": left_out} if left_out and not asked.folder(one) else {}
+        more = {"left_out": left_out} if left_out and not request.folder(one) else {}
         written += write_nests(folder, nested, files, profile=one.cutting.plant.name, **about, **more)
-    if len(asked.groups) > 1:
-        folders = [asked.folder(one) for one, _, _ in found]
-        parts = [{"folder": asked.folder(one), **asdict(row)} for one, nested, _ in found for row in part_uses(nested)]
+    if len(request.groups) > 1:
+        folders = [request.folder(one) for one, _, _ in found]
+        parts = [
+            {"folder": request.folder(one), **asdict(row)} for one, nested, _ in found for row in part_uses(nested)
+        ]
         data = {"format": FORMAT, **about, "groups": folders, "parts": parts, "left_out": left_out}
         remove_earlier(out, {TABLE}, folders)
         write_files({out / TABLE: json.dumps(data, indent=1, ensure_ascii=False) + "\n"})

@@ -233,13 +233,13 @@ def expect_folder(out: Path) -> None:
 
 def nest_files(nested: Nested, picture: str, dxf: bool) -> dict[str, str | bytes]:
     """The nests and their pictures by the names that they have: `picture` is how the names of these end."""
-    made: dict[str, str | bytes] = {}
+    files: dict[str, str | bytes] = {}
     for name, nest, text in zip(nested.names, nested.nests, nested.texts, strict=True):
-        made[f"{name}.json"] = text
-        made[f"{name}{picture}"] = draw(replace(nest, file=f"{name}.json"), None, Path(picture).suffix or picture)
+        files[f"{name}.json"] = text
+        files[f"{name}{picture}"] = draw(replace(nest, file=f"{name}.json"), None, Path(picture).suffix or picture)
         if dxf:
-            made[f"{name}.dxf"] = nest_dxf(nest)
-    return made
+            files[f"{name}.dxf"] = nest_dxf(nest)
+    return files
 
 
 def write_nests(out: Path, nested: Nested, files: Mapping[str, str | bytes], **about: Any) -> list[Path]:
@@ -249,23 +249,23 @@ def write_nests(out: Path, nested: Nested, files: Mapping[str, str | bytes], **a
     -------
     The files, the table last.
     """
-    made = {**files, ROWS: as_csv(nested)}
-    made[TABLE] = as_json(nested, **about, **{_FILES: list(made)})
+    all_files = {**files, ROWS: as_csv(nested)}
+    all_files[TABLE] = as_json(nested, **about, **{_FILES: list(all_files)})
     make_folder(out)
     before = _before(out)
-    write_files({out / name: content for name, content in made.items()})
-    _remove(out, before, set(made), ())
-    return [out / name for name in made]
+    write_files({out / name: content for name, content in all_files.items()})
+    _remove(out, before, set(all_files), ())
+    return [out / name for name in all_files]
 
 
-def remove_earlier(out: Path, made: AbstractSet[str], folders: Collection[str]) -> None:
+def remove_earlier(out: Path, names: AbstractSet[str], folders: Collection[str]) -> None:
     """Remove what an earlier run wrote in the folder of a list, and is not made again."""
-    _remove(out, _before(out), made, folders)
+    _remove(out, _before(out), names, folders)
 
 
-def _remove(out: Path, before: tuple[set[str], set[str]], made: AbstractSet[str], folders: Collection[str]) -> None:
+def _remove(out: Path, before: tuple[set[str], set[str]], names: AbstractSet[str], folders: Collection[str]) -> None:
     files, groups = before
-    for name in sorted(files - made):
+    for name in sorted(files - names):
         (out / name).unlink(missing_ok=True)
     for name in sorted(groups - set(folders)):
         _remove(out / name, _before(out / name), set(), ())

@@ -178,16 +178,16 @@ def _list_of_tables(path: Path, skip_bad: bool) -> PartList:
     for table in read_tables(path):
         cells = _STOCK_CELLS if table.of_stock else _PART_CELLS
         for line, row in table.rows:
-            said, wrong = _cells(table, row, cells)
+            values, wrong = _cells(table, row, cells)
             place = Place(str(path), line, min(table.head.columns) + 1)
-            name = str(said.get("part", ""))
+            name = str(values.get("part", ""))
             tab = f"tab {table.sheet}: " if table.sheet else ""
             if not wrong:
                 try:
                     if table.of_stock:
-                        sheets += _sheet_of(said, place)
+                        sheets += _sheet_of(values, place)
                     else:
-                        parts.append(_part_of(said, place))
+                        parts.append(_part_of(values, place))
                     continue
                 except WrongCell as error:
                     wrong = [(place.column, str(error))]
@@ -204,35 +204,37 @@ def _cells(
     table: Table, row: tuple[Any, ...], kinds: Mapping[str, Callable[[Any, float], Any]]
 ) -> tuple[dict[str, Any], list[tuple[int, str]]]:
     """What a row says by column, and its mistakes as (column, text); empty cells say nothing."""
-    said: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     wrong = []
     for at, column in table.head.columns.items():
         cell = row[at] if at < len(row) else None
         if column not in kinds or cell is None or (isinstance(cell, str) and cell.strip() in ("", "-", "–")):
             continue
         try:
-            said[column] = kinds[column](cell, table.head.mm.get(at, 1.0))
+            values[column] = kinds[column](cell, table.head.mm.get(at, 1.0))
         except WrongCell as error:
             wrong.append((at + 1, f"{column}: {error}"))
-    return said, wrong
+    return values, wrong
 
 
-def _part_of(said: Mapping[str, Any], place: Place) -> PartRow:
-    if not said.get("part"):
+def _part_of(values: Mapping[str, Any], place: Place) -> PartRow:
+    if not values.get("part"):
         raise WrongCell("names no file of a part")
-    return PartRow(**{_FIELD.get(key, key): value for key, value in said.items()}, place=place)
+    return PartRow(**{_FIELD.get(key, key): value for key, value in values.items()}, place=place)
 
 
-def _sheet_of(said: Mapping[str, Any], place: Place) -> list[SheetRow]:
+def _sheet_of(values: Mapping[str, Any], place: Place) -> list[SheetRow]:
     """The sheet of a row of stock; none where none is left."""
-    file = str(said.get("part", ""))
-    size = said.get("size") or ("{width:g}x{length:g}".format(**said) if {"width", "length"} <= said.keys() else "")
+    file = str(values.get("part", ""))
+    size = values.get("size") or (
+        "{width:g}x{length:g}".format(**values) if {"width", "length"} <= values.keys() else ""
+    )
     if not size and not file.lower().endswith(SUFFIXES):
         raise WrongCell("expected a size such as 3000x1500, width and length, or a file of a sheet")
-    count = said.get("stock", said.get("quantity", 0))
+    count = values.get("stock", values.get("quantity", 0))
     if count is None:
         return []
-    kept = {_FIELD.get(k, k): v for k, v in said.items() if k in ("price", "remnant", "material", "thickness")}
+    kept = {_FIELD.get(k, k): v for k, v in values.items() if k in ("price", "remnant", "material", "thickness")}
     return [SheetRow(size=size, file="" if size else file, stock=count or None, place=place, **kept)]
 
 

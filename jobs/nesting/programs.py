@@ -80,21 +80,21 @@ def make_programs(
     """
     heard = Listeners(listener)
     plans: list[FinishedPlan | None] = []
-    told: list[str] = []
+    notes: list[str] = []
     for number, name in enumerate(nested.names):
         try:
             nested, done, how = planned(nested, number, plant(nested, number), work, heard, relax)
         except (RulesConflict, InputError) as error:
             if skip_bad:
                 plans.append(None)
-                told.append(f"{name}: no program: {' '.join(str(error).split())}")
+                notes.append(f"{name}: no program: {' '.join(str(error).split())}")
                 continue
             if isinstance(error, InputError):
                 raise
             raise RulesConflict(f"{name}: {error.message}; nothing was written", error.reasons) from error
         plans.append(done)
-        told += [plan_text(name, done, nested.layout.sheets[number].stock), *([how] if how else [])]
-    return Programs(nested, tuple(plans), tuple(told), heard.interrupted)
+        notes += [plan_text(name, done, nested.layout.sheets[number].stock), *([how] if how else [])]
+    return Programs(nested, tuple(plans), tuple(notes), heard.interrupted)
 
 
 # From nests to programs: every sheet planned, judged, and its files made.
@@ -117,8 +117,8 @@ def plan_sheet(
     InputError, RulesConflict
         As `plan_nest` does; also if the check refuses the plan.
     """
-    given = Inputs(profile.as_cut(_as_read(name, text)), profile)
-    done = plan_nest(given, options_for(given.nest, profile, work=work), relax=relax, listener=listener)
+    inputs = Inputs(profile.as_cut(_as_read(name, text)), profile)
+    done = plan_nest(inputs, options_for(inputs.nest, profile, work=work), relax=relax, listener=listener)
     if not done.made.verdict.ok:
         raise RulesConflict(f"the check refuses the plan: {', '.join(done.made.verdict.broken())}")
     return done
@@ -135,12 +135,12 @@ def program_files(name: str, done: FinishedPlan, picture: str = "svg") -> dict[s
     return files | {path.name: text for path, text in remnant_files(f"{name}.nc", nest, profile).items()}
 
 
-def work_sheets_of(made: Programs, language: str = ENGLISH) -> bytes:
+def work_sheets_of(programs: Programs, language: str = ENGLISH) -> bytes:
     """The work sheets of all programs, as one PDF."""
     from kerfwise.jobs.sheet_parts import sheet_of
     from kerfwise.jobs.work_sheet import sheets_pdf, work_sheet
 
-    count = len(made.nested.names)
+    count = len(programs.nested.names)
     return sheets_pdf(
         [
             work_sheet(
@@ -150,16 +150,16 @@ def work_sheets_of(made: Programs, language: str = ENGLISH) -> bytes:
                 about={"number": sheet_of(k, count, texts(language))},
                 language=language,
             )
-            for k, name, done in made.finished
+            for k, name, done in programs.finished
         ]
     )
 
 
-def labels_of(made: Programs, language: str = ENGLISH) -> bytes:
+def labels_of(programs: Programs, language: str = ENGLISH) -> bytes:
     """A label for each part of all sheets, as one PDF."""
     from kerfwise.jobs.sheet_parts import labels_pdf
 
-    return labels_pdf([(done.given.nest, done.given.profile) for _, _, done in made.finished], language)
+    return labels_pdf([(done.given.nest, done.given.profile) for _, _, done in programs.finished], language)
 
 
 def plan_text(name: str, done: FinishedPlan, stock: Stock) -> str:
@@ -213,13 +213,13 @@ def plan_or_repair(
     try:
         return nested, plan(name, nested.texts[number]), ""
     except (InputError, RulesConflict) as error:
-        for made, how in _moved(nested, number, str(error)):
+        for moved, how in _moved(nested, number, str(error)):
             if stopped():
                 break
-            if made.faults:
+            if moved.faults:
                 continue
             try:
-                return made, plan(name, made.texts[number]), f"{name} repaired: {how}"
+                return moved, plan(name, moved.texts[number]), f"{name} repaired: {how}"
             except (InputError, RulesConflict):
                 continue
         raise
@@ -248,17 +248,17 @@ def _moved(nested: Nested, number: int, refusal: str) -> Iterator[tuple[Nested, 
             if (placed := _laid(nested, sheet, dict.fromkeys(widened, more_mm))) is None:
                 break
             names = ", ".join(layout.wanted.types[kind].name for kind in sorted(widened))
-            told = "all parts" if widened == set(kinds) else names
-            yield anew(placed), f"{more_mm:.3g} mm more around {told}"
+            text = "all parts" if widened == set(kinds) else names
+            yield anew(placed), f"{more_mm:.3g} mm more around {text}"
 
 
 def _named(nested: Nested, number: int, refusal: str) -> set[int]:
     """The part types that a refusal is about."""
     words = set(re.findall(r"[^\s,;:()]+", refusal))
-    said = {word.rsplit(".", 1)[0] for word in words} | words
+    stems = {word.rsplit(".", 1)[0] for word in words} | words
     numbers = {kind.name: k for k, kind in enumerate(nested.layout.wanted.types)}
     parts = nested.nests[number].parts
-    return {numbers[str(part.attributes[OF])] for part in parts if part.id in said}
+    return {numbers[str(part.attributes[OF])] for part in parts if part.id in stems}
 
 
 def _laid(nested: Nested, sheet: Sheetful, more: dict[int, float], doubled: int = 0) -> Sheetful | None:

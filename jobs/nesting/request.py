@@ -112,14 +112,14 @@ def _types_of(
 ) -> list[PartType]:
     """All parts of all rows; those that cannot be read are noted in `bad`, or raised together."""
     found: list[PartType] = []
-    asked: list[Questions] = []
+    questions: list[Questions] = []
     wrong: list[InputError] = []
     for row, folder in rows:
         try:
             found += _types(row, folder, reading, tell)
         except InputError as error:
             if isinstance(error, Questions):
-                asked.append(error)
+                questions.append(error)
             if skip_bad:
                 bad.append(BadRow(row.part, row.place, _in_a_line(error)))
             elif not isinstance(error, Questions):
@@ -129,15 +129,15 @@ def _types_of(
         raise InputError(head, details=tuple(map(_in_a_line, wrong)))
     if wrong:
         raise wrong[0]
-    if asked and not (skip_bad and found):
-        raise QuestionsOfFiles(asked)
+    if questions and not (skip_bad and found):
+        raise QuestionsOfFiles(questions)
     return found
 
 
 def _in_a_line(error: InputError) -> str:
     if isinstance(error, Questions):
-        asked = (f"{q.id}: {q.text} ({', '.join(q.flag(choice) for choice in q.choices)})" for q in error.questions)
-        return f"{error.file}: nobody has answered {'; '.join(asked)}" if error.file else "; ".join(asked)
+        texts = (f"{q.id}: {q.text} ({', '.join(q.flag(choice) for choice in q.choices)})" for q in error.questions)
+        return f"{error.file}: nobody has answered {'; '.join(texts)}" if error.file else "; ".join(texts)
     return " ".join(str(error).split())
 
 
@@ -157,14 +157,14 @@ class NamePattern:
 
     def __init__(self, text: str) -> None:
         self._text = text
-        said = ""
+        problem = ""
         for piece in re.split(r"(\{[^{}]*\}|\*)", text):
             name = piece[1:-1] if piece.startswith("{") else ""
             if name and name not in self._KINDS:
                 raise InputError(f"--name-pattern {text!r}: {unknown('field', name, self._KINDS)}")
-            said += ".*?" if piece == "*" else f"(?P<{name}>{self._KINDS[name]})" if name else re.escape(piece)
+            problem += ".*?" if piece == "*" else f"(?P<{name}>{self._KINDS[name]})" if name else re.escape(piece)
         try:
-            self._pattern = re.compile(said, re.IGNORECASE)
+            self._pattern = re.compile(problem, re.IGNORECASE)
         except re.error:
             raise InputError(f"--name-pattern {text!r}: each field may stand in it once") from None
 
@@ -179,14 +179,14 @@ class NamePattern:
         found = self._pattern.fullmatch(stem)
         if found is None:
             raise InputError(f"the name {stem!r} is not like --name-pattern {self._text!r}")
-        said = {key: value for key, value in found.groupdict().items() if key != "part"}
+        values = {key: value for key, value in found.groupdict().items() if key != "part"}
         try:
-            row = PartRow(material=said.get("material", ""), order=said.get("order", ""))
-            if "thickness" in said:
-                row = replace(row, thickness_mm=length_in(said["thickness"]))
-            if "priority" in said:
-                row = replace(row, priority=whole_in(said["priority"], 50))
-            return replace(row, quantity=whole_in(said["quantity"], MOST)) if "quantity" in said else row
+            row = PartRow(material=values.get("material", ""), order=values.get("order", ""))
+            if "thickness" in values:
+                row = replace(row, thickness_mm=length_in(values["thickness"]))
+            if "priority" in values:
+                row = replace(row, priority=whole_in(values["priority"], 50))
+            return replace(row, quantity=whole_in(values["quantity"], MOST)) if "quantity" in values else row
         except WrongCell as error:
             raise InputError(f"the name {stem!r}: {error}") from None
 
@@ -272,8 +272,8 @@ def _in_folder(folder: Path, name: str) -> Path:
 
 def _drawn_quantity(part: Part) -> int:
     """How many of a part its drawing says, by the names of blocks, layers and the file; 1 where it says nothing."""
-    said = next((value for key, value in part.attributes.items() if key.lower() == QUANTITY_KEY), None)
-    return said if isinstance(said, int) and 1 <= said <= MOST else 1
+    quantity = next((value for key, value in part.attributes.items() if key.lower() == QUANTITY_KEY), None)
+    return quantity if isinstance(quantity, int) and 1 <= quantity <= MOST else 1
 
 
 def _file_of(file: Path) -> Path:

@@ -125,13 +125,13 @@ class Done:
         return nest_files(self.nested, ".svg", dxf) if self.made is None else self.made.files(dxf)
 
 
-def nests_of_job(asked: ListRequest, done: Sequence[Done], seed: int, notes: list[str]) -> Nests:
+def nests_of_job(request: ListRequest, done: Sequence[Done], seed: int, notes: list[str]) -> Nests:
     """What the job has found, and made of it."""
-    interrupted = len(done) < len(asked.groups) or any(
+    interrupted = len(done) < len(request.groups) or any(
         one.result.interrupted or (one.made is not None and one.made.interrupted) for one in done
     )
     nests = tuple(nest for one in done for nest in one.nested.nests)
     programs = tuple(text for one in done if one.made is not None for text in one.made.told)
-    left_out = {one.name or str(one.place): one.why for one in asked.bad}
-    plant = asked.groups[0].cutting.plant
-    return Nests(nests, plant, programs, tuple(notes), left_out, interrupted, asked, tuple(done), seed)
+    left_out = {one.name or str(one.place): one.why for one in request.bad}
+    plant = request.groups[0].cutting.plant
+    return Nests(nests, plant, programs, tuple(notes), left_out, interrupted, request, tuple(done), seed)

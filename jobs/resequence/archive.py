@@ -36,7 +36,7 @@ def resequence_folder(
     profile: Profile,
     *,
     paths: Paths = "keep",
-    asked: ProgramRequest | None = None,
+    request: ProgramRequest | None = None,
     without_rules: bool = False,
     work: float = 30.0,
     time_s: float | None = None,
@@ -65,7 +65,7 @@ def resequence_folder(
     make_folder(out, parents=True)
     options = {
         "paths": paths,
-        "asked": asked or ProgramRequest(),
+        "asked": request or ProgramRequest(),
         "without_rules": without_rules,
         "work": work,
         "time_s": time_s,
@@ -196,8 +196,8 @@ def ended_of(
     work = partial(_one, folder, profile, options)
     with Workers(work, jobs) as workers:
         run = workers.run if jobs > 1 else run_in_process(work)
-        for name, made in run(names, lambda name: None):
-            yield name, made if isinstance(made, FinishedProgram) else _fault(name, made)
+        for name, finished in run(names, lambda name: None):
+            yield name, finished if isinstance(finished, FinishedProgram) else _fault(name, finished)
 
 
 def _fault(name: str, error: Exception) -> FinishedProgram:
@@ -210,21 +210,21 @@ def _fault(name: str, error: Exception) -> FinishedProgram:
 def _one(folder: Path, profile: Profile, options: Mapping[str, Any], name: str) -> FinishedProgram:
     """One program; that it is refused, or that no order keeps the rules, is in its row."""
     try:
-        made = resequence(folder / name, profile, **options)
+        resequenced = resequence(folder / name, profile, **options)
     except InputError as error:
         return FinishedProgram(Row(name, "refused", str(error)))
     except RulesConflict as error:
         return FinishedProgram(Row(name, "no order", str(error)))
-    if made.interrupted:
+    if resequenced.interrupted:
         raise KeyboardInterrupt
     row = Row(
         name,
-        "changed" if made.changed else "unchanged",
-        made.ends,
-        (made.before.idle_mm, made.after.idle_mm),
-        (made.before.time_s, made.after.time_s),
+        "changed" if resequenced.changed else "unchanged",
+        resequenced.ends,
+        (resequenced.before.idle_mm, resequenced.after.idle_mm),
+        (resequenced.before.time_s, resequenced.after.time_s),
     )
-    return FinishedProgram(row, made.program)
+    return FinishedProgram(row, resequenced.program)
 
 
 # What became of a folder of old programs: a row each, and the table that is printed.
@@ -279,12 +279,12 @@ class Archive:
         return "\n".join(_table(self))
 
 
-def _table(made: Archive) -> Iterator[str]:
+def _table(archive: Archive) -> Iterator[str]:
     """What a plant manager wants: minutes saved a program, and in all."""
-    read = [row for row in made.rows if row.read]
-    width = min(max([7, *(len(escape_text(row.name)) for row in made.rows)]), _WIDEST)
+    read = [row for row in archive.rows if row.read]
+    width = min(max([7, *(len(escape_text(row.name)) for row in archive.rows)]), _WIDEST)
     yield f"{'program':{width}}  {'idle m':>9} {'now':>9}  {'min':>8} {'now':>8}  {'saved':>8} {'%':>6}"
-    for row in made.rows:
+    for row in archive.rows:
         name = escape_text(row.name)[-_WIDEST:]
         if row.read:
             yield f"{name:{width}}  {_figures(row.idle_mm, row.time_s)}"
@@ -293,14 +293,14 @@ def _table(made: Archive) -> Iterator[str]:
     idle = sum(row.idle_mm[0] for row in read), sum(row.idle_mm[1] for row in read)
     times = sum(row.time_s[0] for row in read), sum(row.time_s[1] for row in read)
     yield f"{'in all':{width}}  {_figures(idle, times)}"
-    for row in made.rows:
+    for row in archive.rows:
         if not row.read:
             yield f"{row.ended}: {row.told}"
-    counts = [f"{len(read)} of {len(made.rows)} programs read", f"{sum(r.ended == 'changed' for r in read)} changed"]
-    if made.again:
-        counts.append(f"{made.again} finished before")
+    counts = [f"{len(read)} of {len(archive.rows)} programs read", f"{sum(r.ended == 'changed' for r in read)} changed"]
+    if archive.again:
+        counts.append(f"{archive.again} finished before")
     yield ", ".join(counts)
-    if made.interrupted:
+    if archive.interrupted:
         yield "interrupted: the same command goes on from here"
 
 

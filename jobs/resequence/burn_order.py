@@ -64,7 +64,12 @@ class FixedPaths:
 
 
 def plan_order(
-    job: OldJob, kept: FixedPaths, told: NestOfBurns, apart: SplitProgram, limits: SolveOptions, listener: Listener
+    job: OldJob,
+    kept: FixedPaths,
+    nest_of_burns: NestOfBurns,
+    apart: SplitProgram,
+    limits: SolveOptions,
+    listener: Listener,
 ) -> VerifiedPlan:
     """The best order of the burns by the rules of the profile; what no order can keep is relaxed, and said.
 
@@ -73,33 +78,35 @@ def plan_order(
     RulesConflict
         If no order was found.
     """
-    chains, turns = _chains(told), _turns(told, apart)
-    asked = make_request(kept.facts, job.profile, relax=True, limits=limits)
-    asked = keep_rows(asked, job.profile, chains, kept.cuts, turns)
+    chains, turns = _chains(nest_of_burns), _turns(nest_of_burns, apart)
+    request = make_request(kept.facts, job.profile, relax=True, limits=limits)
+    request = keep_rows(request, job.profile, chains, kept.cuts, turns)
     fixed = bool(chains) or len(turns) > 0  # other zones would be stated without them
-    writer = BurnWriter(told, apart)
+    writer = BurnWriter(nest_of_burns, apart)
     with listener, in_steps_of(job.program.step_mm):
         return solve_and_verify(
-            asked, job.profile, limits, listener, and_zones=not fixed, write=writer.write, trusted=job.trusted
+            request, job.profile, limits, listener, and_zones=not fixed, write=writer.write, trusted=job.trusted
         )
 
 
-def _chains(told: NestOfBurns) -> list[list[int]]:
+def _chains(nest_of_burns: NestOfBurns) -> list[list[int]]:
     """The contours of each burn that cuts several, in its order."""
     cut_by: dict[int, list[int]] = defaultdict(list)
-    for name, burn in told.burn_of.items():
-        cut_by[burn].append(told.nest.index[name])
+    for name, burn in nest_of_burns.burn_of.items():
+        cut_by[burn].append(nest_of_burns.nest.index[name])
     return [contours for contours in cut_by.values() if len(contours) > 1]
 
 
-def _turns(told: NestOfBurns, apart: SplitProgram) -> Ints:
+def _turns(nest_of_burns: NestOfBurns, apart: SplitProgram) -> Ints:
     """Pairs (before, after) of contours whose burns keep their turn."""
-    of_burn = {burn: told.nest.index[name] for name, burn in told.burn_of.items()}  # of a chain the last one
+    of_burn = {
+        burn: nest_of_burns.nest.index[name] for name, burn in nest_of_burns.burn_of.items()
+    }  # of a chain the last one
     pairs = [(of_burn[one], of_burn[then]) for one, then in sorted(tool_orders(apart.pieces))]
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
-def facts_of_burns(job: OldJob, told: NestOfBurns) -> FixedPaths:
+def facts_of_burns(job: OldJob, nest_of_burns: NestOfBurns) -> FixedPaths:
     """The facts of the nest, with one candidate a contour: what its burn makes of it.
 
     Raises
@@ -107,22 +114,22 @@ def facts_of_burns(job: OldJob, told: NestOfBurns) -> FixedPaths:
     NoNest
         If a burn is not clearly the cut of its contours.
     """
-    profile, nest = job.profile, told.nest
+    profile, nest = job.profile, nest_of_burns.nest
     kerf_mm = profile.material.kerf_mm
     built = rebuild(nest, job.program, kerf_mm, profile.home_on(nest), tabs_asked=profile.tabs())
     by_contour = {cut.contour: cut for cut in built.cuts}
-    lines = {name: job.program.burns[k].line for name, k in told.burn_of.items()}
+    lines = {name: job.program.burns[k].line for name, k in nest_of_burns.burn_of.items()}
     wrong = {name: violation.text for violation in built.violations for name in violation.contours}
     wrong |= {name: f"it is not clearly the cut of {name}" for name in nest.index if name not in by_contour}
     wrong |= {cut.contour: f"it is not clearly how {cut.contour} is cut" for cut in built.cuts if not _plain(cut)}
-    for cut, name in zip_longest(built.cuts, told.burn_of):
+    for cut, name in zip_longest(built.cuts, nest_of_burns.burn_of):
         if cut is None or cut.contour != name:
             wrong.setdefault(name or cut.contour, "its burns are not clearly its cut")
     if wrong:
         raise AmbiguousNest([Unclear(lines[name], text.partition(": ")[2] or text) for name, text in wrong.items()])
     lengths_mm = {run.name: run.length_mm for run in built.runs}
     cuts = tuple(by_contour[contour.id] for contour in nest.contours)
-    candidates = [_candidate(cut, told, job, lengths_mm[cut.contour]) for cut in cuts]
+    candidates = [_candidate(cut, nest_of_burns, job, lengths_mm[cut.contour]) for cut in cuts]
     heat_kj = contour_heat_kj(nest, candidates, profile)
     return FixedPaths(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj), cuts)
 
@@ -132,10 +139,10 @@ def _plain(cut: Cut) -> bool:
     return cut.span is None and (not cut.linked or cut.lead_in is not None)
 
 
-def _candidate(cut: Cut, told: NestOfBurns, job: OldJob, length_mm: float) -> Candidate:
-    nest, contour = told.nest, told.nest.contour(cut.contour)
-    path = job.program.burns[told.burn_of[cut.contour]].path
-    ring = told.round_of[cut.contour].line() if contour.encloses else path.line()
+def _candidate(cut: Cut, nest_of_burns: NestOfBurns, job: OldJob, length_mm: float) -> Candidate:
+    nest, contour = nest_of_burns.nest, nest_of_burns.nest.contour(cut.contour)
+    path = job.program.burns[nest_of_burns.burn_of[cut.contour]].path
+    ring = nest_of_burns.round_of[cut.contour].line() if contour.encloses else path.line()
     pierce, end = cut.pierce, cut.end if contour.encloses else _last(path)
     lead_in = None if cut.linked else cut.lead_in
     if cut.linked and cut.lead_in is not None:  # the way to it, not of it
@@ -193,7 +200,7 @@ Chain = Sequence[int]
 """Contours, numbered as in the nest, in the order in which one burn cuts them."""
 
 
-def keep_rows(asked: Request, profile: Profile, chains: Sequence[Chain], cuts: Sequence[Cut], turns: Ints) -> Request:
+def keep_rows(request: Request, profile: Profile, chains: Sequence[Chain], cuts: Sequence[Cut], turns: Ints) -> Request:
     """What is asked of a plan, and besides that the burns stay whole, and that materials and tools keep their turn.
 
     `cuts` are the old ones, one a contour in the order of the nest, and so are the candidates of the facts; `turns` are
@@ -208,15 +215,15 @@ def keep_rows(asked: Request, profile: Profile, chains: Sequence[Chain], cuts: S
         If no order keeps the burns whole and the hard rules as well.
     """
     if not chains and not len(turns):
-        return asked
-    facts, stated = asked.facts, asked.stated
+        return request
+    facts, stated = request.facts, request.stated
     gives_way = {name: rule.gives_way for name, rule in profile.rulebook().items()}
     chosen = [d for d in stated.dropped if not d.why.startswith(RELAXED)]  # on cycles; there may be others now
-    given = [*stated.statements, *(d.statement for d in chosen)]
-    asking = [*_with_chains(facts, given, chains), *_links(facts, chains, cuts), *_in_turn(facts, turns)]
+    statements = [*stated.statements, *(d.statement for d in chosen)]
+    asking = [*_with_chains(facts, statements, chains), *_links(facts, chains, cuts), *_in_turn(facts, turns)]
     resolved = resolve(asking, facts.n, gives_way)
     relaxed = [d for d in stated.dropped if d.why.startswith(RELAXED)]
-    return replace(asked, stated=replace(resolved, dropped=(*resolved.dropped, *relaxed), exempt=stated.exempt))
+    return replace(request, stated=replace(resolved, dropped=(*resolved.dropped, *relaxed), exempt=stated.exempt))
 
 
 def _about(facts: Facts, contours: Sequence[int], sentence: str) -> About:
@@ -298,11 +305,11 @@ def order_by_travel(
 
 def _judged(job: OldJob, text: str) -> CheckResult | None:
     """The verdict on the contours that can be told; None where none can."""
-    told, profile = job.told or job.partly, job.profile
-    if told is None:
+    nest_of_burns, profile = job.told or job.partly, job.profile
+    if nest_of_burns is None:
         return None
-    side = compute_facts(told.nest, profile.fact_options(told.nest), ()).start_side
-    return check_program(told.nest, without_comments(text), profile, job.name, trusted=job.trusted, side=side)
+    side = compute_facts(nest_of_burns.nest, profile.fact_options(nest_of_burns.nest), ()).start_side
+    return check_program(nest_of_burns.nest, without_comments(text), profile, job.name, trusted=job.trusted, side=side)
 
 
 # Burns in a new order: read back, each as it was, and held against the old order; or the old order, which stays.

@@ -47,7 +47,7 @@ def resequence(
     profile: ProfileLike = DEFAULT,
     *,
     paths: Paths = "keep",
-    asked: ProgramRequest | None = None,
+    request: ProgramRequest | None = None,
     without_rules: bool = False,
     work: float = 30.0,
     time_s: float | None = None,
@@ -86,7 +86,7 @@ def resequence(
         If contours are planned afresh, and no plan keeps the hard rules.
     """
     plant, listener = plant_of(profile), listener or Listener()
-    job = read_old_job(path, plant, asked, afresh=paths == "new", tell=tell)
+    job = read_old_job(path, plant, request, afresh=paths == "new", tell=tell)
     if (hole := next((burn for burn in job.program.burns if burn.pierces_only), None)) is not None:
         raise InputError(
             "the torch is lit here and does not move, as in a pierce pass: in another order cuts could come before "
@@ -108,13 +108,13 @@ def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listene
     job, verdict = infer_start_side(job, nest, job.text, tell)
     before = Measured.of(job.program, job.profile, nest, verdict)
     done = plan_nest(Inputs(job.profile.as_cut(nest), job.profile), limits, engine=engine, listener=listener, tell=tell)
-    made = done.made
-    if not made.verdict.ok:
-        broken = (made.verdict.rule(name) for name in made.verdict.broken())
+    verified = done.made
+    if not verified.verdict.ok:
+        broken = (verified.verdict.rule(name) for name in verified.verdict.broken())
         reasons = tuple(f"{j.id}: {v.text}" for j in broken for v in j.violations[:_TOLD])
         raise RulesConflict(f"{job.name}: the check refuses the new plan; nothing is written", reasons)
-    after = Measured.of(read_on_machine(made.program, nest, job.profile), job.profile, nest, made.verdict)
-    proven = made.plan.solve.status == "optimal"
+    after = Measured.of(read_on_machine(verified.program, nest, job.profile), job.profile, nest, verified.verdict)
+    proven = verified.plan.solve.status == "optimal"
     ends = "proven: no plan is better within these zones and entries" if proven else "found, not proven"
     mended = broken_more(before.verdict, after.verdict)
     if (worse := no_gain_message(before, after, job.profile)) and not mended:
@@ -131,7 +131,7 @@ def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listene
         )
         tell(notes[-1])
     old = stays(job, before, nest, proven, ends, listener)
-    return replace(old, paths="new", program=made.program, after=after, plan=made.plan, notes=tuple(notes))
+    return replace(old, paths="new", program=verified.program, after=after, plan=verified.plan, notes=tuple(notes))
 
 
 _CANNOT_ASK = (
@@ -155,10 +155,10 @@ def order_by_rules(
         If the program cannot be taken apart, the burns make no nest, or they cannot be read back in their new order.
     """
     apart = split_program(job.old, job.name)
-    told, unclear = job.told, job.unclear
-    if told is not None:
+    nest_of_burns, unclear = job.told, job.unclear
+    if nest_of_burns is not None:
         try:
-            return _by_rules(job, told, apart, limits, listener, tell)
+            return _by_rules(job, nest_of_burns, apart, limits, listener, tell)
         except AmbiguousNest as none:
             unclear = none.unclear
     if not without_rules:
@@ -167,36 +167,36 @@ def order_by_rules(
 
 
 def _by_rules(
-    job: OldJob, told: NestOfBurns, apart: SplitProgram, limits: SolveOptions, listener: Listener, tell: Tell
+    job: OldJob, nest_of_burns: NestOfBurns, apart: SplitProgram, limits: SolveOptions, listener: Listener, tell: Tell
 ) -> Resequenced:
-    facts_of_burns(job, told)  # nothing is judged where burns are not clearly cuts
-    job, old = infer_start_side(job, told.nest, job.text, tell)
-    kept = facts_of_burns(job, told)
-    before = Measured.of(job.program, job.profile, told.nest, old)
+    facts_of_burns(job, nest_of_burns)  # nothing is judged where burns are not clearly cuts
+    job, old = infer_start_side(job, nest_of_burns.nest, job.text, tell)
+    kept = facts_of_burns(job, nest_of_burns)
+    before = Measured.of(job.program, job.profile, nest_of_burns.nest, old)
     try:
-        made = plan_order(job, kept, told, apart, limits, listener)
+        verified = plan_order(job, kept, nest_of_burns, apart, limits, listener)
     except RulesConflict as conflict:  # a lead that crosses another part is in the way of every order
         ends = f"the old order stays: no order of these burns keeps the hard rules ({conflict.message})"
-        return stays(job, before, told.nest, False, ends, listener)
-    plan = made.plan
+        return stays(job, before, nest_of_burns.nest, False, ends, listener)
+    plan = verified.plan
     proven = plan.solve.status == "optimal"
     ends = "proven: no order is better by these rules" if proven else "found, not proven"
-    order = BurnWriter(told, apart).order(plan)
-    program = read_back(made.program, job, apart, order)
-    after = Measured.of(program, job.profile, told.nest, made.verdict)
+    order = BurnWriter(nest_of_burns, apart).order(plan)
+    program = read_back(verified.program, job, apart, order)
+    after = Measured.of(program, job.profile, nest_of_burns.nest, verified.verdict)
     if worse := broken_more(after.verdict, before.verdict):
         ends = f"the old order stays: the new one would break {', '.join(worse)}"
-        return stays(job, before, told.nest, False, ends, listener)
+        return stays(job, before, nest_of_burns.nest, False, ends, listener)
     mended = broken_more(before.verdict, after.verdict)
     if after.idle_mm > before.idle_mm - SLACK_MM and not mended:
         ends = (
             "the old order stays: the best by all rules" + ("" if proven else " that was found") + " has no less travel"
         )
-        return stays(job, before, told.nest, proven, ends, listener)
+        return stays(job, before, nest_of_burns.nest, proven, ends, listener)
     if after.idle_mm > before.idle_mm:
         ends += f"; it is longer since the old order breaks {', '.join(mended)}"
-    old_order = stays(job, before, told.nest, proven, ends, listener)
-    return replace(old_order, program=made.program, after=after, plan=plan)
+    old_order = stays(job, before, nest_of_burns.nest, proven, ends, listener)
+    return replace(old_order, program=verified.program, after=after, plan=plan)
 
 
 # From which side an old program that does not say so is taken to start: the one under which it keeps the rules.

@@ -120,9 +120,9 @@ class Resequenced:
         return table(self)
 
 
-def table(made: Resequenced) -> str:
+def table(result: Resequenced) -> str:
     """Idle travel, pierces, time, and the verdicts; below them what breaks a hard rule in the old order."""
-    before, after = made.before, made.after
+    before, after = result.before, result.after
     rows = [
         ("idle travel", _metres(before.idle_mm), _metres(after.idle_mm), _change(before.idle_mm, after.idle_mm)),
         ("torch on", _metres(before.cut_mm), _metres(after.cut_mm), _change(before.cut_mm, after.cut_mm)),
@@ -136,20 +136,20 @@ def table(made: Resequenced) -> str:
                 then = judgement.verdict, now[judgement.id].verdict
                 rows.append((f"{judgement.strength} {judgement.id}", *then, "" if then[0] == then[1] else "changed"))
     head = ("", "before", "after", "")
-    lines = [*align_columns([head, *rows]), *_broken(made)]
-    lines.append(made.ends if made.changed else f"unchanged: {made.ends}")
+    lines = [*align_columns([head, *rows]), *_broken(result)]
+    lines.append(result.ends if result.changed else f"unchanged: {result.ends}")
     return "\n".join(lines)
 
 
-def _broken(made: Resequenced) -> list[str]:
+def _broken(result: Resequenced) -> list[str]:
     """What breaks hard rules in the old order."""
-    told: list[str] = []
-    for judgement in made.before.verdict.rules if made.before.verdict is not None else ():
+    lines: list[str] = []
+    for judgement in result.before.verdict.rules if result.before.verdict is not None else ():
         if judgement.strength == "hard" and judgement.violations:
-            told += [f"before: {judgement.id}: {escape_text(v.text)}" for v in judgement.violations[:_TOLD]]
+            lines += [f"before: {judgement.id}: {escape_text(v.text)}" for v in judgement.violations[:_TOLD]]
             if len(judgement.violations) > _TOLD:
-                told.append(f"before: {judgement.id}: ... and {len(judgement.violations) - _TOLD} more")
-    return told
+                lines.append(f"before: {judgement.id}: ... and {len(judgement.violations) - _TOLD} more")
+    return lines
 
 
 def _metres(mm: float) -> str:

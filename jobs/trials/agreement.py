@@ -71,9 +71,9 @@ def differing(
     """A line for each of the two ways to differ: with the first plan of it, and how many there are."""
     for who, not_who, plans in ((one, other, admitted - most), (other, one, least - admitted)):
         if plans:
-            said = "admits" if who == WRITTEN else "admit"
+            verb = "admits" if who == WRITTEN else "admit"
             says_not = "does" if not_who == WRITTEN else "do"
-            yield f"{who} {said} {trial.said(min(plans))}; {not_who} {says_not} not ({_like_it(len(plans))})"
+            yield f"{who} {verb} {trial.said(min(plans))}; {not_who} {says_not} not ({_like_it(len(plans))})"
 
 
 def _like_it(count: int) -> str:
@@ -245,24 +245,24 @@ def _effect(
 ) -> str:
     """All that the rule says under a profile, but for its sentences."""
     options = profile.settings()[rule.id].options
-    said: list[object] = [
+    effects: list[object] = [
         rule.fact_options(FactOptions(), options, "hard"),
         rule.lead_options(LeadOptions(), options, "hard"),
         rule.temperature_limit(options),
     ]
     for case in cases:
-        given = replace(case.options or options, **{option.name: value})
-        said.append([(v.contours, v.cuts) for v in rule.violations(case.nest, case.cuts, given)])
+        changed = replace(case.options or options, **{option.name: value})
+        effects.append([(v.contours, v.cuts) for v in rule.violations(case.nest, case.cuts, changed)])
     for trial in trials(profile):
         try:
-            said.append([_bare(s) for s in rule.statements(trial.facts, options)])
+            effects.append([_bare(s) for s in rule.statements(trial.facts, options)])
         except RulesConflict as conflict:
-            said.append(str(conflict))
+            effects.append(str(conflict))
         names = [contour.id for contour in trial.nest.contours]
-        said.append(rule.no_goods(trial.nest, names, options) != [])
+        effects.append(rule.no_goods(trial.nest, names, options) != [])
         some = trial.plans[:: max(1, len(trial.plans) // PLANS)]
-        said += [[(v.contours, v.cuts) for v in broken] for broken in trial.violations(some, options)]
-    return repr(said)
+        effects += [[(v.contours, v.cuts) for v in broken] for broken in trial.violations(some, options)]
+    return repr(effects)
 
 
 def _bare(statement: Statement) -> tuple[object, ...]:

@@ -174,8 +174,8 @@ def trial_of(name: str, nest: Nest, profile: Profile, rule: str, ways: int = 1) 
     """
     cut = profile.as_cut(nest)
     try:
-        asked = replace(profile.lead_options(cut), entries=min(ways, 2))
-        candidates = _thinned(build_candidates(cut, asked), ways)
+        options = replace(profile.lead_options(cut), entries=min(ways, 2))
+        candidates = _thinned(build_candidates(cut, options), ways)
         heat_kj = contour_heat_kj(cut, candidates, profile)
         facts = compute_facts(cut, profile.fact_options(cut), candidates, heat_kj)
     except InputError as error:
@@ -215,9 +215,9 @@ def random_nest(rng: np.random.Generator, contours: int, least: int = 5) -> Nest
     parts: list[Part] = []
     while sum(len(list(p)) for p in parts) < min(least, contours):
         x, y = PITCH * (len(parts) % 3), PITCH * (len(parts) // 3)
-        made = _shape(str(rng.choice(SHAPES)), f"P{len(parts)}", x + int(rng.integers(3, 12)), y + 5, rng)
-        if sum(len(list(p)) for p in [*parts, *made]) <= contours:
-            parts += made
+        part = _shape(str(rng.choice(SHAPES)), f"P{len(parts)}", x + int(rng.integers(3, 12)), y + 5, rng)
+        if sum(len(list(p)) for p in [*parts, *part]) <= contours:
+            parts += part
     width, height = 3 * PITCH + int(rng.choice([0, 60, 300])), PITCH * (2 + (len(parts) > 6)) + int(rng.choice([0, 80]))
     return nest(width, height, *parts)
 
@@ -248,9 +248,9 @@ def _shape(shape: str, name: str, x: int, y: int, rng: np.random.Generator) -> l
 def trial_nest(seed: int, contours: int) -> Nest:
     """A nest of about so many contours; its parts have a priority, an order and a customer, and one may be a bar."""
     rng = np.random.default_rng([seed, 23])
-    made = random_nest(rng, contours - 1)
+    base = random_nest(rng, contours - 1)
     room = 2 * PITCH + 6
-    parts = [*made.parts, *([part("Bar", rect(8, room, 100, 20))] if rng.random() < 0.7 else [])]
+    parts = [*base.parts, *([part("Bar", rect(8, room, 100, 20))] if rng.random() < 0.7 else [])]
     known = [replace(p, attributes=_attributes(rng)) for p in parts]
     return nest(3 * PITCH + 60, room + 40, *known)
 

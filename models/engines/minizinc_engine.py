@@ -75,22 +75,22 @@ def solve_minizinc(
             raise RulesConflict(NONE_FOUND, tuple(s.about.sentence for s in afterwards))
         arrays = condition_arrays(profile, stated, afterwards)
         data = data_text(facts, profile, stated, options, clock=any(a.most_ms for a in arrays))
-        said = _run(chosen, model_text(arrays) + data, left, progress)
-        nodes += said.nodes
-        route = tuple(c - 1 for c in said.best.stop if c > 0)
+        answer = _run(chosen, model_text(arrays) + data, left, progress)
+        nodes += answer.nodes
+        route = tuple(c - 1 for c in answer.best.stop if c > 0)
         missing = () if refine is None else refine(tuple(facts.candidates[c].contour for c in route))
-        if not missing or said.interrupted:
+        if not missing or answer.interrupted:
             break
         afterwards += missing
-    objective = said.best.besides / UM_PER_MM + said.best.excuses * EXEMPTION_MM
+    objective = answer.best.besides / UM_PER_MM + answer.best.excuses * EXEMPTION_MM
     name = f"minizinc:{solver}"
     return Solution(
         route=route,
         objective=objective,
-        bound=objective if said.proven else None,
-        status="optimal" if said.proven else "feasible",
+        bound=objective if answer.proven else None,
+        status="optimal" if answer.proven else "feasible",
         found_by=name,
-        proved_by=name if said.proven else "",
+        proved_by=name if answer.proven else "",
         seconds=nodes / NODES_PER_S if options.time_s is None else time.monotonic() - started,
     )
 
@@ -122,38 +122,38 @@ def _run(solver: Solver, text: str, limit_s: float, progress: Progress | None) -
     with clear_errors():
         instance = Instance(solver, driver=driver())
         instance.add_string(text)
-        said = asyncio.run(_listened(instance, limit_s, progress))
-    if said.infeasible:
+        answer = asyncio.run(_listened(instance, limit_s, progress))
+    if answer.infeasible:
         raise RulesConflict("no plan meets every hard rule")
-    if said.best is None and said.interrupted:
+    if answer.best is None and answer.interrupted:
         raise KeyboardInterrupt
-    if said.best is None:
+    if answer.best is None:
         raise RulesConflict(NONE_FOUND)
-    return said
+    return answer
 
 
 async def _listened(instance: Instance, limit_s: float, progress: Progress | None) -> _Said:
     """All that the solver says until it ends, or is ended because whoever listens has had enough."""
     from minizinc import Status
 
-    said = _Said()
+    heard = _Said()
 
     async def listen() -> None:
         limit = timedelta(seconds=limit_s)
         async for result in instance.solutions(time_limit=limit, intermediate_solutions=True):
-            said.best = result.solution or said.best
-            said.proven = result.status is Status.OPTIMAL_SOLUTION
-            said.infeasible = result.status is Status.UNSATISFIABLE
-            said.nodes = max(said.nodes, int(result.statistics.get("nodes", 0)))
+            heard.best = result.solution or heard.best
+            heard.proven = result.status is Status.OPTIMAL_SOLUTION
+            heard.infeasible = result.status is Status.UNSATISFIABLE
+            heard.nodes = max(heard.nodes, int(result.statistics.get("nodes", 0)))
 
     solving = asyncio.create_task(listen())
     while not (await asyncio.wait({solving}, timeout=LISTENS_S))[0]:
         if progress is not None and not progress("minizinc", None, None):
-            said.interrupted = True
+            heard.interrupted = True
             solving.cancel()
     with suppress(asyncio.CancelledError):
         await solving
-    return said
+    return heard
 
 
 @contextmanager

@@ -57,7 +57,7 @@ from .solution import SolveOptions
 GOAL = "solve :: tightest_first :: restart_luby(250) minimize besides + excuse * excuses;"
 
 
-def model_text(asked: Sequence[ConditionArray], goal: str = GOAL) -> str:
+def model_text(conditions: Sequence[ConditionArray], goal: str = GOAL) -> str:
     """MiniZinc text that states what is asked, hard or at its price.
 
     Examples
@@ -79,13 +79,13 @@ def model_text(asked: Sequence[ConditionArray], goal: str = GOAL) -> str:
     constraint besides = idle_travel + 500 * breaches(b_holds);
     ...
     """
-    hard = [a for a in asked if a.weight_mm is None]
-    excused = [a for a in asked if a.weight_mm == EXEMPTION_MM and not a.most_ms]
-    soft = [a for a in asked if a not in hard and a not in excused]
+    hard = [a for a in conditions if a.weight_mm is None]
+    excused = [a for a in conditions if a.weight_mm == EXEMPTION_MM and not a.most_ms]
+    soft = [a for a in conditions if a not in hard and a not in excused]
     return "\n".join(
         [
             include(MODELS / "sequence.mzn"),
-            *dict.fromkeys(a.source for a in asked),
+            *dict.fromkeys(a.source for a in conditions),
             "",
             "% Hard: every statement holds.",
             *(_constraint(a) for a in hard if a.name),

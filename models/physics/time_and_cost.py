@@ -273,8 +273,8 @@ class Cost:
         return Cost(**{f.name: data[f.name] for f in fields(Cost) if f.name in data})
 
     def __str__(self) -> str:
-        told = ", ".join(f"{name} {amount:.2f}" for name, amount in self.parts)
-        return f"{self.total:.2f} {self.currency}" + (f": {told}" if told else "")
+        text = ", ".join(f"{name} {amount:.2f}" for name, amount in self.parts)
+        return f"{self.total:.2f} {self.currency}" + (f": {text}" if text else "")
 
 
 def cost_of(

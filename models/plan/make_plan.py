@@ -147,9 +147,9 @@ def _charted(profile: Profile) -> dict[str, str]:
         return {}
     between = ", ".join(f"{one.column} {one.text}" for one in use.interpolated)
     beaten = ", ".join(f"{column} {own}" for column, _, own in use.beaten)
-    told = {"chart": use.name, "chart_sha256": use.sha256, "chart_row": use.row}
-    told |= {"chart_interpolated": between} if between else {}
-    return told | ({"not_of_chart": beaten} if beaten else {})
+    fields = {"chart": use.name, "chart_sha256": use.sha256, "chart_row": use.row}
+    fields |= {"chart_interpolated": between} if between else {}
+    return fields | ({"not_of_chart": beaten} if beaten else {})
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -169,9 +169,9 @@ def _way(candidate: Candidate, link: Link | None) -> _Way:
     return _Way(link.path[0], path, candidate.cut_mm - lead_mm + path.length_mm)
 
 
-def _begun(nest: Nest, items: Sequence[PlannedCut], kerf_mm: float, made: int) -> Iterator[tuple[int, PlannedCut]]:
+def _begun(nest: Nest, items: Sequence[PlannedCut], kerf_mm: float, cuts_made: int) -> Iterator[tuple[int, PlannedCut]]:
     """The stretches of the ways among a plan's items, each with the number of the cut after it."""
-    after = made + 1
+    after = cuts_made + 1
     for item in items:
         if item.kind != "stretch":
             after += 1
@@ -258,13 +258,13 @@ def _entered(
     """For every cut, that no lawful candidate of its contour makes a shorter way between its neighbours, if so."""
     used = [facts.candidates[c] for c in route]
     names = ["home", *(facts.nest.contours[c.contour].id for c in used), "home"]
-    told: list[tuple[str, ...]] = []
+    texts: list[tuple[str, ...]] = []
     for k, candidate in enumerate(used):
         if (link := links[k]) is not None:
-            told.append((f"{LINKED}{link.about.sentence}, which takes less time than a pierce",))
+            texts.append((f"{LINKED}{link.about.sentence}, which takes less time than a pierce",))
             continue
         if k + 1 < len(used) and links[k + 1] is not None:
-            told.append(())
+            texts.append(())
             continue
         leave = used[k - 1].end if k else home
         reach = used[k + 1].pierce if k + 1 < len(used) else home
@@ -273,8 +273,8 @@ def _entered(
         shortest = _way_mm(leave, candidate.pierce, candidate.end, reach) <= min(ways) + SAME_MM
         x, y = candidate.entry
         sentence = f"entered at ({x:.1f}, {y:.1f}): the shortest lawful way from {names[k]} to {names[k + 2]}"
-        told.append((sentence,) if shortest and len(rivals) > 1 else ())
-    return told
+        texts.append((sentence,) if shortest and len(rivals) > 1 else ())
+    return texts
 
 
 def _way_mm(leave: Point, pierce: Point, end: Point, reach: Point) -> float:
@@ -297,8 +297,8 @@ def common_because(facts: Facts, candidate: Candidate, name: str) -> tuple[str, 
     if not {*candidate.out} <= facts.whole_nest.index.keys():
         waits = "" if candidate.kerf_start else ", where the torch waits as for a pierce"
         have = "have" if len(candidate.out) > 1 else "has"
-        told = f"{' and '.join(candidate.out)} {have} cut the rest of {name}, which begins in an old kerf{waits}"
-        return (f"stretches: {told}",)
+        text = f"{' and '.join(candidate.out)} {have} cut the rest of {name}, which begins in an old kerf{waits}"
+        return (f"stretches: {text}",)
     begins = "begins in their kerf" if len(candidate.out) > 1 else "begins in its kerf"
     waits = "" if candidate.kerf_start else ", where the torch waits as for a pierce"
     return (f"common edges: {', '.join(candidate.out)} cut the rest of {name}, which {begins}{waits}",)
@@ -309,16 +309,16 @@ def common_because(facts: Facts, candidate: Candidate, name: str) -> tuple[str, 
 
 def tabs_because(facts: Facts, profile: Profile) -> dict[str, str]:
     """For every contour with tabs how many hold its part, how wide they are, and why."""
-    asked, part_of = profile.tabs(), facts.nest.part_of
-    told: dict[str, str] = {}
+    options, part_of = profile.tabs(), facts.nest.part_of
+    reasons: dict[str, str] = {}
     for candidate in facts.candidates:
         contour = facts.nest.contours[candidate.contour]
-        if candidate.tabs and contour.id not in told:
+        if candidate.tabs and contour.id not in reasons:
             tabs = "a tab" if len(candidate.tabs) == 1 else f"{len(candidate.tabs)} tabs"
-            why = None if asked is None else asked.reason(part_of[contour.part])
+            why = None if options is None else options.reason(part_of[contour.part])
             width = f"{candidate.tabs[0].width_mm:g} mm"
-            told[contour.id] = f"{contour.part} is held by {tabs} of {width}: {why or 'the cut was begun so'}"
-    return told
+            reasons[contour.id] = f"{contour.part} is held by {tabs} of {width}: {why or 'the cut was begun so'}"
+    return reasons
 
 
 # Which hard rules a route could not keep where: what the plan lists as its excuses.
@@ -346,10 +346,10 @@ def excused_and_used(facts: Facts, stated: Stated, route: Sequence[int]) -> tupl
 
 def _used(facts: Facts, stated: Stated, route: Sequence[int]) -> Iterator[tuple[Condition, str]]:
     contour_of = [c.contour for c in facts.candidates]
-    asked = _excusable(stated, contour_of)
+    excusable = _excusable(stated, contour_of)
     already: set[int] = set()
     for c in route:
-        for condition, name in asked.get(contour_of[c], ()):
+        for condition, name in excusable.get(contour_of[c], ()):
             if condition.when in (None, c) and not condition.met(already):
                 yield condition, name
         already.add(contour_of[c])
@@ -367,6 +367,6 @@ def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Co
         for condition in no_good_condition(no_good, None):
             found[condition.contour].append((condition, no_good.about.contours[len(no_good.out)]))
     for s in excused.at_least:
-        if (asked := at_least_condition(s, contour_of, None)) is not None:
-            found[asked.contour].append((asked, s.about.contours[0]))
+        if (lowered := at_least_condition(s, contour_of, None)) is not None:
+            found[lowered.contour].append((lowered, s.about.contours[0]))
     return found

@@ -232,8 +232,8 @@ class Plan:
 
     def with_items(self, items: Sequence[PlannedCut]) -> Plan:
         """The plan with the reasons of these items, which are its own: those of a way stand at its first stretch."""
-        told = {item.cut.contour: item.because for item in items if item.kind == "stretch"}
-        begun = tuple((k, replace(p, because=told.pop(p.cut.way, p.because))) for k, p in self.begun)
+        reasons = {item.cut.contour: item.because for item in items if item.kind == "stretch"}
+        begun = tuple((k, replace(p, because=reasons.pop(p.cut.way, p.because))) for k, p in self.begun)
         return replace(self, cuts=tuple(item for item in items if item.kind != "stretch"), begun=begun)
 
     def _numbered(self, cuts: Sequence[PlannedCut], first: int) -> Iterator[tuple[int, PlannedCut]]:

@@ -82,17 +82,17 @@ def plan_in(text: str, path: str | Path = "the plan") -> Plan:
 def _check_order(data: dict[str, Any], path: str | Path) -> None:
     """Cuts count from 1, those made before first."""
     already, cuts = (_finishing(data.get(key, [])) for key in ("already_cut", "cuts"))
-    made = len(already)
-    if data.get("resumed_after", 0) != made:
-        says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {made} cuts as already cut"
+    count = len(already)
+    if data.get("resumed_after", 0) != count:
+        says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {count} cuts as already cut"
         raise InputError(f"the plan is damaged: {says}", file=path)
-    if sorted(cut["order"] for cut in already) != list(range(1, made + 1)):
+    if sorted(cut["order"] for cut in already) != list(range(1, count + 1)):
         raise InputError("the plan is damaged: the order of what is already cut does not count 1, 2, 3 …", file=path)
-    if sorted(cut["order"] for cut in cuts) != list(range(made + 1, made + len(cuts) + 1)):
-        counts = ", ".join(str(made + k) for k in (1, 2, 3))
+    if sorted(cut["order"] for cut in cuts) != list(range(count + 1, count + len(cuts) + 1)):
+        counts = ", ".join(str(count + k) for k in (1, 2, 3))
         raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
     for cut in (*data.get("already_cut", []), *data["cuts"]):
-        if "stretch" in cut and not 1 <= cut["order"] <= made + len(cuts) + 1:
+        if "stretch" in cut and not 1 <= cut["order"] <= count + len(cuts) + 1:
             says = f"a stretch of {cut['contour']} comes before cut {cut['order']}, which there is not"
             raise InputError(f"the plan is damaged: {says}", file=path)
         if cut["end_s"] < cut["start_s"]:
@@ -281,8 +281,8 @@ def source_changes(plan: Plan, nest: Nest, profile: Profile) -> Iterator[str]:
     """A sentence for each thing that is not as it was when the plan was made: nest, profile, what is for one nest."""
     if plan.nest.get("sha256") != nest.sha256:
         yield "the nest is not the one the plan was made with (its sha256 differs)"
-    if told := profile_change(plan, profile):
-        yield told
+    if text := profile_change(plan, profile):
+        yield text
     yield from changed_since(plan.made_with, profile.for_one_nest)
 
 
@@ -291,11 +291,11 @@ def profile_change(plan: Plan, profile: Profile) -> str:
     own, sha256 = plan.profile.get("name", ""), plan.profile.get("sha256", "")
     if sha256 == profile.sha256:
         return ""
-    told = f"the profile is not the one the plan was made with (its sha256 differs): this is '{profile.name}', "
+    text = f"the profile is not the one the plan was made with (its sha256 differs): this is '{profile.name}', "
     if not own:
-        return f"{told}the plan does not say which that was"
+        return f"{text}the plan does not say which that was"
     begins = f", whose sha256 begins {sha256[:_SHA_DIGITS]}" if sha256 else ""
-    return f"{told}that was '{own}'{begins}: give it with -p (in Python profile=)"
+    return f"{text}that was '{own}'{begins}: give it with -p (in Python profile=)"
 
 
 # Whether a plan is one of a nest: what is drawn, timed or explained of it is looked up there.

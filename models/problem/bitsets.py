@@ -111,15 +111,15 @@ class LastAnswer(Generic[AnswerT]):
     def __init__(self) -> None:
         self._kept: list[tuple[weakref.ref[Bools], bytes, AnswerT]] = []
 
-    def known(self, of: Bools, asked: bytes) -> AnswerT | None:
+    def known(self, of: Bools, key: bytes) -> AnswerT | None:
         """The answer, if the same was asked of the same array and is kept."""
-        return next((answer for array, what, answer in self._kept if array() is of and what == asked), None)
+        return next((answer for array, what, answer in self._kept if array() is of and what == key), None)
 
-    def keep(self, of: Bools, asked: bytes, answer: AnswerT) -> None:
+    def keep(self, of: Bools, key: bytes, answer: AnswerT) -> None:
         """Keep an answer until the next, or, if it is about the largest array, as long as there is no larger one."""
         living = [kept for kept in self._kept if kept[0]() is not None and kept[0]() is not of]
         largest = max(living, key=_size, default=None)
-        self._kept = [(weakref.ref(of, self._forget), asked, answer)]
+        self._kept = [(weakref.ref(of, self._forget), key, answer)]
         if largest is not None and _size(largest) > of.size:
             self._kept.append(largest)
 
@@ -134,8 +134,8 @@ def _size(kept: tuple[weakref.ref[Bools], bytes, Any]) -> int:
 
 def digest(*arrays: Any) -> bytes:
     """What tells arrays apart, without keeping them."""
-    told = hashlib.sha256()
+    sha = hashlib.sha256()
     for array in arrays:
-        told.update(repr((array.shape, array.dtype.str)).encode())
-        told.update(array.tobytes())
-    return told.digest()
+        sha.update(repr((array.shape, array.dtype.str)).encode())
+        sha.update(array.tobytes())
+    return sha.digest()

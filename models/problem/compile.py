@@ -63,16 +63,18 @@ def make_problem(
     """
     kinds = by_kind(statements)
     contour_of = np.repeat(np.arange(facts.n), np.diff(facts.first)).tolist()
-    told = lower_statements(statements, contour_of, LoweredStatements() if earlier is None else earlier.told)
+    lowered = lower_statements(statements, contour_of, LoweredStatements() if earlier is None else earlier.told)
     blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
-    orders = digest(told.pairs, blocks)
-    before = earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, told.pairs, blocks)
+    orders = digest(lowered.pairs, blocks)
+    before = (
+        earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, lowered.pairs, blocks)
+    )
     if before.diagonal().any():
         raise _contradiction(before, [s for s in kinds.precede if s.weight is None])
     if earlier is not None and _same_sites(statements, earlier):
-        problem = _gone_on(earlier, told)
+        problem = _gone_on(earlier, lowered)
     else:
-        problem = _on_sites(facts, told, kinds, home_mm, feeds)
+        problem = _on_sites(facts, lowered, kinds, home_mm, feeds)
     problem = replace(
         problem,
         travel_weight=sum(s.weight for s in kinds.idle_travel),
@@ -91,12 +93,12 @@ def make_problem(
 
 
 def _on_sites(
-    facts: Facts, told: LoweredStatements, kinds: Kinds, home_mm: tuple[float, float], feeds: Feeds | None
+    facts: Facts, lowered: LoweredStatements, kinds: Kinds, home_mm: tuple[float, float], feeds: Feeds | None
 ) -> Problem:
     """Sites, and what is asked of them; nothing of orders yet."""
     allowed, costs = _candidate_costs(facts, kinds.forbid)
     candidate_site, chosen = sites_of(
-        facts.candidates, allowed, costs, told.conditions, told.general, kinds.link, kinds.move
+        facts.candidates, allowed, costs, lowered.conditions, lowered.general, kinds.link, kinds.move
     )
     some = [facts.candidates[c] for c in chosen.tolist()]
     contours = np.array([c.contour for c in some], dtype=np.int64)
@@ -113,11 +115,11 @@ def _on_sites(
         travel_weight=0.0,
         before=np.zeros((0, 0), dtype=np.bool_),
         block=np.zeros(0, dtype=np.int64),
-        told=told,
-        conditions=_on_site(told.conditions, candidate_site, chosen),
+        told=lowered,
+        conditions=_on_site(lowered.conditions, candidate_site, chosen),
         soft_groups=(),
         lags=(),
-        general=told.general,
+        general=lowered.general,
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Durations() if feeds is None else Durations.of(facts, chosen.tolist(), feeds),
     )
@@ -134,20 +136,20 @@ def _same_sites(statements: tuple[Statement, ...], earlier: Problem) -> bool:
     return not (new.forbid or new.link or new.at_least or by_entry or out_before)
 
 
-def _gone_on(earlier: Problem, told: LoweredStatements) -> Problem:
+def _gone_on(earlier: Problem, lowered: LoweredStatements) -> Problem:
     """The sites of an earlier problem with what is asked of them, and what is new."""
-    new = dict.fromkeys(told.conditions[len(earlier.told.conditions) :])
+    new = dict.fromkeys(lowered.conditions[len(earlier.told.conditions) :])
     at = {condition.contour for condition in new}
     known = {condition for condition in earlier.conditions if condition.contour in at}
     conditions = (*earlier.conditions, *(condition for condition in new if condition not in known))
-    return replace(earlier, told=told, conditions=conditions, links=Links(), crossings=Crossings(), left_out=())
+    return replace(earlier, told=lowered, conditions=conditions, links=Links(), crossings=Crossings(), left_out=())
 
 
 def _with_moves(problem: Problem, kinds: Kinds) -> Problem:
     """The lags, but for those of one cut; these and other statements about moves are prices of moves."""
     far, near = without_near_lags(kinds.lag)
-    asked: tuple[Move, ...] = (*near, *kinds.move)
-    prices = MovePrices.of(asked, problem.site_contour, problem.candidate_site, problem.n)
+    moves: tuple[Move, ...] = (*near, *kinds.move)
+    prices = MovePrices.of(moves, problem.site_contour, problem.candidate_site, problem.n)
     return replace(problem, lags=far, moves=prices)
 
 
@@ -181,8 +183,8 @@ def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: P
     hard = any(s.weight is None for s in statements)
     lawful, ends, pierces = problem.followers(), problem.ends(), problem.pierces()
     try:
-        asked = (statements, problem.before, lawful, sites, ends, pierces)
-        found = find_crossings(*asked, (lambda share: going(share) or True) if hard else going)
+        key = (statements, problem.before, lawful, sites, ends, pierces)
+        found = find_crossings(*key, (lambda share: going(share) or True) if hard else going)
     except TooManyMoves as error:
         if hard:
             raise
@@ -232,8 +234,8 @@ def _blocks(n: int, groups: list[Contiguous]) -> Ints:
 def _contradiction(before: Bools, hard: list[Precede]) -> RulesConflict:
     """Names the orders between contours that stand on a cycle (`rules.stating.cycles` names the shortest first)."""
     stuck = before.diagonal()
-    said = [p.about.sentence for p in hard if stuck[p.before] and stuck[p.after]]
-    return RulesConflict("the order rules contradict each other", tuple(dict.fromkeys(said)))
+    sentences = [p.about.sentence for p in hard if stuck[p.before] and stuck[p.after]]
+    return RulesConflict("the order rules contradict each other", tuple(dict.fromkeys(sentences)))
 
 
 def _candidate_costs(facts: Facts, forbidden: Sequence[Forbid]) -> tuple[Bools, Ints]:
@@ -337,14 +339,14 @@ def check_magnitude(problem: Problem) -> None:
         If the dearest plan could cost more than `MOST_UM`; names what most of it comes from. If the weights of a
         condition come to more than `MOST_COUNTED`; names the rule and the contour.
     """
-    given: tuple[Condition | AtLeast, ...] = (*problem.conditions, *problem.general)
-    for asked in () if _surely_counted(problem) else given:
-        if _counted(asked) > MOST_COUNTED:
-            about = asked.about
+    statements: tuple[Condition | AtLeast, ...] = (*problem.conditions, *problem.general)
+    for statement in () if _surely_counted(problem) else statements:
+        if _counted(statement) > MOST_COUNTED:
+            about = statement.about
             contours = f" of {', '.join(about.contours)}" if about.contours else ""
             raise InputError(
-                f"rule {about.rule} counts what is asked{contours} by weights that come to {_counted(asked):.3g}, more "
-                f"than can be counted exactly ({MOST_COUNTED:.0e}): make them, and what they must come to, smaller"
+                f"rule {about.rule} counts what is asked{contours} by weights that come to {_counted(statement):.3g}, "
+                f"more than can be counted exactly ({MOST_COUNTED:.0e}): make them, and what they must come to, smaller"
             )
     found = dearest_um(problem)
     if sum(found.values()) > MOST_UM:
@@ -366,11 +368,11 @@ def _surely_counted(problem: Problem) -> bool:
     return most + max(map(abs, bounds), default=0) <= MOST_COUNTED
 
 
-def _counted(asked: Condition | AtLeast | Enough) -> int:
+def _counted(statement: Condition | AtLeast | Enough) -> int:
     """What the weights of a condition, those in it and what it asks for come to at most."""
-    within = () if isinstance(asked, Condition) else asked.literals
+    within = () if isinstance(statement, Condition) else statement.literals
     inner = max((_counted(literal) for literal in within if isinstance(literal, Enough)), default=0)
-    return max(inner, sum(map(abs, asked.weights)) + abs(asked.bound))
+    return max(inner, sum(map(abs, statement.weights)) + abs(statement.bound))
 
 
 def _longest_um(problem: Problem) -> int:

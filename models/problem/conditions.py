@@ -87,8 +87,8 @@ def at_least_condition(statement: AtLeast, contour_of: Sequence[int], cost: int 
         return _about_pivot(statement, contour_of[statement.when], cost)
     pairs = [{lit.i, lit.j} for lit in statement.literals if isinstance(lit, Before)]
     for pivot in sorted(set.intersection(*pairs)) if pairs else ():
-        if (made := _about_pivot(statement, pivot, cost)) is not None:
-            return made
+        if (condition := _about_pivot(statement, pivot, cost)) is not None:
+            return condition
     return None
 
 
@@ -161,11 +161,11 @@ def lower_statements(
             case NoGood():
                 conditions.extend(no_good_condition(s, None if s.weight is None else cost_um(s.weight)))
             case AtLeast():
-                made = at_least_condition(s, contour_of, None if s.weight is None else cost_um(s.weight))
-                if made is None:
+                condition = at_least_condition(s, contour_of, None if s.weight is None else cost_um(s.weight))
+                if condition is None:
                     general.append(s)
                 else:
-                    conditions.append(made)
+                    conditions.append(condition)
             case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link() | Move():
                 pass  # `make_problem` reads them
             case _:

@@ -154,18 +154,18 @@ def from_home(
 
     The other arguments are those of `find_crossings`.
     """
-    asked = [k for k, s in enumerate(statements) if s.over is None]
-    if not asked:
+    indices = [k for k, s in enumerate(statements) if s.over is None]
+    if not indices:
         return []
     sites = np.diff(first)
     n = len(sites) - 1
     owner = np.repeat(np.arange(n + 1), sites)
     pierces = pierces_um.astype(np.float64)
     ahead = np.flatnonzero(lawful[n][owner] & (owner < n))
-    moves = IdleMoves(pierces[-1:], pierces[ahead], owner[ahead], np.arange(len(asked)))
-    never = np.zeros((n + 1, len(asked)), dtype=np.bool_)
-    ((_, reach, area),) = crossed_areas([moves], _areas_um([statements[k] for k in asked]), never)
-    return sorted((int(ahead[r]), asked[a]) for r, a in zip(reach.tolist(), area.tolist(), strict=True))
+    moves = IdleMoves(pierces[-1:], pierces[ahead], owner[ahead], np.arange(len(indices)))
+    never = np.zeros((n + 1, len(indices)), dtype=np.bool_)
+    ((_, reach, area),) = crossed_areas([moves], _areas_um([statements[k] for k in indices]), never)
+    return sorted((int(ahead[r]), indices[a]) for r, a in zip(reach.tolist(), area.tolist(), strict=True))
 
 
 def _areas_um(statements: Sequence[Crossing]) -> list[shapely.Geometry]:
@@ -224,7 +224,7 @@ def crossed_areas(
     [[0], [0], [0]]
     """
     tree = shapely.STRtree(areas)
-    made = _edges_of(areas)
+    edges = _edges_of(areas)
 
     done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
     cross = suited(_crossed, STEPS_A_MOVE * float(done[-1]), crossed_by_arrays)
@@ -233,7 +233,7 @@ def crossed_areas(
         ends = np.concatenate([moves.leave, moves.reach])
         around = tree.query(shapely.box(*ends.min(axis=0), *ends.max(axis=0)))
         near = np.intersect1d(around, moves.areas).astype(np.int64)
-        rows = cross(moves.leave, moves.reach, moves.owner, made, near, late)
+        rows = cross(moves.leave, moves.reach, moves.owner, edges, near, late)
         return rows[0], rows[1], rows[2]
 
     found: list[tuple[Ints, Ints, Ints]] = []

@@ -123,10 +123,10 @@ def general_holds(problem: Problem, statement: AtLeast, position: dict[int, int]
     return _enough(problem, statement, position, picked)
 
 
-def _enough(problem: Problem, asked: AtLeast | Enough, position: dict[int, int], picked: set[int]) -> bool:
+def _enough(problem: Problem, statement: AtLeast | Enough, position: dict[int, int], picked: set[int]) -> bool:
     """Whether the literals that are true weigh enough."""
     total = 0
-    for literal, weight in zip(asked.literals, asked.weights, strict=True):
+    for literal, weight in zip(statement.literals, statement.weights, strict=True):
         match literal:
             case Before(i, j):
                 total += weight * (position[i] < position[j])
@@ -134,7 +134,7 @@ def _enough(problem: Problem, asked: AtLeast | Enough, position: dict[int, int],
                 total += weight * (int(problem.candidate_site[c]) in picked)
             case Enough():
                 total += weight * _enough(problem, literal, position, picked)
-    return total >= asked.bound
+    return total >= statement.bound
 
 
 def _missing_cuts(lag: Lag, position: dict[int, int]) -> int:

@@ -90,9 +90,9 @@ class PairTable:
         """From `leave[k]` to `reach[k]`, (k,)."""
         if not len(self):
             return np.zeros(len(leave), dtype=np.int64)
-        asked = self.row[leave] * self.width + self.column[reach]
-        at = np.minimum(np.searchsorted(self.key, asked), len(self.key) - 1)
-        return np.where(self.key[at] == asked, self.value[at], 0)
+        keys = self.row[leave] * self.width + self.column[reach]
+        at = np.minimum(np.searchsorted(self.key, keys), len(self.key) - 1)
+        return np.where(self.key[at] == keys, self.value[at], 0)
 
 
 def _once(groups: Iterable[tuple[Ints, Ints, int]], which: int) -> Iterable[tuple[Ints, Ints, int]]:
@@ -106,9 +106,9 @@ def _alike(size: int, groups: Sequence[Ints]) -> tuple[Ints, int]:
         return np.zeros(size, dtype=np.int64), 1
     noise = np.random.default_rng(0).integers(1, 2**63, len(groups), dtype=np.uint64)
     members = np.concatenate(groups)
-    told = np.zeros(size, dtype=np.uint64)
-    np.add.at(told, members, np.repeat(noise, [len(group) for group in groups]))
-    names, number = np.unique(told, return_inverse=True)
+    digests = np.zeros(size, dtype=np.uint64)
+    np.add.at(digests, members, np.repeat(noise, [len(group) for group in groups]))
+    names, number = np.unique(digests, return_inverse=True)
     return number.astype(np.int64).reshape(-1), len(names)
 
 
@@ -164,9 +164,9 @@ class MovePrices:
 
         `ways` are the candidates by which the contours are cut.
         """
-        asked = statements_by_leave(self.statements)
+        by_leave = statements_by_leave(self.statements)
         for k in range(len(contours) - 1):
-            for s in asked.get(contours[k], ()):
+            for s in by_leave.get(contours[k], ()):
                 if s.covers(contours[k], contours[k + 1], ways[k], ways[k + 1]):
                     yield s, k
 

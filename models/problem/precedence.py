@@ -267,11 +267,11 @@ def known_followers(
 ) -> Followers:
     """The same as `lawful_followers`, made once of orders that are asked for again; they must not change meanwhile."""
     unlike = np.array(apart, dtype=np.int64).reshape(-1, 2)
-    asked = digest(block, unlike, *(() if barred is None else (barred.row, barred.column, barred.key)))
-    followers = _last_successors.known(before, asked)
+    key = digest(block, unlike, *(() if barred is None else (barred.row, barred.column, barred.key)))
+    followers = _last_successors.known(before, key)
     if followers is None:
         followers = lawful_followers(before, block, unlike, barred)
-        _last_successors.keep(before, asked, followers)
+        _last_successors.keep(before, key, followers)
     return followers
 
 

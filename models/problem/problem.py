@@ -115,9 +115,9 @@ class Links:
         """The row of the move from `leave[k]` to `reach[k]`, (k,), -1 where it is no link."""
         if not len(self):
             return np.full(len(leave), -1, dtype=np.int64)
-        known, asked = self.leave * (self.sites + 1) + self.reach, leave.astype(np.int64) * (self.sites + 1) + reach
-        at = np.minimum(np.searchsorted(known, asked), len(known) - 1)
-        return np.where(known[at] == asked, at, -1)
+        known, wanted = self.leave * (self.sites + 1) + self.reach, leave.astype(np.int64) * (self.sites + 1) + reach
+        at = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
+        return np.where(known[at] == wanted, at, -1)
 
     def laid_over(self, table: Ints, leave: Ints, reach: Ints) -> None:
         """Put what links cost into a table of moves from the sites `leave` (rows) to `reach` (columns)."""

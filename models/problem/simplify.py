@@ -79,29 +79,29 @@ def _undecided(problem: Problem) -> Iterator[tuple[Condition, bool]]:
 
     Those that are always met are left out.
     """
-    given = problem.conditions
-    if not given:
+    conditions = problem.conditions
+    if not conditions:
         return
-    until = np.cumsum([len(c.members) for c in given])
+    until = np.cumsum([len(c.members) for c in conditions])
     members, weights = (
         np.fromiter(chain.from_iterable(column), dtype=np.int64)
-        for column in ((c.members for c in given), (c.weights for c in given))
+        for column in ((c.members for c in conditions), (c.weights for c in conditions))
     )
-    contours = np.repeat([c.contour for c in given], np.diff(until, prepend=0))
+    contours = np.repeat([c.contour for c in conditions], np.diff(until, prepend=0))
     out = problem.before[members, contours]
     free = ~out & (members != contours) & ~problem.before[contours, members] & (weights != 0)
 
     def summed(values: Ints) -> Ints:
         return np.asarray(np.diff(np.append(0, np.cumsum(values))[until], prepend=0))
 
-    bounds = np.array([c.bound for c in given], dtype=np.int64) - summed(np.where(out, weights, 0))
+    bounds = np.array([c.bound for c in conditions], dtype=np.int64) - summed(np.where(out, weights, 0))
     least, most = (summed(np.where(free, some(weights, 0), 0)) for some in (np.minimum, np.maximum))
     counts = summed(free.astype(np.int64))
     chosen = np.flatnonzero(least < bounds)
     free_until, free_members, free_weights = np.cumsum(counts), members[free].tolist(), weights[free].tolist()
     columns = (chosen, bounds[chosen], (most >= bounds)[chosen], counts[chosen], free_until[chosen])
     for k, bound, can_be_met, count, end in zip(*(column.tolist() for column in columns), strict=True):
-        c = given[k]
+        c = conditions[k]
         if count < len(c.members):
             row = slice(end - count, end)
             kept = tuple(free_members[row]), tuple(free_weights[row])
@@ -115,7 +115,7 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
     groups = _alike(problem)
     compared = np.zeros(problem.m + 1, dtype=np.bool_)
     compared[[s for sites in groups for s in sites]] = True
-    asked = _conditions_by_site(problem, compared)
+    counts = _conditions_by_site(problem, compared)
     crossings, links, timed = problem.crossings, problem.links, _timed(problem)
     crossed = _moves_by_site(crossings, crossings.over, crossings.cost, compared)
     linked = _moves_by_site(links, links.cost, links.ms, compared)  # cheaper than idle travel: none makes a site worse
@@ -126,7 +126,7 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
                     continue
                 if timed and linked[t] - linked[s]:  # it would change when others are cut
                     continue
-                more = asked[t] - asked[s]
+                more = counts[t] - counts[s]
                 costs = [cost for _, _, _, cost in more.elements()]
                 dearest = sum(cost for cost in costs if cost is not None) + int(problem.site_cost[t])
                 if None not in costs and dearest <= problem.site_cost[s]:
@@ -186,11 +186,11 @@ def _named(problem: Problem) -> set[int]:
 def _conditions_by_site(
     problem: Problem, compared: Bools
 ) -> dict[int, Counter[tuple[object, object, int, int | None]]]:
-    asked: dict[int, Counter[tuple[object, object, int, int | None]]] = defaultdict(Counter)
+    counts: dict[int, Counter[tuple[object, object, int, int | None]]] = defaultdict(Counter)
     for c in problem.conditions:
         if c.when is not None and compared[c.when]:
-            asked[c.when][c.members, c.weights, c.bound, c.cost] += 1
-    return asked
+            counts[c.when][c.members, c.weights, c.bound, c.cost] += 1
+    return counts
 
 
 def _moves_by_site(
@@ -258,8 +258,8 @@ def sites_of(
         first: dict[object, int] = {}
         for number in alike:
             candidate = candidates[number]
-            asked = (int(costs[number]), *told_apart[number])
-            leader[number] = first.setdefault((candidate.contour, candidate.pierce, candidate.end, asked), number)
+            key = (int(costs[number]), *told_apart[number])
+            leader[number] = first.setdefault((candidate.contour, candidate.pierce, candidate.end, key), number)
     leads = allowed & (leader == np.arange(len(candidates)))
     site = np.cumsum(leads) - 1
     return np.where(allowed, site[leader], -1), np.flatnonzero(leads)
@@ -290,7 +290,7 @@ def _site_places(candidates: Sequence[Candidate]) -> list[Ints | Floats]:
 
 
 def _told_apart(
-    asked: frozenset[int],
+    numbers: frozenset[int],
     conditions: Sequence[Condition],
     general: Sequence[AtLeast],
     links: Sequence[Link],
@@ -299,14 +299,14 @@ def _told_apart(
     """What is said of each of these candidates."""
     found: dict[int, list[object]] = defaultdict(list)
     for condition in conditions:
-        if condition.when in asked:
+        if condition.when in numbers:
             found[condition.when].append((condition.members, condition.weights, condition.bound, condition.cost))
     for number, s in enumerate(general):
-        for c in asked & ({lit.c for lit in plain(s.literals) if isinstance(lit, Pick)} | {s.when}):
+        for c in numbers & ({lit.c for lit in plain(s.literals) if isinstance(lit, Pick)} | {s.when}):
             found[c].append(number)
     ends = [(s.leave, s.reach) for s in links] + [(s.leaving or (), s.reaching or ()) for s in moves]
     for number, of in enumerate(ends):
         for end, some in zip(("leave", "reach"), of, strict=True):
-            for c in asked.intersection(some):
+            for c in numbers.intersection(some):
                 found[c].append((end, number))
     return found

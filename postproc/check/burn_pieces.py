@@ -72,7 +72,7 @@ def pieces(
         return float(vertices_mm[k]) if near else at_mm
 
     events = sorted((snapped(done.out[1]), ring) for ring, done in coverage.items() if done.out and done.out[0] == burn)
-    made: list[Piece] = []
+    built: list[Piece] = []
     start_mm = last_out_mm = 0.0
     blocks = _blocks(path, row, rings, kerf_mm, within_mm)
     for number, (low_mm, high_mm) in enumerate(blocks, 1):
@@ -87,18 +87,18 @@ def pieces(
             since_mm = next(comes, at_mm)
             when_mm = _closes(path, since_mm, found_mm, _SNAP * within_mm, within_mm) or found_mm
             when_mm = max(min(when_mm, high_mm), at_mm)
-            made.append(Piece(ring, start_mm, at_mm, when_mm, when_mm, True, min(since_mm, when_mm)))
+            built.append(Piece(ring, start_mm, at_mm, when_mm, when_mm, True, min(since_mm, when_mm)))
             start_mm = at_mm = last_out_mm = when_mm
         adds = _adding(burn, row, coverage, at_mm, high_mm)
         if not here or max(adds.values(), default=0.0) > 2 * within_mm:
             ring = max(adds, key=lambda k: (adds[k], -k)) if adds else _longest(row, at_mm, high_mm)
-            made.append(Piece(ring, start_mm, at_mm, high_mm, high_mm, False, at_mm))
+            built.append(Piece(ring, start_mm, at_mm, high_mm, high_mm, False, at_mm))
         else:
-            made[-1] = replace(made[-1], end_mm=high_mm)
+            built[-1] = replace(built[-1], end_mm=high_mm)
         start_mm = high_mm
-    if made:
-        made[-1] = replace(made[-1], end_mm=length_mm)
-    return made
+    if built:
+        built[-1] = replace(built[-1], end_mm=length_mm)
+    return built
 
 
 def _closes(path: Curve, since_mm: float, from_mm: float, reach_mm: float, within_mm: float) -> float | None:
@@ -201,9 +201,9 @@ def stretches(burns: Chords, rings: Chords, lengths_mm: Floats, within_mm: float
     found = found.only(np.abs(found.along) > _ALONG)
     order = np.lexsort((found.low_mm, found.other, found.line))
     found = found.only(order)
-    made: dict[int, list[Stretch]] = {}
+    by_contour: dict[int, list[Stretch]] = {}
     if not len(found):
-        return made
+        return by_contour
     edges = np.flatnonzero((np.diff(found.line) != 0) | (np.diff(found.other) != 0)) + 1
     for rows in np.split(np.arange(len(found)), edges):
         line, ring = int(found.line[rows[0]]), int(found.other[rows[0]])
@@ -213,10 +213,10 @@ def stretches(burns: Chords, rings: Chords, lengths_mm: Floats, within_mm: float
             if b - a >= least_mm:
                 own = rows[(low >= a) & (high <= b)]
                 ends = np.sort(np.stack([found.other_low_mm[own], found.other_high_mm[own]], axis=1), axis=1)
-                made.setdefault(line, []).append(Stretch(ring, a, b, union(ends)))
-    for row in made.values():
+                by_contour.setdefault(line, []).append(Stretch(ring, a, b, union(ends)))
+    for row in by_contour.values():
         row.sort(key=lambda s: (s.low_mm, s.high_mm, s.ring))
-    return made
+    return by_contour
 
 
 def beside_own_mm(row: Sequence[Stretch], own: int | None) -> dict[int, float]:
@@ -278,11 +278,11 @@ def find_shared_burns(
         Rings that are not to be covered all round, so that even one burn alone does not cover them.
     """
     own = [None if ring in tabbed else ring for ring in own]
-    asked = _asked(paths, lines, rings, own, within_mm)
-    if not asked:
+    shared = _asked(paths, lines, rings, own, within_mm)
+    if not shared:
         return SharedBurns()
-    along = stretches_of(paths, rings, sorted(asked), within_mm)
-    touched = {burn: _touched(along.get(burn, []), own[burn], rings) for burn in sorted(asked)}
+    along = stretches_of(paths, rings, sorted(shared), within_mm)
+    touched = {burn: _touched(along.get(burn, []), own[burn], rings) for burn in sorted(shared)}
     odd = {burn for burn, met in touched.items() if (ring := own[burn]) is None or (met and rings[ring] is not None)}
     whole = {ring for burn, ring in enumerate(own) if ring is not None and burn not in odd}
     burns_of: dict[int, set[int]] = {}
@@ -325,16 +325,16 @@ def _asked(
     if not len(burns):
         return set()
     around = np.array([shapely.LineString() if ring is None else ring for ring in rings], dtype=object)
-    asked = np.array([lines[k] for k in burns.tolist()], dtype=object)
-    bounds = shapely.bounds(asked)
+    candidates = np.array([lines[k] for k in burns.tolist()], dtype=object)
+    bounds = shapely.bounds(candidates)
     boxes = shapely.box(*(bounds + np.array([-within_mm, -within_mm, within_mm, within_mm])).T)
     row, ring = shapely.STRtree(around).query(boxes)
     mine = np.array([-1 if own[k] is None else own[k] for k in burns.tolist()], dtype=np.int64)
     other = ring != mine[row]
     row, ring = row[other], ring[other]
-    some = asked[np.unique(row)]
+    some = candidates[np.unique(row)]
     shapely.prepare(some)
-    near = shapely.dwithin(asked[row], around[ring], within_mm)
+    near = shapely.dwithin(candidates[row], around[ring], within_mm)
     shapely.destroy_prepared(some)
     return set(burns[row[near]].tolist())
 

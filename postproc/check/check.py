@@ -90,9 +90,9 @@ def check_cuts(
     by_rules = JudgedCuts(nest, felt, profile, tuple(relaxed), tuple(rules))
     warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]
     if claims is not None:
-        broken, told = claims_kept(claims, rules)
+        broken, texts = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims, in_kerfs)), judgement("claims", broken)]
-        warnings += told
+        warnings += texts
     return CheckResult(
         (*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules, tuple(relaxed)
     )
@@ -153,8 +153,8 @@ def _judge_program(
 ) -> CheckResult:
     """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
     nest = judged_by.nest
-    told = [*origin_warning(program, profile), *_coarse(program, profile)]
-    told += wrong_times(program, profile, None if planned is None else planned.time_s)
+    notes = [*origin_warning(program, profile), *_coarse(program, profile)]
+    notes += wrong_times(program, profile, None if planned is None else planned.time_s)
     profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
     profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))
@@ -184,7 +184,7 @@ def _judge_program(
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]
-    warnings = [*told, *built.warnings, *warnings]
+    warnings = [*notes, *built.warnings, *warnings]
     ran = _measured(built.runs, program.idle_mm)
     return CheckResult((*judged, *rules), tuple(warnings), ran, relaxed=tuple(relaxed))
 
@@ -218,7 +218,7 @@ def _judge_paths(
     whole, runs = runs, [piece for run in runs for piece in run.lit]
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
-    made = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
+    cut_contours = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
     before = burnt_before(nest, cuts[: cuts.made], kerf_mm, cuts.begun)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(open_contours(several, cuts.positions()))
@@ -246,11 +246,11 @@ def _judge_paths(
             "loose-metal",
             [
                 *cuts_in_loose_metal(nest, runs, kerf_mm, before.lines),
-                *cuts_in_loose_skeleton(nest, runs, made, kerf_mm),
+                *cuts_in_loose_skeleton(nest, runs, cut_contours, kerf_mm),
             ],
         ),
         *(
-            [judgement("scrap-pieces", wrong_pieces(nest, runs, made, profile))]
+            [judgement("scrap-pieces", wrong_pieces(nest, runs, cut_contours, profile))]
             if profile.cuts.scrap != Scrap()
             else []
         ),

@@ -58,18 +58,18 @@ def coverage(nest: Nest, cuts: CutSequence, relaxed: Sequence[RelaxedStatement] 
             first[cut.contour] = position
             continue
         found.append(Violation(_RULE, (cut.contour,), text, (position,)))
-    made = {cut.contour for cut in cuts[: cuts.made]}
+    cut_names = {cut.contour for cut in cuts[: cuts.made]}
     of_fallen_metal = {name for name, rule in RULES.items() if rule.of_fallen_metal}
-    loose = {r.contours[0] for r in relaxed if r.rule in of_fallen_metal and _dropped(nest, r.contours, made)}
+    loose = {r.contours[0] for r in relaxed if r.rule in of_fallen_metal and _dropped(nest, r.contours, cut_names)}
     for contour in nest.contours:
         if contour.id not in first and contour.id not in loose:
             found.append(Violation(_RULE, (contour.id,), f"{contour.id} is not {_done(contour.kind)}"))
     return found
 
 
-def _dropped(nest: Nest, contours: Sequence[str], made: Set[str]) -> bool:
+def _dropped(nest: Nest, contours: Sequence[str], names: Set[str]) -> bool:
     """Whether the first of two contours lies inside the second, which is cut through and out."""
-    if len(contours) != 2 or not {*contours} <= nest.index.keys() or contours[1] not in made:
+    if len(contours) != 2 or not {*contours} <= nest.index.keys() or contours[1] not in names:
         return False
     inner, outer = (nest.contour(name) for name in contours)
     return outer.encloses and bool(outer.polygon.covers(inner.line))
@@ -82,13 +82,13 @@ def _done(kind: str) -> str:
 def first_cuts(nest: Nest, cuts: CutSequence) -> CutSequence:
     """The cuts that rules can judge: those of the nest's contours, each the first time it is cut."""
     kept: dict[str, Cut] = {}
-    made = 0
+    count = 0
     for k, cut in enumerate(cuts, 1):
         if cut.contour in nest.index:
             kept.setdefault(cut.contour, cut)
         if k == cuts.made:
-            made = len(kept)
-    return replace(cuts, cuts=tuple(kept.values()), made=made)
+            count = len(kept)
+    return replace(cuts, cuts=tuple(kept.values()), made=count)
 
 
 # What burns make of rings that no burn covers alone: stretches left open, burnt again, and tabs that are not there.
@@ -173,12 +173,12 @@ def open_contours(found: BurntRings, positions: Mapping[str, int]) -> Iterator[V
         low, high = max(done.open, key=lambda stretch: stretch[1] - stretch[0])
         x, y = _at(ring, (low + high) / 2)
         by = list(dict.fromkeys(run.where for run in own))
-        told = " and ".join(by[:_NAMED]) + (" and others" if len(by) > _NAMED else "")
+        text = " and ".join(by[:_NAMED]) + (" and others" if len(by) > _NAMED else "")
         yield Violation(
             "every-contour-once",
             (contour.id,),
             f"{contour.id} is not cut all along: {done.open_mm:.1f} mm are left, at ({x:z.1f}, {y:z.1f}); "
-            f"{told} cut it",
+            f"{text} cut it",
             (positions[contour.id],),
         )
 
@@ -291,7 +291,7 @@ def shared_cuts(
         cut |= {ring for burn in finishing if (ring := own[burn]) is not None}
     coverage = {k: _given_up(done, around[k]) for k, done in coverage.items()}
     along = {**odd.along, **stretches_of(paths, around, sorted(taken - odd.along.keys()), within_mm)}
-    made = {}
+    by_path = {}
     for burn in sorted(taken):
         path = burns[burn].path
         row = pieces(burn, path, along.get(burn, []), coverage, around, kerf_mm, within_mm)
@@ -301,11 +301,11 @@ def shared_cuts(
             and is_whole(piece, coverage[piece.ring], burn, ring, free[piece.ring], within_mm)
             for piece in row
         ]
-        made[burn] = list(_cut_out(nest, burns[burn], row, whole, rings))
-        if made[burn] and not any(cut.out for cut in made[burn]):
+        by_path[burn] = list(_cut_out(nest, burns[burn], row, whole, rings))
+        if by_path[burn] and not any(cut.out for cut in by_path[burn]):
             begun = tuple(_begun(nest, burns[burn], _new_along(along.get(burn, []), coverage, burn, within_mm), rings))
-            made[burn][0] = replace(made[burn][0], begun=begun)
-    return {burn: cuts for burn, cuts in made.items() if cuts}
+            by_path[burn][0] = replace(by_path[burn][0], begun=begun)
+    return {burn: cuts for burn, cuts in by_path.items() if cuts}
 
 
 def _new_along(

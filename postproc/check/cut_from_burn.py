@@ -206,17 +206,17 @@ def split(path: Curve, round_mm: float) -> Pieces | None:
 def split_each(paths: Sequence[Curve], rounds_mm: Sequence[float]) -> list[Pieces | None]:
     """As `split` of each; the pairs of many paths are compared together."""
     found: list[Pieces | None] = [None] * len(paths)
-    asked = {k: of for k, of in enumerate(map(_pairs_of, paths, rounds_mm)) if of is not None}
-    many = [k for k, of in asked.items() if of.count > COMPARED]
+    pairs = {k: of for k, of in enumerate(map(_pairs_of, paths, rounds_mm)) if of is not None}
+    many = [k for k, of in pairs.items() if of.count > COMPARED]
     for k in many:
-        of = asked.pop(k)
+        of = pairs.pop(k)
         found[k] = _pieces(paths[k], *(_looked_up(of) or _compared(of)))
-    waiting = list(asked)
+    waiting = list(pairs)
     while waiting:
-        counts = np.cumsum([asked[k].count for k in waiting])
+        counts = np.cumsum([pairs[k].count for k in waiting])
         some = waiting[: max(int(np.searchsorted(counts, COMPARED, side="right")), 1)]
         waiting = waiting[len(some) :]
-        for k, best in zip(some, _best_of_each([asked[k] for k in some]), strict=True):
+        for k, best in zip(some, _best_of_each([pairs[k] for k in some]), strict=True):
             found[k] = _pieces(paths[k], *best)
     return found
 
@@ -256,16 +256,16 @@ def _pieces(path: Curve, gap_mm: float, k: int, m: int) -> Pieces:
     return Pieces(path.piece(0, k), path.piece(k, m), path.piece(m, len(path.vertices) - 1), gap_mm)
 
 
-def _best_of_each(asked: Sequence[_Pairs]) -> list[tuple[float, int, int]]:
+def _best_of_each(pairs: Sequence[_Pairs]) -> list[tuple[float, int, int]]:
     """The best pair of each path, as its gap and its two vertices, by all pairs of all of them."""
-    sizes = np.array([len(p.v) for p in asked])
+    sizes = np.array([len(p.v) for p in pairs])
     since = np.cumsum(sizes) - sizes
-    of = np.repeat(np.arange(len(asked)), sizes)
-    v, at_mm = np.concatenate([p.v for p in asked]), np.concatenate([p.at_mm for p in asked])
-    first, last = np.concatenate([p.first for p in asked]), np.concatenate([p.last for p in asked])
+    of = np.repeat(np.arange(len(pairs)), sizes)
+    v, at_mm = np.concatenate([p.v for p in pairs]), np.concatenate([p.at_mm for p in pairs])
+    first, last = np.concatenate([p.first for p in pairs]), np.concatenate([p.last for p in pairs])
     one = np.repeat(np.arange(len(of)), last - first)
     other = concat_ranges(first + since[of], last - first)
-    gaps_mm, _, one, other = _best(v, at_mm, one, other, of[one], np.array([p.round_mm for p in asked]))
+    gaps_mm, _, one, other = _best(v, at_mm, one, other, of[one], np.array([p.round_mm for p in pairs]))
     return list(zip(gaps_mm.tolist(), (one - since).tolist(), (other - since).tolist(), strict=True))
 
 

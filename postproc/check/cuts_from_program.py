@@ -72,12 +72,12 @@ def rebuild(
         return _rebuilt(nest, program, kerf_mm, home, tabs, planned, tabs_asked, in_passes)
 
 
-def _widths_asked(nest: Nest, contour: Contour, asked: TabOptions | None) -> list[float]:
+def _widths_asked(nest: Nest, contour: Contour, options: TabOptions | None) -> list[float]:
     """The widths that tabs on a contour are asked for, mm."""
     part = next((part for part in nest.parts if part.id == contour.part), None)
-    if asked is None or part is None:
+    if options is None or part is None:
         return []
-    return [asked.width_mm, *(tab.width_mm for tab in asked.drawn(part) if tab.width_mm)]
+    return [options.width_mm, *(tab.width_mm for tab in options.drawn(part) if tab.width_mm)]
 
 
 def _rebuilt(
@@ -115,8 +115,8 @@ def _rebuilt(
     zones = _zones(program.comments, ids) if several or any(burn.torch > 1 for burn in burns) else {}
     excused = _excused(program, ids)
     cuts: list[Cut] = list(made_before)
-    made = len(cuts)
-    lines = [0] * made
+    count = len(cuts)
+    lines = [0] * count
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
@@ -155,7 +155,7 @@ def _rebuilt(
         violations += wrong
     pierces += _pierced(holes, len(cuts) + 1)
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
-    sequence = CutSequence(_together(cuts, lines), side, home, made=made, begun=tuple(begun))
+    sequence = CutSequence(_together(cuts, lines), side, home, made=count, begun=tuple(begun))
     sequence = replace(sequence, pierces=holes_with_contours(pierces, sequence.cuts)) if pierces else sequence
     sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
@@ -201,19 +201,19 @@ def _pierced(holes: dict[tuple[int, int], Burn], before: int, line: int | None =
 
 def _zones(comments: Iterable[str], ids: Mapping[str, str]) -> dict[str, int]:
     """Contour id → the zone that a comment gives it."""
-    told = filter(None, map(_CUT.search, comments))
+    matches = filter(None, map(_CUT.search, comments))
     return {
-        name: int(words["zone"]) for words in told if (name := ids.get(normalize_name(words["contour"]))) is not None
+        name: int(words["zone"]) for words in matches if (name := ids.get(normalize_name(words["contour"]))) is not None
     }
 
 
 def _excused(program: NcProgram, ids: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
     """Contour id → rules that the program's comments excuse it from; `ids` are by folded name."""
-    told: dict[str, tuple[str, ...]] = defaultdict(tuple)
+    rules_of: dict[str, tuple[str, ...]] = defaultdict(tuple)
     for found in map(_EXCUSED.fullmatch, program.comments):
         if found and (name := ids.get(normalize_name(found["contour"]))) is not None:
-            told[name] += (found["rule"].lower(),)
-    return told
+            rules_of[name] += (found["rule"].lower(),)
+    return rules_of
 
 
 def _dot(burn: Burn) -> shapely.LineString:

@@ -96,11 +96,11 @@ class Uncut:
         """
         corners = sorted((one for one in self.left if one.corner), key=lambda one: -one.left_mm)
         others = sorted((one for one in self.left if not one.corner), key=lambda one: -one.left_mm)
-        said = []
+        lines = []
         if corners:
             what = "a corner keeps" if len(corners) == 1 else f"{len(corners)} corners keep"
             most = f"{'' if len(corners) == 1 else 'up to '}{corners[0].left_mm:.2f} mm"
-            said.append(f"{what} {most} that a round kerf does not reach: {_places(corners)}")
+            lines.append(f"{what} {most} that a round kerf does not reach: {_places(corners)}")
         if others:
             deep = f"{others[0].left_mm:.1f} mm deep"
             if len(others) == 1:
@@ -108,8 +108,8 @@ class Uncut:
             else:
                 what = f"{len(others)} slots, notches or necks narrower than the kerf are cut straight across, "
                 what += f"up to {deep}"
-            said.append(f"{what}: {_places(others)}")
-        return said
+            lines.append(f"{what}: {_places(others)}")
+        return lines
 
 
 def _places(left: Sequence[Left]) -> str:

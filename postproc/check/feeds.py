@@ -87,18 +87,18 @@ def _feeds(
     for burn in program.burns:
         cuts, cut = burn.tool == 0, names[f"line {burn.line}"] or [""]
         name = cut[0]
-        asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
+        feed_mm_s = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
         allowed = [shares.get(one, (1.0, 1.0)) if cuts else (1.0, 1.0) for one in cut]
-        low, high = asked * min(least for least, _ in allowed), asked * max(most for _, most in allowed)
-        if low < asked:
-            low, high = max(low - rounded * asked, 0.0), min(high + rounded * asked, asked)
+        low, high = feed_mm_s * min(least for least, _ in allowed), feed_mm_s * max(most for _, most in allowed)
+        if low < feed_mm_s:
+            low, high = max(low - rounded * feed_mm_s, 0.0), min(high + rounded * feed_mm_s, feed_mm_s)
         if cuts and slow_at_corners(profile):
             for text in wrong_at_corners(burn, (low, high), profile, slack):
                 yield burn.line, text
             continue
         for feed in burn.feeds_mm_s:
             if not low * (1 - _FEED_SHARE) - slack <= feed <= high * (1 + _FEED_SHARE) + slack:
-                where = f" in {name}" if high < asked else ""
+                where = f" in {name}" if high < feed_mm_s else ""
                 says = f"the profile says {high * 60:.0f} mm/min{where}"
                 yield burn.line, f"it {'cuts' if cuts else 'marks'} at {feed * 60:.0f} mm/min, {says}"
     ours = written_from_profile(program.comments) and not fitting_dialect(profile).travels_as_line

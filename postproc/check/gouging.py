@@ -98,8 +98,8 @@ def gouges(
 def _not_clear(nest: Nest, burns: Sequence[_Burn], kerf_mm: float) -> list[_Burn]:
     """The burns without rounds that surely gouge nothing: they lie within the tolerance of a ring that is clear."""
     clear = _clear_rings(nest, kerf_mm)
-    asked = [(k, burn) for k, burn in enumerate(burns) if not burn.lead and burn.run.contour is not None]
-    rings = [(k, burn.run, ring) for k, burn in asked if (ring := clear.get(burn.run.name)) is not None]
+    queries = [(k, burn) for k, burn in enumerate(burns) if not burn.lead and burn.run.contour is not None]
+    rings = [(k, burn.run, ring) for k, burn in queries if (ring := clear.get(burn.run.name)) is not None]
     gone = {k for k, run, ring in rings if run.loop is ring or run.follows is ring}
     others = [row for row in rings if row[0] not in gone]
     loops, along = [run.loop for _, run, _ in others], [ring for *_, ring in others]

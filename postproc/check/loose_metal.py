@@ -85,11 +85,11 @@ _SKELETON_RULE = "loose-metal"
 
 
 def cuts_in_loose_skeleton(
-    nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour], kerf_mm: float
+    nest: Nest, runs: Sequence[TorchRun], cut_contours: Sequence[Contour], kerf_mm: float
 ) -> Iterator[Violation]:
     """Contours that are cut, from the first scrap line on, in metal that does not hold to the frame.
 
-    `made` were cut before a stop: their kerfs are there from the start.
+    `cut_contours` were cut before a stop: their kerfs are there from the start.
     """
     torch = [run for run in runs if not run.marks]
     of_scrap = [run.contour is not None and run.contour.kind == "scrap" for run in torch]
@@ -98,8 +98,8 @@ def cuts_in_loose_skeleton(
     lines = np.array([run.loop for run in torch], dtype=object)
     kerfs = shapely.buffer(lines, kerf_mm / 2, quad_segs=4)
     leads = [shapely.union_all(run.leads).buffer(kerf_mm / 2, quad_segs=4) for run in torch]
-    begin = of_scrap.index(True) if not any(c.kind == "scrap" for c in made) else 0
-    older = [ring.buffer(kerf_mm / 2, quad_segs=4) for ring in torch_rings(made, kerf_mm) if ring is not None]
+    begin = of_scrap.index(True) if not any(c.kind == "scrap" for c in cut_contours) else 0
+    older = [ring.buffer(kerf_mm / 2, quad_segs=4) for ring in torch_rings(cut_contours, kerf_mm) if ring is not None]
     metal = shapely.make_valid(nest.sheet.polygon) - shapely.union_all([*older, *kerfs[:begin]])
     metal = wide_enough(metal, kerf_mm)
     parts = shapely.union_all(shapely.make_valid([part.outer.polygon for part in nest.parts]))
@@ -140,19 +140,21 @@ _FILLED = 0.995
 
 
 def wrong_pieces(
-    nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour], profile: Profile
+    nest: Nest, runs: Sequence[TorchRun], cut_contours: Sequence[Contour], profile: Profile
 ) -> Iterator[Violation]:
     """Pieces of the skeleton that are larger than the grid asked for, and a remnant that is not saved.
 
-    `made` were cut before a stop. Only the largest piece is looked at that the parts leave of the skeleton: what else
-    came loose with them, before any line was cut, is not cut up, however large it is. Nor is metal
-    narrower than the kerf: a line along it would leave nothing of it.
+    `cut_contours` were cut before a stop. Only the largest piece is looked at that the parts leave of the skeleton:
+    what else came loose with them, before any line was cut, is not cut up, however large it is. Nor is metal narrower
+    than the kerf: a line along it would leave nothing of it.
     """
     asked, kerf_mm = profile.cuts.scrap, profile.material.kerf_mm
     if kerf_mm <= 0 or (asked.grid_mm is None and asked.remnant is None):
         return
     rows = [(run.contour, shapely.union_all([run.loop, *run.leads])) for run in runs if not run.marks]
-    rows += [(c, ring) for c, ring in zip(made, torch_rings(made, kerf_mm), strict=True) if ring is not None]
+    rows += [
+        (c, ring) for c, ring in zip(cut_contours, torch_rings(cut_contours, kerf_mm), strict=True) if ring is not None
+    ]
     of_line = np.array([contour is not None and contour.kind == "scrap" for contour, _ in rows], dtype=np.bool_)
     burnt = shapely.buffer(np.array([line for _, line in rows], dtype=object), kerf_mm / 2, quad_segs=4)
     parts = shapely.make_valid([part.outer.polygon for part in nest.parts])
@@ -237,18 +239,18 @@ def _other_outlines(nest: Nest, metal: Mapping[str, shapely.Geometry]) -> Iterat
 
     Holes are those of the drawing: a profile may have small ones marked, or left out.
     """
-    made = [part for part in nest.parts if part.id not in metal]
+    parts = [part for part in nest.parts if part.id not in metal]
     with_all_holes = {part.id: part for part in (nest.drawn or nest).parts}
     for group in _groups(nest.bridges):
         names = dict.fromkeys(name for bridge in group for name in bridge.parts)
         strips = [shapely.buffer(_strip(bridge), _SAME_MM, join_style="mitre") for bridge in group]
         meant = shapely.union_all([*(metal[name] for name in names), *strips])
         outline = shapely.union_all([shapely.Polygon(area.exterior) for area in shapely.get_parts(meant)])
-        apart = [shapely.symmetric_difference(outline, part.outer.polygon) for part in made]
-        k = min(range(len(made)), key=lambda k: float(apart[k].area))
-        holes = shapely.union_all([shapely.make_valid(h.polygon) for h in with_all_holes[made[k].id].holes])
+        apart = [shapely.symmetric_difference(outline, part.outer.polygon) for part in parts]
+        k = min(range(len(parts)), key=lambda k: float(apart[k].area))
+        holes = shapely.union_all([shapely.make_valid(h.polygon) for h in with_all_holes[parts[k].id].holes])
         other_holes = shapely.symmetric_difference(shapely.difference(outline, meant), holes)
-        outer = made[k].outer.id
+        outer = parts[k].outer.id
         for wrong, text in (
             (apart[k], f"{outer} is not the outline of its parts and bridges"),
             (other_holes, f"the holes in {outer} are not those that its parts and bridges leave"),

@@ -182,17 +182,17 @@ def wrong_spacing(program: NcProgram, profile: Profile, told_by_plan: bool) -> I
     """
     torches = profile.machine.torches
     has = f"{torches.count} {torches.apart}" if torches.several else "one"
-    told = _told(program)
-    for words in told:
+    spacing = _told(program)
+    for words in spacing:
         spacing_mm, axis = float(words["spacing"]), words["axis"].lower()
         there = profile.at_spacing(spacing_mm).machine.torches
         same = abs(spacing_mm - there.spacing_mm) <= 1e-3 and axis == there.axis and there.up_to_mm is None
-        same = same and words["spacing"] == told[0]["spacing"]
+        same = same and words["spacing"] == spacing[0]["spacing"]
         if not same or int(words["count"]) != torches.count:
             says = f"{words['count']} torches {spacing_mm:g} mm apart along {axis.upper()}"
             yield Violation(_TORCHES_RULE, (), f"the program is for {says}, the profile has {has}")
     lit = next((burn for burn in program.burns if burn.torches), None)
-    if lit is not None and not told and not told_by_plan:
+    if lit is not None and not spacing and not told_by_plan:
         text = f"line {lit.line}: torch {lit.torches[0]} burns too, and no comment says how far it is from the first: "
         yield Violation(_TORCHES_RULE, (), f"{text}expected {_comment(torches)}, or --plan")
 

@@ -76,17 +76,17 @@ class Matcher:
         Of rings that a path comes near the named one is tried first: votes would find the same.
         """
         found: list[Match | None] = [None] * len(lines)
-        asked = [
+        queries = [
             (k, name, ring)
             for k, (line, marked, name) in enumerate(zip(lines, marks, named, strict=True))
             if name is not None and (self.nest.contours[name].kind == "mark") == marked
             if (ring := self._ring_for(line, name, "right")) is not None
         ]
-        along, rings = [lines[k] for k, _, _ in asked], [ring for _, _, ring in asked]
+        along, rings = [lines[k] for k, _, _ in queries], [ring for _, _, ring in queries]
         middles = shapely.line_interpolate_point(along, _SAMPLES // 2 / _SAMPLES, normalized=True)
         sure = surely_cover(along, rings, tolerance_mm(self.kerf_mm))
         sure &= shapely.dwithin(middles, rings, self._reach_mm)
-        for known, (k, name, ring) in zip(sure.tolist(), asked, strict=True):
+        for known, (k, name, ring) in zip(sure.tolist(), queries, strict=True):
             if known:
                 found[k] = Match(name, "right", ring, 0.0)
         return found
@@ -122,18 +122,20 @@ class Matcher:
         That is what `_best` tries first. So many paths are looked at together that their points take little memory.
         """
         found: list[Match | None] = [None] * len(lines)
-        asked = [
+        queries = [
             (k, contour, ring)
             for k, (line, contour) in enumerate(zip(lines, likeliest, strict=True))
             if contour is not None and (ring := self._ring_for(line, contour, "right")) is not None
         ]
-        sure = surely_cover([lines[k] for k, _, _ in asked], [ring for _, _, ring in asked], tolerance_mm(self.kerf_mm))
-        for known, (k, contour, ring) in zip(sure.tolist(), asked, strict=True):
+        sure = surely_cover(
+            [lines[k] for k, _, _ in queries], [ring for _, _, ring in queries], tolerance_mm(self.kerf_mm)
+        )
+        for known, (k, contour, ring) in zip(sure.tolist(), queries, strict=True):
             if known:
                 found[k] = Match(contour, "right", ring, 0.0)
-        asked = [row for known, row in zip(sure.tolist(), asked, strict=True) if not known]
-        for begin in range(0, len(asked), _AT_ONCE):
-            some = asked[begin : begin + _AT_ONCE]
+        queries = [row for known, row in zip(sure.tolist(), queries, strict=True) if not known]
+        for begin in range(0, len(queries), _AT_ONCE):
+            some = queries[begin : begin + _AT_ONCE]
             paths = np.array([lines[k] for k, _, _ in some], dtype=object)
             shapely.prepare(paths)
             points, of = shapely.get_coordinates(
@@ -204,17 +206,17 @@ _MOST = 0.25
 def extend_to_tabs(burns: Sequence[Burn], nest: Nest, matcher: Matcher) -> tuple[Burn, ...]:
     """The burns, those that stop short of where they joined an outer contour led on to there, unlit."""
     lines = [line_of(burn.path) for burn in burns]
-    asked = [k for k, burn in enumerate(burns) if burn.tool == 0 and lines[k] is not None]
-    found = matcher.match([line for k in asked if (line := lines[k])], [False] * len(asked), [None] * len(asked))
-    made = list(burns)
-    for k, match in zip(asked, found, strict=True):
+    rows = [k for k, burn in enumerate(burns) if burn.tool == 0 and lines[k] is not None]
+    found = matcher.match([line for k in rows if (line := lines[k])], [False] * len(rows), [None] * len(rows))
+    extended = list(burns)
+    for k, match in zip(rows, found, strict=True):
         if match is None or nest.contours[match.contour].kind != "outer":
             continue
         if (rest := _rest(burns[k].path, match.ring, tolerance_mm(matcher.kerf_mm))) is not None:
             path, lit_mm = burns[k].path, burns[k].path.length_mm
             led_on = Curve(np.vstack([path.vertices[:-1], rest]), closed=False)
-            made[k] = replace(burns[k], path=led_on, unlit=((lit_mm, led_on.length_mm),))
-    return tuple(made)
+            extended[k] = replace(burns[k], path=led_on, unlit=((lit_mm, led_on.length_mm),))
+    return tuple(extended)
 
 
 def _rest(path: Curve, ring: shapely.LineString, within_mm: float) -> Floats | None:

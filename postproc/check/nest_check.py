@@ -52,15 +52,15 @@ def nest_faults(
             faults.append(f"{name}: {error}")
     by_name = {part.name: part for part in parts}
     for name, nest in nests.items():
-        faults += (f"{name}: {said}" for said in _of_nest(nest, by_name, spacing))
+        faults += (f"{name}: {text}" for text in _of_nest(nest, by_name, spacing))
     faults += _quantities(nests, parts)
     faults += _stock(nests, sheets)
     return faults
 
 
-def _of_nest(nest: Nest, asked: Mapping[str, RequestedPart], spacing: RequestedSpacing) -> Iterator[str]:
+def _of_nest(nest: Nest, requested: Mapping[str, RequestedPart], spacing: RequestedSpacing) -> Iterator[str]:
     for part in nest.parts:
-        known = asked.get(str(part.attributes.get(_OF)))
+        known = requested.get(str(part.attributes.get(_OF)))
         if known is None:
             yield f"{part.id} is of no part that was asked for"
         elif wrong := copy_problem(part, known):
@@ -137,12 +137,12 @@ def _edge_gap_faults(nest: Nest, edge_mm: float) -> Iterator[str]:
 
 def _quantities(nests: Mapping[str, Nest], parts: Sequence[RequestedPart]) -> Iterator[str]:
     laid = Counter(str(part.attributes.get(_OF)) for nest in nests.values() for part in nest.parts)
-    for asked in parts:
-        there = laid[asked.name]
-        if there > asked.quantity:
-            yield f"{there} of {asked.name} were laid, and {asked.quantity} are wanted"
-        elif asked.count is not None and there != asked.count:
-            yield f"{there} of {asked.name} were laid, and the table says {asked.count}"
+    for requested in parts:
+        there = laid[requested.name]
+        if there > requested.quantity:
+            yield f"{there} of {requested.name} were laid, and {requested.quantity} are wanted"
+        elif requested.count is not None and there != requested.count:
+            yield f"{there} of {requested.name} were laid, and the table says {requested.count}"
     names = Counter(part.id for nest in nests.values() for part in nest.parts)
     yield from (f"{count} parts are called {name}" for name, count in names.items() if count > 1)
 
@@ -151,11 +151,11 @@ def _stock(nests: Mapping[str, Nest], sheets: Sequence[RequestedSheet]) -> Itera
     """Sheets of one shape are counted together, as nobody can tell them apart."""
     shapes: list[Sheet] = []
     there: list[float] = []
-    for asked in sheets:
-        count = float("inf") if asked.count is None else asked.count
-        k = _which(asked.sheet, shapes)
+    for requested in sheets:
+        count = float("inf") if requested.count is None else requested.count
+        k = _which(requested.sheet, shapes)
         if k is None:
-            shapes.append(asked.sheet)
+            shapes.append(requested.sheet)
             there.append(count)
         else:
             there[k] += count
@@ -185,28 +185,30 @@ SAME_MM = 0.02
 """Outlines no further apart than this are the same: each is chords within 0.01 mm."""
 
 
-def copy_problem(part: Part, asked: RequestedPart) -> str | None:
+def copy_problem(part: Part, requested: RequestedPart) -> str | None:
     """Why a part is no copy of what was drawn, in a clause; None where it is one, turned and mirrored as is allowed."""
-    counts = [(len(p.holes), len(p.marks)) for p in (part, asked.part)]
+    counts = [(len(p.holes), len(p.marks)) for p in (part, requested.part)]
     if counts[0] != counts[1]:
         return f"has {counts[0][0]} holes and {counts[0][1]} marks, and the drawing {counts[1][0]} and {counts[1][1]}"
-    if [tab.width_mm for tab in part.tabs] != [tab.width_mm for tab in asked.part.tabs]:
+    if [tab.width_mm for tab in part.tabs] != [tab.width_mm for tab in requested.part.tabs]:
         return "has other tabs than the drawing"
-    if lost := _arcs_lost(part, asked.part):
+    if lost := _arcs_lost(part, requested.part):
         return lost
-    turns = _any_turn(part, asked.part) if asked.turns_deg is None else asked.turns_deg
-    if any(_matches(part, laid) for laid in _ways(asked, turns, (False, True) if asked.mirror else (False,))):
+    turns = _any_turn(part, requested.part) if requested.turns_deg is None else requested.turns_deg
+    if any(_matches(part, laid) for laid in _ways(requested, turns, (False, True) if requested.mirror else (False,))):
         return None
-    if any(_matches(part, laid) for laid in _ways(asked, turns, (True,))):
+    if any(_matches(part, laid) for laid in _ways(requested, turns, (True,))):
         return "is mirrored, which is not allowed"
-    if any(_matches(part, laid) for laid in _ways(asked, _any_turn(part, asked.part), (False, True))):
+    if any(_matches(part, laid) for laid in _ways(requested, _any_turn(part, requested.part), (False, True))):
         return "is turned as it may not be"
     return "has another shape than the drawing"
 
 
-def _ways(asked: RequestedPart, turns_deg: Sequence[float], flips: Sequence[bool]) -> Iterator[list[shapely.Geometry]]:
+def _ways(
+    requested: RequestedPart, turns_deg: Sequence[float], flips: Sequence[bool]
+) -> Iterator[list[shapely.Geometry]]:
     """The lines and tabs of the drawn part in each way that it may lie, the outline first."""
-    drawn = _drawn(asked.part)
+    drawn = _drawn(requested.part)
     for flip in flips:
         for turn in turns_deg:
             flipped = [affinity.scale(line, -1, 1, origin=(0, 0)) if flip else line for line in drawn]

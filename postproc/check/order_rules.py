@@ -106,8 +106,8 @@ class Forcing:
             np.frombuffer(before.to_bytes(len(self._groups) // 8 + 1, "little"), np.uint8), bitorder="little"
         )
         outside = (name for k in np.flatnonzero(bits).tolist() for name in self._groups[k])
-        made = frozenset(cut.contour for cut in self.cuts[: self.cuts.made])
-        return frozenset(inside) | (frozenset(outside) - frozenset(own)) | made
+        cut_names = frozenset(cut.contour for cut in self.cuts[: self.cuts.made])
+        return frozenset(inside) | (frozenset(outside) - frozenset(own)) | cut_names
 
     def _inside(self, contour: str, own: frozenset[str]) -> list[str]:
         """What the orders put before a contour within the run that it is cut in."""
@@ -134,9 +134,9 @@ class Forcing:
     @cached_property
     def _kept(self) -> Ints:
         """The orders that the plan keeps, (k, 2) numbers, each once; what is not cut comes before all."""
-        asked = np.concatenate([np.empty((0, 2), np.int64), *self.orders.by_rule.values()])
+        pairs = np.concatenate([np.empty((0, 2), np.int64), *self.orders.by_rule.values()])
         at = self.orders.at
-        return unique_pairs(asked[at[asked[:, 0]] < at[asked[:, 1]]])
+        return unique_pairs(pairs[at[pairs[:, 0]] < at[pairs[:, 1]]])
 
     @cached_property
     def _groups(self) -> list[tuple[str, ...]]:

@@ -44,21 +44,21 @@ class PlanClaims:
 
     def completed(self, cuts: CutSequence) -> CutSequence:
         """The cuts of a program, with what the plan says of them and the program does not."""
-        told = {cut.contour: cut for cut in self.cuts}
+        by_contour = {cut.contour: cut for cut in self.cuts}
         side = cuts.start_side if cuts.start_side is not None else self.cuts.start_side
-        return replace(cuts, cuts=tuple(_completed(cut, told.get(cut.contour)) for cut in cuts), start_side=side)
+        return replace(cuts, cuts=tuple(_completed(cut, by_contour.get(cut.contour)) for cut in cuts), start_side=side)
 
 
-def _completed(cut: Cut, told: Cut | None) -> Cut:
+def _completed(cut: Cut, planned: Cut | None) -> Cut:
     """The cut with what the plan knows of it; where it joins the torch's ring as planned, its entry is the plan's.
 
     Beside a corner the ring is as near to several points of the contour, so that nobody can tell the entry from it.
     """
-    if told is None:
+    if planned is None:
         return cut
-    excused = tuple(dict.fromkeys((*cut.excused, *told.excused)))
-    joins = told.lead_in is not None and math.dist(_join(cut), _join(told)) <= 2 * tolerance_mm()
-    return replace(cut, zone=cut.zone or told.zone, excused=excused, entry=told.entry if joins else cut.entry)
+    excused = tuple(dict.fromkeys((*cut.excused, *planned.excused)))
+    joins = planned.lead_in is not None and math.dist(_join(cut), _join(planned)) <= 2 * tolerance_mm()
+    return replace(cut, zone=cut.zone or planned.zone, excused=excused, entry=planned.entry if joins else cut.entry)
 
 
 def _join(cut: Cut) -> Point:
@@ -69,63 +69,63 @@ def _join(cut: Cut) -> Point:
     return x, y
 
 
-def strays_from(planned: PlanClaims, nest: Nest, made: CutSequence, kerf_mm: float) -> Iterator[Violation]:
+def strays_from(planned: PlanClaims, nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[Violation]:
     """Where a program does not follow its plan: another contour, another entry, pierce or direction, more or fewer."""
-    if made.made != planned.cuts.made:
-        text = f"it goes on after cut {made.made}, the plan after cut {planned.cuts.made}"
+    if cuts.made != planned.cuts.made:
+        text = f"it goes on after cut {cuts.made}, the plan after cut {planned.cuts.made}"
         yield Violation(_RULE, (), text)
         return
-    for k, (cut, asked) in enumerate(zip(made.new, planned.cuts.new, strict=False), made.made + 1):
-        if cut.contour != asked.contour:
-            text = f"cut {k} is of {cut.contour}, the plan says {asked.contour}"
-            yield Violation(_RULE, (cut.contour, asked.contour), text, (k,))
+    for k, (cut, planned_cut) in enumerate(zip(cuts.new, planned.cuts.new, strict=False), cuts.made + 1):
+        if cut.contour != planned_cut.contour:
+            text = f"cut {k} is of {cut.contour}, the plan says {planned_cut.contour}"
+            yield Violation(_RULE, (cut.contour, planned_cut.contour), text, (k,))
         else:
             closed = cut.contour in nest.index and nest.contour(cut.contour).curve.closed
-            for text in _differences(cut, asked, closed, kerf_mm):
+            for text in _differences(cut, planned_cut, closed, kerf_mm):
                 yield Violation(_RULE, (cut.contour,), f"cut {k} of {cut.contour} {text}", (k,))
-    yield from _other_stretches(planned.cuts, made, kerf_mm)
+    yield from _other_stretches(planned.cuts, cuts, kerf_mm)
     asked_holes = planned.cuts.pierces
-    for k, (hole, said) in enumerate(zip(made.pierces, asked_holes, strict=False), 1):
-        if hole.before != said.before or math.dist(hole.at, said.at) > 2 * tolerance_mm(kerf_mm):
-            text = f"pierce {k} of its passes is not the one of the plan, at ({said.at[0]:z.2f}, {said.at[1]:z.2f})"
-            yield Violation(_RULE, (said.contour,) if said.contour else (), text, (hole.before,))
-    if len(made.pierces) != len(asked_holes):
-        text = f"it makes {len(made.pierces)} holes in pierce passes, the plan {len(asked_holes)}"
+    for k, (hole, burnt) in enumerate(zip(cuts.pierces, asked_holes, strict=False), 1):
+        if hole.before != burnt.before or math.dist(hole.at, burnt.at) > 2 * tolerance_mm(kerf_mm):
+            text = f"pierce {k} of its passes is not the one of the plan, at ({burnt.at[0]:z.2f}, {burnt.at[1]:z.2f})"
+            yield Violation(_RULE, (burnt.contour,) if burnt.contour else (), text, (hole.before,))
+    if len(cuts.pierces) != len(asked_holes):
+        text = f"it makes {len(cuts.pierces)} holes in pierce passes, the plan {len(asked_holes)}"
         yield Violation(_RULE, (), text)
-    if len(made.new) != len(planned.cuts.new):
-        yield Violation(_RULE, (), f"it makes {len(made.new)} cuts, the plan {len(planned.cuts.new)}")
+    if len(cuts.new) != len(planned.cuts.new):
+        yield Violation(_RULE, (), f"it makes {len(cuts.new)} cuts, the plan {len(planned.cuts.new)}")
 
 
-def _other_stretches(asked: CutSequence, made: CutSequence, kerf_mm: float) -> Iterator[Violation]:
+def _other_stretches(planned: CutSequence, cuts: CutSequence, kerf_mm: float) -> Iterator[Violation]:
     """Burns that finish no contour and begin elsewhere, or at another time, than those of the plan."""
-    told = [(k, cut) for k, cut in asked.begun if k > asked.made and not cut.linked]
-    seen = [(k, cut) for k, cut in made.begun if k > made.made and not cut.linked]
-    for (k, cut), (at, other) in zip(told, seen, strict=False):
+    begun = [(k, cut) for k, cut in planned.begun if k > planned.made and not cut.linked]
+    seen = [(k, cut) for k, cut in cuts.begun if k > cuts.made and not cut.linked]
+    for (k, cut), (at, other) in zip(begun, seen, strict=False):
         if k != at or math.dist(cut.pierce, other.pierce) > 2 * tolerance_mm(kerf_mm):
             text = f"{cut.way} begins before cut {at} at {_at(other.pierce)}, the plan says before cut {k} at "
             yield Violation(_RULE, (cut.contour,), f"{text}{_at(cut.pierce)}")
-    if len(told) != len(seen):
-        yield Violation(_RULE, (), f"{len(seen)} of its burns finish no contour, {len(told)} of the plan's do")
+    if len(begun) != len(seen):
+        yield Violation(_RULE, (), f"{len(seen)} of its burns finish no contour, {len(begun)} of the plan's do")
 
 
-def _differences(cut: Cut, asked: Cut, closed: bool, kerf_mm: float) -> Iterator[str]:
+def _differences(cut: Cut, planned: Cut, closed: bool, kerf_mm: float) -> Iterator[str]:
     allowed_mm = 2 * tolerance_mm(kerf_mm)
-    if cut.direction != asked.direction:
-        yield f"goes {cut.direction if closed else 'the other way'}, the plan says {asked.direction}"
-    if cut.torch != asked.torch:
-        yield f"is made by torch {cut.torch}, the plan says torch {asked.torch}"
-    if cut.linked != asked.linked:
+    if cut.direction != planned.direction:
+        yield f"goes {cut.direction if closed else 'the other way'}, the plan says {planned.direction}"
+    if cut.torch != planned.torch:
+        yield f"is made by torch {cut.torch}, the plan says torch {planned.torch}"
+    if cut.linked != planned.linked:
         yield (
             "is linked with the cut before, the plan has it pierced" if cut.linked else "is pierced, the plan links it"
         )
-    for what, at, said in (("enters", cut.entry, asked.entry), ("begins", cut.pierce, asked.pierce)):
-        apart_mm = math.dist(at, said)
-        if what == "begins" and cut.linked and asked.linked and asked.lead_in is not None:
+    for what, at, value in (("enters", cut.entry, planned.entry), ("begins", cut.pierce, planned.pierce)):
+        apart_mm = math.dist(at, value)
+        if what == "begins" and cut.linked and planned.linked and planned.lead_in is not None:
             # It leaves its ring at a low angle, and after a kerf it is out of it: somewhere there it is seen to begin.
-            along_mm, off_mm = asked.lead_in.project(at)
+            along_mm, off_mm = planned.lead_in.project(at)
             apart_mm = off_mm if along_mm <= kerf_mm else apart_mm
         if apart_mm > allowed_mm:
-            yield f"{what} at {_at(at)}, {apart_mm:.2f} mm from where the plan does, {_at(said)}"
+            yield f"{what} at {_at(at)}, {apart_mm:.2f} mm from where the plan does, {_at(value)}"
 
 
 def _at(point: Sequence[float]) -> str:
@@ -183,9 +183,9 @@ def totals(
     for run in runs:
         slack = _LENGTH_MM + 4 * step_mm() + _LENGTH_SHARE * run.length_mm
         allowed += slack
-        said = claims.lengths_mm[run.position - 1 - cuts.made] if run.position else next(begun, 0.0)
-        if abs(run.length_mm - said) > slack:
-            text = f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {said:.3f} mm"
+        claimed_mm = claims.lengths_mm[run.position - 1 - cuts.made] if run.position else next(begun, 0.0)
+        if abs(run.length_mm - claimed_mm) > slack:
+            text = f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {claimed_mm:.3f} mm"
             wrong(text, run.position or None)
     cut = math.fsum(run.length_mm for run in runs)
     if abs(cut - claims.cut_mm) > max(allowed, _LENGTH_MM):
@@ -245,13 +245,13 @@ def claims_kept(claims: Claims, judged: Sequence[Judgement]) -> tuple[list[Viola
     violations: list[Violation] = []
     warnings: list[str] = []
     for judgement in judged if claims.rules else ():
-        said = claims.rules.get(judgement.id)
-        if said == judgement.holds or judgement.verdict in ("not judged", "off"):
+        claim = claims.rules.get(judgement.id)
+        if claim == judgement.holds or judgement.verdict in ("not judged", "off"):
             continue
-        if said is None and not claims.of_all:
+        if claim is None and not claims.of_all:
             continue
         state = "holds" if judgement.holds else "is broken"
-        says = "nothing of it" if said is None else "that it holds" if said else "that it is broken"
+        says = "nothing of it" if claim is None else "that it holds" if claim else "that it is broken"
         text = f"rule {judgement.id} {state}, the plan says {says}"
         if judgement.strength == "hard":
             violations.append(Violation("claims", (), text))

@@ -232,25 +232,25 @@ class ResumeState:
 
 def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
     """What the comments of a program say of the cuts before its first."""
-    said = list(comments)
-    after = next((int(found["made"]) for found in map(_RESUME.fullmatch, said) if found), None)
+    lines = list(comments)
+    after = next((int(found["made"]) for found in map(_RESUME.fullmatch, lines) if found), None)
     if after is None:
         return ResumeState()
-    ids = ids_by_name(nest, said)
+    ids = ids_by_name(nest, lines)
     leads: dict[tuple[str, int, str], list[float]] = defaultdict(list)
     linked: set[tuple[str, int, str]] = set()
-    for found in filter(None, map(_LEAD.fullmatch, said)):
+    for found in filter(None, map(_LEAD.fullmatch, lines)):
         key = (found["how"].upper(), int(found["order"]), found["which"].upper())
         leads[key] += [float(word) for word in found["rows"].split()]
         linked |= {key} if found["what"].upper() == "LINK" else set()
     tabs: dict[tuple[str, int], tuple[Tab, ...]] = defaultdict(tuple)
-    for found in filter(None, map(_TAB.fullmatch, said)):
+    for found in filter(None, map(_TAB.fullmatch, lines)):
         tab = Tab((float(found["x"]), float(found["y"])), float(found["width"]))
         tabs[found["how"].upper(), int(found["order"])] += (tab,)
     cuts: dict[int, Cut] = {}
     broken_off: Cut | None = None
     wrong: list[str] = []
-    for found in filter(None, map(_OUT.fullmatch, said)):
+    for found in filter(None, map(_OUT.fullmatch, lines)):
         order, how, name = int(found["order"]), found["how"].upper(), ids.get(normalize_name(found["contour"]))
         if name is None:
             wrong.append(f"cut {order} is said to be of {found['contour']}, which the nest does not have")
@@ -270,7 +270,7 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
     if sorted(cuts) != list(range(1, after + 1)):
         wrong.append(f"it goes on after cut {after}, but lists {len(cuts)} cuts that are out")
     begun: list[tuple[int, Cut]] = []
-    for found in filter(None, map(_BEGUN.fullmatch, said)):
+    for found in filter(None, map(_BEGUN.fullmatch, lines)):
         order, name = int(found["order"]), ids.get(normalize_name(found["contour"]))
         if name is None:
             wrong.append(f"a stretch is said to be of {found['contour']}, which the nest does not have")
@@ -283,8 +283,8 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
             linked=("BEGUN", order, "IN") in linked, span=Span(begin, end),
         )  # fmt: skip
         begun.append((int(found["before"]), cut))
-    told = tuple(Violation(_RULE, (), text) for text in wrong)
-    return ResumeState(tuple(cuts[k] for k in sorted(cuts)), broken_off, told, tuple(begun))
+    violations = tuple(Violation(_RULE, (), text) for text in wrong)
+    return ResumeState(tuple(cuts[k] for k in sorted(cuts)), broken_off, violations, tuple(begun))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -307,16 +307,16 @@ class BurntBefore:
 NOTHING_BURNT = BurntBefore()
 
 
-def burnt_before(nest: Nest, made: Sequence[Cut], kerf_mm: float, begun: Sequence[tuple[int, Cut]] = ()) -> BurntBefore:
+def burnt_before(nest: Nest, cuts: Sequence[Cut], kerf_mm: float, begun: Sequence[tuple[int, Cut]] = ()) -> BurntBefore:
     """What cuts before a stop have burnt, those among `begun` too that came before the last of them."""
-    rows = [(c, cut) for cut in made if cut.contour in nest.index and (c := nest.contour(cut.contour)).kind != "mark"]
+    rows = [(c, cut) for cut in cuts if cut.contour in nest.index and (c := nest.contour(cut.contour)).kind != "mark"]
     rings = torch_rings([contour for contour, _ in rows], kerf_mm)
     rounds: list[shapely.LineString] = []
-    others = [lead.line() for cut in made for lead in (cut.lead_in, cut.lead_out) if lead is not None and lead.segments]
+    others = [lead.line() for cut in cuts for lead in (cut.lead_in, cut.lead_out) if lead is not None and lead.segments]
     for (contour, cut), ring in zip(rows, rings, strict=True):
         if ring is not None:
             (rounds if contour.encloses else others).extend(_lit(ring, cut, kerf_mm))
-    for cut in (cut for k, cut in begun if k <= len(made) and cut.span is not None and cut.contour in nest.index):
+    for cut in (cut for k, cut in begun if k <= len(cuts) and cut.span is not None and cut.contour in nest.index):
         ring = torch_rings([nest.contour(cut.contour)], kerf_mm)[0]
         if ring is not None and cut.span is not None:
             others.append(_stretch(ring, cut.span.begin, cut.span.end, cut.direction == "ccw"))
@@ -336,11 +336,11 @@ def _lit(ring: shapely.LineString, cut: Cut, kerf_mm: float) -> Iterator[shapely
 
 def slit_ends(comments: Iterable[str]) -> Iterator[tuple[str, Point, Point]]:
     """Name, where its lead-in ends and where the torch went off, of each slit that comments say is already cut."""
-    said = list(comments)
+    lines = list(comments)
     leads: dict[tuple[str, str], list[float]] = defaultdict(list)
-    for found in filter(None, map(_LEAD.fullmatch, said)):
+    for found in filter(None, map(_LEAD.fullmatch, lines)):
         leads[f"{found['how']} {found['order']}".upper(), found["which"].upper()] += map(float, found["rows"].split())
-    for found in filter(None, map(_OUT.fullmatch, said)):
+    for found in filter(None, map(_OUT.fullmatch, lines)):
         head, name = f"OUT {found['order']}", found["contour"]
         lead_in, lead_out = (_lead(leads.get((head, which), [])) for which in ("IN", "OUT"))
         if found["how"].upper() == "OUT" and _SLIT.search(name) and lead_out is not None:

@@ -58,8 +58,8 @@ class CheckResult:
         """Whether every hard rule holds without exception, but for some places, or not: `kind`, `places`, `words()`."""
         hard = [judgement for judgement in self.rules if judgement.strength == "hard"]
         places = [place for judgement in hard for place in _not_kept(judgement)]
-        told = {place.rule for place in places}  # a statement that is relaxed is told, whatever the rule finds there
-        places += [Place("relaxed", s.rule, s.contours, WHY) for s in self.relaxed if s.rule not in told]
+        rules = {place.rule for place in places}  # a statement that is relaxed is told, whatever the rule finds there
+        places += [Place("relaxed", s.rule, s.contours, WHY) for s in self.relaxed if s.rule not in rules]
         return PlanState.of(places)
 
     def rule(self, rule_id: str) -> Judgement:
@@ -105,20 +105,20 @@ def _failed(result: CheckResult) -> str:
     failed = [result.rule(name) for name in result.broken()]
     broken = [judgement.id for judgement in failed if judgement.violations]
     unknown = [judgement.id for judgement in failed if not judgement.violations]
-    told = [f"{len(broken)} hard rules broken: {', '.join(broken)}"] if broken else []
-    told += [f"{len(unknown)} hard rules cannot be judged: {', '.join(unknown)}"] if unknown else []
-    return "; ".join(told)
+    texts = [f"{len(broken)} hard rules broken: {', '.join(broken)}"] if broken else []
+    texts += [f"{len(unknown)} hard rules cannot be judged: {', '.join(unknown)}"] if unknown else []
+    return "; ".join(texts)
 
 
 def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
     yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {escape_text(judgement.sentence)}"
     if judgement.unjudged is not None:
         yield f"    {escape_text(judgement.unjudged)}"
-    told = most if judgement.strength == "hard" else min(most, MOST_SOFT)
-    for violation in judgement.violations[:told]:
+    shown = most if judgement.strength == "hard" else min(most, MOST_SOFT)
+    for violation in judgement.violations[:shown]:
         yield f"    {escape_text(violation.text)}"
-    if len(judgement.violations) > told:
-        yield f"    ... and {len(judgement.violations) - told} more"
+    if len(judgement.violations) > shown:
+        yield f"    ... and {len(judgement.violations) - shown} more"
     for excused in judgement.excused[:most]:
         yield f"    {excused.how}: {escape_text(excused.violation.text)} ({escape_text(excused.why)})"
     if len(judgement.excused) > most:
@@ -353,8 +353,8 @@ def _is_order_relaxed(contours: tuple[str, ...], orders: Sequence[Ids], gone: se
     links = [(number[a], number[b]) for a, b in orders]
     left = [k for k, pair in enumerate(orders) if frozenset(pair) not in gone]
     one, other = number[contours[0]], number[contours[1]]
-    asked = path(links, range(len(links)), one, other) is not None
-    return asked and path(links, left, one, other) is None
+    implied = path(links, range(len(links)), one, other) is not None
+    return implied and path(links, left, one, other) is None
 
 
 def relaxed_warnings(relaxed: Sequence[RelaxedStatement]) -> Iterator[str]:

@@ -152,16 +152,16 @@ def _misplaced_orders(
     }
     if not places or any(at[name] != place for name, place in places.items()):
         return {}
-    asked = {(names[a], names[b]): rule for (a, b), rule in zip(pairs.tolist(), asked_by, strict=True)}
-    kept = [pair for pair in asked if at[pair[0]] < at[pair[1]]]
-    told = ", ".join(f"{name} at position {place}" for name, place in sorted(places.items(), key=lambda p: p[1]))
+    rule_of_pair = {(names[a], names[b]): rule for (a, b), rule in zip(pairs.tolist(), asked_by, strict=True)}
+    kept = [pair for pair in rule_of_pair if at[pair[0]] < at[pair[1]]]
+    places_text = ", ".join(f"{name} at position {place}" for name, place in sorted(places.items(), key=lambda p: p[1]))
     found, room = {}, Room(list(at), runs, places)
     firm_by: dict[int, list[Ids]] = {}
-    for pair, rule in asked.items():
+    for pair, rule in rule_of_pair.items():
         softest = book[rule].gives_way
         if softest and at[pair[0]] > at[pair[1]]:
             if softest not in firm_by:
-                firm_by[softest] = [k for k in kept if book[asked[k]].gives_way <= softest]
+                firm_by[softest] = [k for k in kept if book[rule_of_pair[k]].gives_way <= softest]
             if room.none(firm_by[softest], [pair]):
-                found[pair] = f"locks leave no room for this order: {told}"
+                found[pair] = f"locks leave no room for this order: {places_text}"
     return found

@@ -163,8 +163,8 @@ def small_holes(judged: JudgedNest, cuts: CutSequence, runs: Sequence[TorchRun],
     limits, found = profile.hole_limits(), []
     strays = [run for run in runs if not run.marks and (run.contour is None or run.contour.kind == "mark")]
     positions = cuts.positions()
-    made = {cut.contour for cut in cuts[: cuts.made]}
-    for hole in (hole for hole in judged.small if hole.contour.id not in made):
+    cut_names = {cut.contour for cut in cuts[: cuts.made]}
+    for hole in (hole for hole in judged.small if hole.contour.id not in cut_names):
         name = hole.contour.id
         size = f"{name} is {hole.across_mm:.2f} mm across, holes under {_limit_mm(hole, limits):g} mm are not cut"
         at = (positions[name],) if name in positions else ()
@@ -259,18 +259,18 @@ def with_passes(nest: Nest, passes: Iterable[Pass], profile: Profile) -> tuple[N
         return nest, {}
     kerf_mm = profile.material.kerf_mm
     metal = dict(zip((part.id for part in nest.parts), metal_of_parts(nest), strict=True))
-    made: dict[str, list[Contour]] = {part.id: [] for part in nest.parts}
+    contours_of: dict[str, list[Contour]] = {part.id: [] for part in nest.parts}
     slots: dict[str, Slot] = {}
     for name, start, end in passes:
         found = _SLIT.fullmatch(name)
-        if found is None or found["part"] not in made or name in slots or start == end:
+        if found is None or found["part"] not in contours_of or name in slots or start == end:
             continue
         part = nest.part_of[found["part"]]
         line = Curve.of([start, end], closed=False)
         beside = min((part.outer, *part.holes), key=lambda c: c.line.distance(shapely.Point(end)))
-        made[part.id].append(Contour(name, part.id, "slit", line, slot_of=beside.id, source=beside.source))
+        contours_of[part.id].append(Contour(name, part.id, "slit", line, slot_of=beside.id, source=beside.source))
         slots[name] = _measured(np.array(start), np.array(end), metal[part.id], kerf_mm)
-    parts = tuple(replace(part, slits=tuple(made[part.id])) for part in nest.parts)
+    parts = tuple(replace(part, slits=tuple(contours_of[part.id])) for part in nest.parts)
     return (replace(nest, parts=parts, drawn=nest.drawn or nest) if slots else nest), slots
 
 
@@ -324,9 +324,9 @@ def _on_rings(burns: Sequence[Burn], rings: Sequence[shapely.LineString | None],
 def _called(burn: Burn, part: str, taken: Collection[str], known: Mapping[str, str]) -> str:
     """What a comment calls a pass, where that is one of this part; else the part's next slit."""
     words = _NAME.search(burn.comment)
-    told = _known(words["contour"], known) if words else ""
-    if told.rpartition(".")[0] == part and told not in taken:
-        return told
+    contour = _known(words["contour"], known) if words else ""
+    if contour.rpartition(".")[0] == part and contour not in taken:
+        return contour
     return next(name for k in range(1, len(taken) + 2) if (name := f"{part}.slit{k}") not in taken)
 
 
@@ -387,17 +387,17 @@ def misplaced(slots: Slots, cuts: CutSequence, kerf_mm: float) -> Iterator[Viola
 
 def slot_notes(nest: Nest, slots: Slots, kerf_mm: float) -> Iterator[str]:
     """What parts lose to passes along their slots: a check never passes over it in silence."""
-    told = [
+    notes = [
         f"{name} opens a slot of {nest.contour(name).slot_of} at ({slot.place[0]:.1f}, {slot.place[1]:.1f}), "
         f"{slot.width_mm:.2f} mm wide and {slot.depth_mm:.1f} mm deep, by one pass: it becomes {kerf_mm:g} mm wide, "
         f"the part loses {slot.loss_mm(kerf_mm):.2f} mm at each side ({NARROW})"
         for name, slot in slots.items()
         if slot.width_mm is not None
     ]
-    yield from told[:_MOST_TOLD]
-    if len(told) > _MOST_TOLD:
+    yield from notes[:_MOST_TOLD]
+    if len(notes) > _MOST_TOLD:
         most_mm = max(slot.loss_mm(kerf_mm) for slot in slots.values())
-        yield f"{len(told) - _MOST_TOLD} more slots are opened so; no part loses more than {most_mm:.2f} mm at a side"
+        yield f"{len(notes) - _MOST_TOLD} more slots are opened so; no part loses more than {most_mm:.2f} mm at a side"
 
 
 def burns_by_contour(runs: Sequence[TorchRun], opened: Sequence[Contour]) -> Mapping[str, list[shapely.LineString]]:
@@ -413,8 +413,8 @@ def burns_by_contour(runs: Sequence[TorchRun], opened: Sequence[Contour]) -> Map
 
 def slits_of_made(nest: Nest, cuts: CutSequence) -> list[Contour]:
     """The slits among the cuts that were made before a stop."""
-    made = (nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index)
-    return [contour for contour in made if contour.kind == "slit"]
+    contours = (nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index)
+    return [contour for contour in contours if contour.kind == "slit"]
 
 
 def _xy(point: Floats) -> Point:

@@ -117,12 +117,12 @@ def wrong_state(comments: Iterable[str], found: PlanState) -> Iterator[str]:
     >>> list(wrong_state(["STATE KEPT"], PlanState("kept"))), list(wrong_state(["CONTOURS 2"], PlanState("broken")))
     ([], [])
     """
-    said = next(filter(None, map(_STATE.fullmatch, comments)), None)
-    if said is None:
+    match = next(filter(None, map(_STATE.fullmatch, comments)), None)
+    if match is None:
         return
-    count = math.inf if said["state"].upper() == "BROKEN" else int(said["count"] or 0)
+    count = math.inf if match["state"].upper() == "BROKEN" else int(match["count"] or 0)
     if (math.inf if found.kind == "broken" else found.count) > count:
-        yield f"the program says of itself that it is {said['state'].lower()}, and the check finds: {found.words()}"
+        yield f"the program says of itself that it is {match['state'].lower()}, and the check finds: {found.words()}"
 
 
 def with_state(text: str, state: PlanState) -> str:

@@ -84,11 +84,11 @@ class TorchRun:
         pieces = [ops.substring(self.loop, low, high) for low, high in on]
         first = next((k for k, (low, high) in enumerate(on) if low - 1e-6 <= begin_mm <= high + 1e-6), 0)
         lit = replace(self, lead_in=None, lead_out=None, partial=True, linked=True, unlit=())
-        made = [replace(lit, loop=piece, between_tabs=not self.partial) for piece in pieces]
-        made[first] = replace(made[first], lead_in=self.lead_in, linked=self.linked)
-        made = [*made[first:], *made[:first]]
-        made[-1] = replace(made[-1], lead_out=self.lead_out)
-        return tuple(made)
+        runs = [replace(lit, loop=piece, between_tabs=not self.partial) for piece in pieces]
+        runs[first] = replace(runs[first], lead_in=self.lead_in, linked=self.linked)
+        runs = [*runs[first:], *runs[:first]]
+        runs[-1] = replace(runs[-1], lead_out=self.lead_out)
+        return tuple(runs)
 
 
 def every_line_of(paths: Sequence[Curve | None]) -> list[shapely.LineString | None]:
@@ -181,8 +181,8 @@ def written_from_profile(comments: Iterable[str]) -> bool:
     >>> written_from_profile(["KERFWISE FOR LINUXCNC", "NEST a.dxf SHA256 0123"])
     True
     """
-    said = [text.upper() for text in comments]
-    return any(text.startswith(_WRITTEN) for text in said) and not any(_RETOLD in text for text in said)
+    upper = [text.upper() for text in comments]
+    return any(text.startswith(_WRITTEN) for text in upper) and not any(_RETOLD in text for text in upper)
 
 
 @contextmanager

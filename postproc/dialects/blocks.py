@@ -75,12 +75,12 @@ class Block(OptionKind):
         return "null" if value is None else value
 
     def schema(self) -> dict[str, Any]:
-        made: dict[str, Any] = {"type": ["string", "null"] if self.none else "string"}
+        result: dict[str, Any] = {"type": ["string", "null"] if self.none else "string"}
         if not self.empty:
-            made["minLength"] = 1
+            result["minLength"] = 1
         if self.needs:
-            made["pattern"] = r"\{(" + "|".join(self.needs) + r")\}"
-        return made
+            result["pattern"] = r"\{(" + "|".join(self.needs) + r")\}"
+        return result
 
     def expected(self) -> str:
         or_null = ", or null" if self.none else ""
@@ -154,8 +154,8 @@ class Counted(OptionKind):
     def write(self, value: LineNumbers | ProgramNumber | Powers | None) -> str:
         if value is None:
             return "null"
-        said = value._asdict().items()
-        return f"{{{', '.join(f'{key}: {number}' for key, number in said if number)}}}"
+        items = value._asdict().items()
+        return f"{{{', '.join(f'{key}: {number}' for key, number in items if number)}}}"
 
     def schema(self) -> dict[str, Any]:
         limits = zip(self.made._fields, self.most, strict=True)
@@ -179,20 +179,20 @@ class Assumptions(OptionKind):
     def read(self, node: yaml.Node) -> dict[str, tuple[str, ...]]:
         if not isinstance(node, yaml.MappingNode):
             raise self.refuse(node)
-        inner, told = Problems(""), Blocks(Block(holes=POWERS))
+        inner, kind = Problems(""), Blocks(Block(holes=POWERS))
         values = {key: value for key, _, value in entries(node, inner, "it")}
         if inner.found or not set(values) <= set(self.words):
             raise self.refuse(node)
-        return {key: told.read(value) for key, value in values.items()}
+        return {key: kind.read(value) for key, value in values.items()}
 
     def write(self, value: dict[str, tuple[str, ...]]) -> str:
         return yaml.safe_dump({k: list(v) for k, v in value.items()}, default_flow_style=True, width=1e9).strip()
 
     def schema(self) -> dict[str, Any]:
-        told = Blocks(Block(holes=POWERS)).schema()
+        kind = Blocks(Block(holes=POWERS)).schema()
         return {
             "type": "object",
-            "properties": dict.fromkeys(self.words, told),
+            "properties": dict.fromkeys(self.words, kind),
             "additionalProperties": False,
         }
 
@@ -251,14 +251,14 @@ class AlsoList(OptionKind):
         if isinstance(node, yaml.ScalarNode):
             return Also(self._words(node))
         inner = Problems("")
-        given = {key: value for key, _, value in entries(node, inner, "it")}
-        if inner.found or "words" not in given or not set(given) <= set(Also._fields):
+        values = {key: value for key, _, value in entries(node, inner, "it")}
+        if inner.found or "words" not in values or not set(values) <= set(Also._fields):
             raise self.refuse(node)
-        where = given["where"].value if "where" in given else "anywhere"
+        where = values["where"].value if "where" in values else "anywhere"
         where = {"true": "on", "false": "off"}.get(where, where)  # as YAML 1.1 has them
         if where not in get_args(Where):
-            raise Unfit(f"where: expected one of {', '.join(get_args(Where))}, got {where!r}", given["where"])
-        return Also(self._words(given["words"]), cast("Where", where))
+            raise Unfit(f"where: expected one of {', '.join(get_args(Where))}, got {where!r}", values["where"])
+        return Also(self._words(values["words"]), cast("Where", where))
 
     def _words(self, node: yaml.Node) -> str:
         text = scalar_text(node, self).strip()
@@ -313,8 +313,8 @@ class Group(OptionKind):
     def write(self, value: Any) -> str:
         if value is None:
             return "null"
-        said = [one for one in options_of(self.owner) if getattr(value, one.name) != one.default]
-        return f"{{{', '.join(f'{one.key}: {one.kind.write(getattr(value, one.name))}' for one in said)}}}"
+        options = [one for one in options_of(self.owner) if getattr(value, one.name) != one.default]
+        return f"{{{', '.join(f'{one.key}: {one.kind.write(getattr(value, one.name))}' for one in options)}}}"
 
     def schema(self) -> dict[str, Any]:
         members = {one.key: {"description": one.help, **one.kind.schema()} for one in options_of(self.owner)}

@@ -352,10 +352,10 @@ def powers_of(dialect: Dialect, profile: Profile | None = None) -> Mapping[str, 
     cut, pierce, mark = own.cut, own.pierce, own.mark
     if profile is not None:
         material = profile.material
-        said = material.power if material.pierce_power is None else material.pierce_power
+        power = material.power if material.pierce_power is None else material.pierce_power
         cut, pierce, mark = (
             otherwise if share is None else round(own.full * share / 100)
-            for share, otherwise in ((material.power, cut), (said, pierce), (material.mark_power, mark))
+            for share, otherwise in ((material.power, cut), (power, pierce), (material.mark_power, mark))
         )
     return {"power": cut, "pierce_power": pierce, "mark_power": mark}
 
@@ -400,15 +400,15 @@ def plant_words(dialect: Dialect, profile: Profile | None = None) -> Mapping[str
         **plain,
     }
     texts = {"material": material.name, "gas": material.gas, "process": material.process}
-    said = {name: None if value is None else f"{round(value, 4):g}" for name, value in numbers.items()} | texts
+    words = {name: None if value is None else f"{round(value, 4):g}" for name, value in numbers.items()} | texts
     for key, block in _material_blocks(dialect):
-        for name in (name for name in PLANT if f"{{{name}}}" in block and not said[name]):
+        for name in (name for name in PLANT if f"{{{name}}}" in block and not words[name]):
             raise wrong_at(
                 _said_at(profile, ("material", "chart"), ("material", "row"), ("machine", "dialect")),
                 f"material.{name}: the dialect '{dialect.name}' writes it ({key}: {block}), and neither the profile "
                 f"nor its chart's row says it: give material.{name}",
             )
-    return {name: value or "" for name, value in said.items()}
+    return {name: value or "" for name, value in words.items()}
 
 
 def _material_blocks(dialect: Dialect) -> Iterator[tuple[str, str]]:

@@ -82,13 +82,13 @@ class GcodeWriter:
 
     def others(self, blocks: Iterable[str]) -> list[str]:
         """Blocks of the dialect's own: what they may have set is said again behind them."""
-        made = list(blocks)
-        if self._said and (text := " ".join(made)):
+        lines = list(blocks)
+        if self._said and (text := " ".join(lines)):
             if _SETS_MOTION.search(text):
                 self._said.pop("motion", None)
             if "F" in text:
                 self._said.pop("feed", None)
-        return made
+        return lines
 
     def leave(self, torches: Collection[int]) -> list[str]:
         """Deselect all further torches but these: before the first cut all others."""
@@ -133,13 +133,13 @@ class GcodeWriter:
         blocks = self.dialect.mark_on if marks else self.dialect.torch_on
         dwell_s -= 0.0 if marks else own_wait_s(self.dialect)
         wait = f"{{{DWELL}}}"
-        made: list[str] = []
+        lines: list[str] = []
         for block in blocks if wait in blocks else (*blocks, wait):
             if block != wait:
-                made.append(block.format(**self._feeds(feed_mm_s), dwell="", **self.powers, **self.plant))
+                lines.append(block.format(**self._feeds(feed_mm_s), dwell="", **self.powers, **self.plant))
             elif dwell_s > _NO_WAIT_S:
-                made += self.wait(dwell_s)
-        return self.others(made)
+                lines += self.wait(dwell_s)
+        return self.others(lines)
 
     def stop(self, marks: bool) -> tuple[str, ...]:
         """Stop it."""
@@ -254,16 +254,16 @@ class GcodeWriter:
         if "{" in motion:
             self._said.pop("motion", None)  # the block says a motion word of its own
             return motion.format(**dict.fromkeys("xyijr", "0") | words)
-        said, modal = self._said, self.dialect.modal
+        last_words, modal = self._said, self.dialect.modal
         for axis, letter in enumerate("xy") if modal and self._zero == (0.0, 0.0) else ():
-            if letter in modal and said.get(letter) and end[axis] == self.at[axis] and end != self.at:
+            if letter in modal and last_words.get(letter) and end[axis] == self.at[axis] and end != self.at:
                 del words[letter]
-            said[letter] = letter
+            last_words[letter] = letter
         spelt = [f"{letter.upper()}{text}" for letter, text in words.items()]
-        if motion and not ("motion" in modal and said.get("motion") == motion):
+        if motion and not ("motion" in modal and last_words.get("motion") == motion):
             spelt.insert(0, motion)
         if modal:
-            said["motion"] = motion
+            last_words["motion"] = motion
         return " ".join(spelt)
 
     def _words(self, end: Point) -> dict[str, str]:
@@ -368,16 +368,16 @@ def with_subprograms(body: Sequence[str], dialect: Dialect) -> list[str]:
     spans = [(k, next(j for j in range(k, len(body)) if body[j] == sub.from_zero) + 1) for k in begins]
     often = Counter(tuple(body[a:b]) for a, b in spans)
     numbers = {path: sub.first + k for k, path in enumerate(path for path, count in often.items() if count > 1)}
-    made, at = list[str](), 0
+    lines, at = list[str](), 0
     for a, b in spans:
         number_of = numbers.get(tuple(body[a:b]))
-        made += [*body[at:a], *(body[a:b] if number_of is None else [sub.call.format(sub=number_of)])]
+        lines += [*body[at:a], *(body[a:b] if number_of is None else [sub.call.format(sub=number_of)])]
         at = b
     frame = ["%"] if body[-1] == "%" else []
-    made += body[at : len(body) - len(frame)]
+    lines += body[at : len(body) - len(frame)]
     for path, number_of in numbers.items():
-        made += [sub.begin.format(sub=number_of), *path, sub.end]
-    return made + frame
+        lines += [sub.begin.format(sub=number_of), *path, sub.end]
+    return lines + frame
 
 
 # Blocks of a program as text: numbers, comments, and N words.

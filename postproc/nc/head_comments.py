@@ -46,9 +46,9 @@ def program_names(nest: Nest, dialect: Dialect) -> Mapping[str, str]:
 
 def name_comments(names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     """The map, for the names that are replaced."""
-    replaced = [(name, told) for name, told in names.items() if told != plain(name)]
-    for count, (name, told) in enumerate(replaced, 1):
-        head = f"NAME {count} {told} IS"
+    replaced = [(name, spelling) for name, spelling in names.items() if spelling != plain(name)]
+    for count, (name, spelling) in enumerate(replaced, 1):
+        head = f"NAME {count} {spelling} IS"
         room = room_for(dialect, head)
         line = ""
         for char in _spelt_name(name):
@@ -60,8 +60,12 @@ def name_comments(names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
 
 
 def _needs_no_change(name: str) -> bool:
-    told = plain(name)
-    return told == told.strip() and _folded(told) == _folded(name) and bool(re.search(r"[A-Za-z0-9]", told))
+    spelling = plain(name)
+    return (
+        spelling == spelling.strip()
+        and _folded(spelling) == _folded(name)
+        and bool(re.search(r"[A-Za-z0-9]", spelling))
+    )
 
 
 def _free(name: str, seen: Mapping[str, int]) -> str:

@@ -151,24 +151,24 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     x, y = profile.frame_on(profile.as_cut(nest)).corner
     text = io.StringIO(newline="")
     with r12writer(text) as drawing:
-        for made in _burns(toolpaths(plan, nest, profile)):
-            for piece in made.pieces[::2]:
+        for toolpath in _burns(toolpaths(plan, nest, profile)):
+            for piece in toolpath.pieces[::2]:
                 rows = piece.moved(-x, -y).vertices.tolist()
-                drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[made.planned.kind])
+                drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[toolpath.planned.kind])
     return dxf_in_mm(text.getvalue())
 
 
 def _burns(paths: Iterable[Toolpath]) -> Iterator[Toolpath]:
     """The paths, what is linked as one, of the kind of its first."""
     burn: Toolpath | None = None
-    for made in paths:
-        if burn is not None and made.linked:
-            rows = np.vstack([burn.path.vertices[:-1], made.path.vertices])
+    for toolpath in paths:
+        if burn is not None and toolpath.linked:
+            rows = np.vstack([burn.path.vertices[:-1], toolpath.path.vertices])
             burn = replace(burn, path=Curve(rows, closed=False))
             continue
         if burn is not None:
             yield burn
-        burn = made
+        burn = toolpath
     if burn is not None:
         yield burn
 
@@ -350,23 +350,23 @@ def _commands(path: Any) -> str:
     """A path's commands, y turned down, to a millionth of a millimetre."""
     import svgelements
 
-    told = []
+    commands = []
     for segment in path:
         end = "" if segment.end is None else _xy(segment.end)
         match segment:
             case svgelements.Move():
-                told.append(f"M{end}")
+                commands.append(f"M{end}")
             case svgelements.Close():
-                told.append("Z")
+                commands.append("Z")
             case svgelements.CubicBezier():
-                told.append(f"C{_xy(segment.control1)} {_xy(segment.control2)} {end}")
+                commands.append(f"C{_xy(segment.control1)} {_xy(segment.control2)} {end}")
             case svgelements.QuadraticBezier():
-                told.append(f"Q{_xy(segment.control)} {end}")
+                commands.append(f"Q{_xy(segment.control)} {end}")
             case svgelements.Arc():
-                told += _arc(segment)
+                commands += _arc(segment)
             case _:
-                told.append(f"L{end}")
-    return "".join(told)
+                commands.append(f"L{end}")
+    return "".join(commands)
 
 
 def _arc(arc: Any) -> Iterator[str]:
@@ -387,15 +387,15 @@ def _svg_from_contours(plan: Plan, nest: Nest, shift: Point) -> Iterator[_Path]:
 
 
 def _of_curve(curve: Curve) -> str:
-    told = [f"M{_xy(curve.segments[0].start)}"]
+    commands = [f"M{_xy(curve.segments[0].start)}"]
     for segment in curve.segments:
         if not segment.is_arc:
-            told.append(f"L{_xy(segment.end)}")
+            commands.append(f"L{_xy(segment.end)}")
             continue
         radius, sweep = _number(segment.radius_mm), 0 if segment.bulge > 0 else 1
         for at in (0.5, 1.0) if abs(segment.sweep_rad) > math.pi else (1.0,):
-            told.append(f"A{radius} {radius} 0 0 {sweep} {_xy(segment.point_at(at))}")
-    return "".join(told) + ("Z" if curve.closed else "")
+            commands.append(f"A{radius} {radius} 0 0 {sweep} {_xy(segment.point_at(at))}")
+    return "".join(commands) + ("Z" if curve.closed else "")
 
 
 def _xy(point: Any) -> str:

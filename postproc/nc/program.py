@@ -135,21 +135,21 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
 
 def _order_comments(nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
     """What a nest of a list, and a job file, say of the sheet: size, orders, first due date, day, and what parts."""
-    said = {} if profile.for_one_nest is None else profile.for_one_nest.said
+    orders = {} if profile.for_one_nest is None else profile.for_one_nest.said
     parts = (nest.drawn or nest).parts
     listed = any(key in part.attributes for part in parts for key in ("of", "order", "due"))
-    if not listed and not said:
+    if not listed and not orders:
         return
     number_said = program_number(dialect, profile)
-    if any("{program}" in block for block in dialect.header) and "number" in said:
+    if any("{program}" in block for block in dialect.header) and "number" in orders:
         yield comment(dialect, "PROGRAM", number_said)
-    if "date" in said:
-        yield comment(dialect, "DATE", said["date"])
+    if "date" in orders:
+        yield comment(dialect, "DATE", orders["date"])
     x0, y0, x1, y1 = nest.sheet.bounds
     yield comment(dialect, f"SHEET {number(x1 - x0, 1)} X {number(y1 - y0, 1)} MM, PARTS {len(parts)}")
     for key, word in (("order", "ORDER"), ("due", "DUE")):
         of_parts = sorted({str(part.attributes[key]) for part in parts if part.attributes.get(key)})
-        values = of_parts or [said[key]] if key in said else of_parts
+        values = of_parts or [orders[key]] if key in orders else of_parts
         for value in values[:1] if key == "due" else values[:_MOST_ORDERS]:
             yield comment(dialect, word, value)
     if listed:
@@ -179,8 +179,8 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, "ASSUMES", f"THE CONTROL ADDS A KERF OF {number(profile.material.kerf_mm, 3)} MM")
     of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
     of += ["torches"] if machine.torches.several else []
-    for told in (text for key in of for text in dialect.assumes.get(key, ())):
-        yield comment(dialect, "ASSUMES", told.format(**powers_of(dialect, profile)))
+    for assumption in (text for key in of for text in dialect.assumes.get(key, ())):
+        yield comment(dialect, "ASSUMES", assumption.format(**powers_of(dialect, profile)))
 
 
 def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
@@ -262,8 +262,8 @@ def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) 
     if cut.way:
         return comment(dialect, f"STRETCH {plain(cut.way)}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
     with_torch = f" TORCH {cut.torch}" if cut.torch > 1 else ""
-    told = f"ZONE {cut.zone} {cut.direction.upper()}{with_torch}"
-    return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, told)
+    text = f"ZONE {cut.zone} {cut.direction.upper()}{with_torch}"
+    return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, text)
 
 
 def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile, pierces: Sequence[Pierce] = ()) -> int:
@@ -298,16 +298,16 @@ def _body(
     if dialect.subprogram is not None:
         paths = list(paths)
         pen.shared = _shared(paths, profile, dialect, pen)
-    for made, after in _with_next(paths):
+    for toolpath, after in _with_next(paths):
         for count, pierce in due.pop(order, ()):
             at = round(pierce.at[0], 6) - x, round(pierce.at[1], 6) - y
             yield from _pierce(count, names.get(pierce.contour, ""), at, profile, pen)
-        name, lit = names.get(made.planned.cut.contour, ""), after is not None and after.linked
-        for more, planned in enumerate(made.together, order + 1):
-            yield cut_comment(more, names.get(planned.cut.contour, ""), planned.cut, made.marks, dialect)
-        made = made if x == y == 0 else replace(made, path=made.path.moved(-x, -y))
-        yield from _cut(order, name, made, profile, pen, stays_on=lit)
-        order += (not made.planned.cut.way) + len(made.together)
+        name, lit = names.get(toolpath.planned.cut.contour, ""), after is not None and after.linked
+        for more, planned in enumerate(toolpath.together, order + 1):
+            yield cut_comment(more, names.get(planned.cut.contour, ""), planned.cut, toolpath.marks, dialect)
+        toolpath = toolpath if x == y == 0 else replace(toolpath, path=toolpath.path.moved(-x, -y))
+        yield from _cut(order, name, toolpath, profile, pen, stays_on=lit)
+        order += (not toolpath.planned.cut.way) + len(toolpath.together)
     yield comment(dialect, "HOME")
     yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
     yield pen.rapid(profile.machine.home)
@@ -331,8 +331,8 @@ def header_blocks(dialect: Dialect, plant: Mapping[str, str], program: str | Non
     """
     called = program_number(dialect) if program is None else program
     for block in dialect.header:
-        made = block.format(program=called, **plant)
-        yield from (one.strip() for one in made.split(";")) if "{process}" in block else (made,)
+        text = block.format(program=called, **plant)
+        yield from (one.strip() for one in text.split(";")) if "{process}" in block else (text,)
 
 
 def opening(dialect: Dialect) -> int:
@@ -359,32 +359,34 @@ def _pierce(count: int, name: str, at: Point, profile: Profile, pen: GcodeWriter
     yield from pen.stop(False)
 
 
-def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: GcodeWriter, stays_on: bool) -> Iterator[str]:
+def _cut(
+    order: int, name: str, toolpath: Toolpath, profile: Profile, pen: GcodeWriter, stays_on: bool
+) -> Iterator[str]:
     """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
-    cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
+    cut, machine, mark, dialect = toolpath.planned.cut, profile.machine, toolpath.marks, pen.dialect
     yield cut_comment(order, name, cut, mark, dialect)
-    feed_mm_s, law = _pace(made, profile)
-    around = dialect.around_kind(_kind(made))
-    left = None if dialect.kerf is None else keeps_left(made.planned.kind, cut.direction)
-    if not made.linked:
+    feed_mm_s, law = _pace(toolpath, profile)
+    around = dialect.around_kind(_kind(toolpath))
+    left = None if dialect.kerf is None else keeps_left(toolpath.planned.kind, cut.direction)
+    if not toolpath.linked:
         yield from pen.select(mark)
-        lit = {planned.cut.torch for planned in made.together}
+        lit = {planned.cut.torch for planned in toolpath.together}
         yield from pen.leave(lit)
-        yield from [pen.rapid(made.path.point_at(0.0))] if left is None else pen.beside(made.path, left)
+        yield from [pen.rapid(toolpath.path.point_at(0.0))] if left is None else pen.beside(toolpath.path, left)
         yield from pen.add(lit)
-        if made.planned.dwell_s > 0:  # metal cools, the torch being off
-            yield from pen.wait(made.planned.dwell_s)
+        if toolpath.planned.dwell_s > 0:  # metal cools, the torch being off
+            yield from pen.wait(toolpath.planned.dwell_s)
         waits = pierce_dwell_of(profile, dialect) == "program"
-        start_s = machine.unpierced_s if made.edge_start else machine.pierce_time_s
-        start_s = machine.at_hole_s if made.pierced and not made.edge_start else start_s
+        start_s = machine.unpierced_s if toolpath.edge_start else machine.pierce_time_s
+        start_s = machine.at_hole_s if toolpath.pierced and not toolpath.edge_start else start_s
         yield from pen.others(block.format(**pen.powers, **pen.plant) for block in around.before)
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
-    slowed = made.feed_share < 1.0
+    slowed = toolpath.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
     if dialect.subprogram is None:
-        yield from pen.path(made.path, feed_mm_s, law, made.unlit, left)
+        yield from pen.path(toolpath.path, feed_mm_s, law, toolpath.unlit, left)
     else:
-        yield from pen.called_path(made.path, feed_mm_s, law, made.unlit, pen.shared)
+        yield from pen.called_path(toolpath.path, feed_mm_s, law, toolpath.unlit, pen.shared)
     yield from dialect.height_on if slowed else ()
     yield from () if stays_on else pen.stop(mark)
     if left is not None and dialect.kerf is not None:
@@ -398,25 +400,25 @@ def _shared(
 ) -> frozenset[tuple[str, ...]]:
     """The blocks of paths, each from where it begins, that come more than once."""
     often: Counter[tuple[str, ...]] = Counter()
-    for made in paths:
+    for toolpath in paths:
         pen = GcodeWriter(dialect, (0.0, 0.0), like.powers, like.plant)
-        feed_mm_s, law = _pace(made, profile)
-        often[tuple(pen.called_path(made.path, feed_mm_s, law, made.unlit))] += 1
+        feed_mm_s, law = _pace(toolpath, profile)
+        often[tuple(pen.called_path(toolpath.path, feed_mm_s, law, toolpath.unlit))] += 1
     return frozenset(path for path, count in often.items() if count > 1)
 
 
-def _pace(made: Toolpath, profile: Profile) -> tuple[float, CornerFeed | None]:
+def _pace(toolpath: Toolpath, profile: Profile) -> tuple[float, CornerFeed | None]:
     """The feed of a cut, mm/s, and how it slows at corners."""
     machine = profile.machine
-    if made.marks:
+    if toolpath.marks:
         return machine.mark_feed_mm_s, None
-    return machine.cut_feed_mm_s * made.feed_share, profile.corner_feed()
+    return machine.cut_feed_mm_s * toolpath.feed_share, profile.corner_feed()
 
 
-def _kind(made: Toolpath) -> str:
+def _kind(toolpath: Toolpath) -> str:
     """What a cut is, for the blocks that a dialect has around it."""
-    kind = "mark" if made.marks else made.planned.kind
-    return "small_hole" if kind == "hole" and made.feed_share < 1.0 else kind
+    kind = "mark" if toolpath.marks else toolpath.planned.kind
+    return "small_hole" if kind == "hole" and toolpath.feed_share < 1.0 else kind
 
 
 # What a program that goes on after a stop says of what is already cut, in comments that a control passes over.

@@ -70,7 +70,7 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         if planned.cut.torch > 1:
             others.setdefault(planned.cut.together, []).append(planned)
     edge_starts = outside(nest, [p.cut.pierce for p in first])
-    made, pierced = [], {pierce.contour for pierce in plan.pierces}
+    paths, pierced = [], {pierce.contour for pierce in plan.pierces}
     for planned, edge_start in zip(first, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
         cut, kerf_mm = _as_filed(planned.cut), profile.material.kerf_mm
@@ -80,8 +80,8 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         edge_start = unpierced and not planned.cut.linked
         mark, hole = contour.kind == "mark", planned.cut.contour in pierced
         together = tuple(others.get(planned.cut.contour, ()))
-        made.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole, together))
-    return tuple(made)
+        paths.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole, together))
+    return tuple(paths)
 
 
 def outside(nest: Nest, points: list[Point]) -> list[bool]:

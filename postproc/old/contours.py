@@ -76,39 +76,39 @@ def nest_of(
     InputError
         If the sheet given does not hold the burns.
     """
-    made, unclear = contours_of_burns(burns, tab_mm, aside)
+    contours, unclear = contours_of_burns(burns, tab_mm, aside)
     if unclear:
         raise AmbiguousNest(unclear)
-    rounds = [k for k, one in enumerate(made) if one.round is not None]
-    areas = [made[k].round.ring.polygon() for k in rounds]  # type: ignore[union-attr]
-    around = _around(made, rounds, areas)
+    rounds = [k for k, one in enumerate(contours) if one.round is not None]
+    areas = [contours[k].round.ring.polygon() for k in rounds]  # type: ignore[union-attr]
+    around = _around(contours, rounds, areas)
     depth = {k: len(around[k]) for k in rounds}
     kinds: dict[int, Kind] = {k: "hole" if depth[k] % 2 else "outer" for k in rounds}
     part_of: dict[int, int] = {}
     for k in rounds:
         part_of[k] = k if kinds[k] == "outer" else max(around[k], key=lambda j: depth[j])
-    part_of |= {k: _marked(one.burn, rounds, areas, depth) for k, one in enumerate(made) if one.round is None}
+    part_of |= {k: _marked(one.burn, rounds, areas, depth) for k, one in enumerate(contours) if one.round is None}
     name_of = {k: f"P{n}" for n, k in enumerate((k for k in rounds if kinds[k] == "outer"), 1)}
     if not name_of:
         raise AmbiguousNest([Unclear(burns[0].line if burns else 0, "nothing is cut through")])
-    parts = [_part(name, k, made, part_of, kinds, kerf_mm) for k, name in name_of.items()]
+    parts = [_part(name, k, contours, part_of, kinds, kerf_mm) for k, name in name_of.items()]
     cut_by = dict(sorted(((name, k) for _, of_part in parts for name, k in of_part.items()), key=lambda row: row[1]))
     sheet, notes = sheet_around(burns, sheet_mm, zero)
     try:
         nest = validated(Nest(sheet, tuple(part for part, _ in parts), file, "", notes))
     except InputError as error:
         text = "; ".join((error.message, *error.details[:3]))
-        line = next((made[k].burn.line for name, k in cut_by.items() if f"{name} " in text), burns[0].line)
+        line = next((contours[k].burn.line for name, k in cut_by.items() if f"{name} " in text), burns[0].line)
         raise AmbiguousNest([Unclear(line, text)]) from None
     if set(nest.index) != set(cut_by):
-        again = sorted(made[k].burn.line for name, k in cut_by.items() if name not in nest.index)
+        again = sorted(contours[k].burn.line for name, k in cut_by.items() if name not in nest.index)
         raise AmbiguousNest([Unclear(line, "it cuts what another burn has cut") for line in again])
-    round_of = {name: of.ring for name, k in cut_by.items() if (of := made[k].round) is not None}
-    return NestOfBurns(nest, {name: made[k].number for name, k in cut_by.items()}, round_of)
+    round_of = {name: of.ring for name, k in cut_by.items() if (of := contours[k].round) is not None}
+    return NestOfBurns(nest, {name: contours[k].number for name, k in cut_by.items()}, round_of)
 
 
 def _around(
-    made: Sequence[BurnContour], rounds: Sequence[int], areas: Sequence[shapely.Polygon]
+    contours: Sequence[BurnContour], rounds: Sequence[int], areas: Sequence[shapely.Polygon]
 ) -> dict[int, list[int]]:
     """The rounds around each round."""
     around: dict[int, list[int]] = {k: [] for k in rounds}
@@ -122,11 +122,11 @@ def _around(
             continue
         if areas[b].hausdorff_distance(areas[a]) < _SAME_MM:
             again, was = max(a, b), min(a, b)
-            line = made[rounds[was]].burn.line
-            crossing.append(Unclear(made[rounds[again]].burn.line, f"it cuts what the burn of line {line} has cut"))
+            line = contours[rounds[was]].burn.line
+            crossing.append(Unclear(contours[rounds[again]].burn.line, f"it cuts what the burn of line {line} has cut"))
         elif not areas[b].contains(areas[a]):
-            line = made[rounds[b]].burn.line
-            crossing.append(Unclear(made[rounds[a]].burn.line, f"its round crosses that of line {line}"))
+            line = contours[rounds[b]].burn.line
+            crossing.append(Unclear(contours[rounds[a]].burn.line, f"its round crosses that of line {line}"))
         around[rounds[a]].append(rounds[b])
     if crossing:
         raise AmbiguousNest(crossing)
@@ -145,7 +145,7 @@ def _marked(burn: Burn, rounds: Sequence[int], areas: Sequence[shapely.Polygon],
 def _part(
     name: str,
     outer: int,
-    made: Sequence[BurnContour],
+    burn_contours: Sequence[BurnContour],
     part_of: dict[int, int],
     kinds: dict[int, Kind],
     kerf_mm: float,
@@ -156,10 +156,10 @@ def _part(
     marks = [k for k in own if k not in kinds]
     part = Part(
         name,
-        _contour(f"{name}.outer", name, "outer", made[outer], kerf_mm),
-        tuple(_contour(f"{name}.hole{n}", name, "hole", made[k], kerf_mm) for n, k in enumerate(holes, 1)),
+        _contour(f"{name}.outer", name, "outer", burn_contours[outer], kerf_mm),
+        tuple(_contour(f"{name}.hole{n}", name, "hole", burn_contours[k], kerf_mm) for n, k in enumerate(holes, 1)),
         tuple(
-            Contour(f"{name}.mark{n}", name, "mark", Curve(made[k].burn.path.vertices, closed=False))
+            Contour(f"{name}.mark{n}", name, "mark", Curve(burn_contours[k].burn.path.vertices, closed=False))
             for n, k in enumerate(marks, 1)
         ),
     )
@@ -180,15 +180,15 @@ def _contour(contour_id: str, part: str, kind: Kind, of: BurnContour, kerf_mm: f
     return Contour(contour_id, part, kind, ring)
 
 
-def fits_kerf(told: NestOfBurns, kerf_mm: float, step_mm: float = 0.0) -> bool:
+def fits_kerf(nest_of_burns: NestOfBurns, kerf_mm: float, step_mm: float = 0.0) -> bool:
     """Whether the torch's way round each contour is the round that it was told from, both ways, within a step."""
-    for contour in told.nest.contours:
+    for contour in nest_of_burns.nest.contours:
         if contour.encloses:
             try:
                 ring = compensated(contour, kerf_mm).line()
             except InputError:
                 return False
-            if shapely.hausdorff_distance(ring, told.round_of[contour.id].line(), densify=0.1) > max(
+            if shapely.hausdorff_distance(ring, nest_of_burns.round_of[contour.id].line(), densify=0.1) > max(
                 _CORNER_MM, step_mm
             ):
                 return False
@@ -241,32 +241,34 @@ _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE \d+\b.*", re.IGNORECA
 _ID = re.compile(r"(?P<part>.+)\.(?P<kind>outer|hole|mark)(?P<number>\d*)")
 
 
-def name_by_comments(told: NestOfBurns, comments: Sequence[str]) -> NestOfBurns | None:
+def name_by_comments(nest_of_burns: NestOfBurns, comments: Sequence[str]) -> NestOfBurns | None:
     """The same nest with the names of the program's comments; None where these do not fit what the burns cut.
 
     Each contour that is cut has a comment, in their order, also where one burn cuts several.
     """
-    ordered = sorted(told.burn_of, key=lambda contour_id: told.burn_of[contour_id])  # those of one burn in its order
+    ordered = sorted(
+        nest_of_burns.burn_of, key=lambda contour_id: nest_of_burns.burn_of[contour_id]
+    )  # those of one burn in its order
     found = [parsed for text in comments if (parsed := _CUT.fullmatch(text)) is not None]
     names: dict[str, str] = {}
     for contour_id, words in zip_longest(ordered, found):
         parsed = None if words is None else _ID.fullmatch(words["contour"])
-        if contour_id is None or parsed is None or parsed["kind"] != told.nest.contour(contour_id).kind:
+        if contour_id is None or parsed is None or parsed["kind"] != nest_of_burns.nest.contour(contour_id).kind:
             return None
         names[contour_id] = words["contour"]
     if len(set(names.values())) != len(names):
         return None
     parts = []
-    for part in told.nest.parts:
+    for part in nest_of_burns.nest.parts:
         named = {_ID.fullmatch(names[contour.id])["part"] for contour in part}  # type: ignore[index]
         if len(named) != 1:
             return None
         parts.append(_named(part, named.pop(), names))
     if len({part.id for part in parts}) != len(parts):
         return None
-    burn_of = {names[contour_id]: k for contour_id, k in told.burn_of.items()}
-    round_of = {names[contour_id]: ring for contour_id, ring in told.round_of.items()}
-    return NestOfBurns(replace(told.nest, parts=tuple(parts)), burn_of, round_of)
+    burn_of = {names[contour_id]: k for contour_id, k in nest_of_burns.burn_of.items()}
+    round_of = {names[contour_id]: ring for contour_id, ring in nest_of_burns.round_of.items()}
+    return NestOfBurns(replace(nest_of_burns.nest, parts=tuple(parts)), burn_of, round_of)
 
 
 def _named(part: Part, name: str, names: dict[str, str]) -> Part:

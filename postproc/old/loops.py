@@ -61,13 +61,13 @@ def rounds_of(path: Curve) -> tuple[Round, ...]:
     bounds = _bounds(path)
     if not bounds:
         raise NotRound(OPEN)
-    made, at_mm = [], 0.0
+    rounds, at_mm = [], 0.0
     for number, (begin_mm, end_mm) in enumerate(bounds, 1):
         until_mm = path.length_mm if number == len(bounds) else end_mm
         lead_in, lead_out = path.between(at_mm, begin_mm - at_mm), path.between(end_mm, until_mm - end_mm)
-        made.append(Round(_closed(path, begin_mm, end_mm), lead_in, lead_out))
+        rounds.append(Round(_closed(path, begin_mm, end_mm), lead_in, lead_out))
         at_mm = end_mm
-    return tuple(made)
+    return tuple(rounds)
 
 
 def _bounds(path: Curve) -> list[tuple[float, float]]:

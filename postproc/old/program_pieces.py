@@ -154,11 +154,11 @@ def _said_motion(texts: Sequence[str], own: Sequence[LineEffect]) -> Sequence[st
     first = next((row for row in own if row.implied or row.moves), None)
     if first is None or not first.implied:
         return texts
-    made = list(texts)
-    number, text = NUMBER.match(made[first.line - 1]), made[first.line - 1]
+    lines = list(texts)
+    number, text = NUMBER.match(lines[first.line - 1]), lines[first.line - 1]
     at = number.end() if number else len(text) - len(text.lstrip())
-    made[first.line - 1] = f"{text[:at]}{first.implied} {text[at:]}"
-    return made
+    lines[first.line - 1] = f"{text[:at]}{first.implied} {text[at:]}"
+    return lines
 
 
 def _homing(old: OldProgram, after: int) -> tuple[int, Point] | None:
@@ -265,7 +265,7 @@ _FROM_THE_START: Mapping[str, tuple[str, ...]] = {"speed": ("M68 E3 Q0",), "kerf
 
 
 def reordered(
-    apart: SplitProgram, order: Sequence[int], told: Sequence[str] = (), headings: Sequence[Sequence[str]] = ()
+    apart: SplitProgram, order: Sequence[int], texts: Sequence[str] = (), headings: Sequence[Sequence[str]] = ()
 ) -> str:
     """The program with its pieces in another order.
 
@@ -287,7 +287,7 @@ def reordered(
     """
     lines = [text for text in apart.head if text.strip() and not (apart.ours and is_comment(text))]
     at_top = 1 if lines and lines[0].strip() == "%" else 0
-    lines[at_top:at_top] = told
+    lines[at_top:at_top] = texts
     state, at = dict(apart.head_state), apart.begin
     for place, k in enumerate(order):
         piece = apart.pieces[k]
@@ -354,15 +354,15 @@ def _renumbered(lines: Sequence[str], numbering: tuple[int, int] | None) -> list
     if numbering is None:
         return list(lines)
     start, step = numbering
-    made, count = [], 0
+    numbered, count = [], 0
     for text in lines:
         bare = NUMBER.sub("", text, count=1)
         if is_comment(bare) or bare.strip() == "%":
-            made.append(bare)
+            numbered.append(bare)
             continue
-        made.append(f"N{start + step * count} {bare}")
+        numbered.append(f"N{start + step * count} {bare}")
         count += 1
-    return made
+    return numbered
 
 
 def expect_same(apart: SplitProgram, order: Sequence[int], written: OldProgram) -> None:

@@ -98,12 +98,12 @@ def find_room(
 def find_rooms(rooms: Sequence[Room]) -> list[TextPlace | None]:
     """As `find_room`, of many texts, each by itself."""
     areas = _polygons([room.area for room in rooms])
-    asked = np.flatnonzero(~shapely.is_empty(areas))
-    level = _Ways.of([rooms[k] for k in asked.tolist()], areas[asked], turned=False)
-    above_mm = np.array([rooms[k].above_mm for k in asked.tolist()])
+    rows = np.flatnonzero(~shapely.is_empty(areas))
+    level = _Ways.of([rooms[k] for k in rows.tolist()], areas[rows], turned=False)
+    above_mm = np.array([rooms[k].above_mm for k in rows.tolist()])
     small = np.flatnonzero(level.most_mm <= above_mm)
     hopeless = small[level.upright(small).most_mm <= above_mm[small]]
-    tried = np.setdiff1d(np.arange(len(asked)), hopeless)
+    tried = np.setdiff1d(np.arange(len(rows)), hopeless)
     places = level.take(tried).places()
     size_mm = np.array([place.size_mm for place in places])
     enough_mm = _TURNED_GAIN * size_mm
@@ -114,7 +114,7 @@ def find_rooms(rooms: Sequence[Room]) -> list[TextPlace | None]:
         if turned.size_mm > enough_mm[k]:
             places[k] = turned
     found: list[TextPlace | None] = [None] * len(rooms)
-    for k, place in zip(asked[tried].tolist(), places, strict=True):
+    for k, place in zip(rows[tried].tolist(), places, strict=True):
         found[k] = place
     return found
 
@@ -214,12 +214,12 @@ class _Ways:
     def places(self) -> list[TextPlace]:
         """Where the texts stand, as large as can be up to what is wanted."""
         wanted, wide = self.radius_per_mm * self.wanted_mm, shapely.length(self.widest)
-        asked = np.array([near is not None for near in self.near], dtype=np.bool_)
-        target = np.where(asked, self.near, shapely.centroid(self.areas))
+        placed = np.array([near is not None for near in self.near], dtype=np.bool_)
+        target = np.where(placed, self.near, shapely.centroid(self.areas))
         target = _stretched(target, self.stretch)
         roomy = wide > (1 - 2 * _CIRCLE) * wanted  # else nothing is left of the shrunk area
         x, y, size_mm, fits = _nothing(len(self.texts))
-        first = np.flatnonzero(asked & roomy)
+        first = np.flatnonzero(placed & roomy)
         x[first], y[first], size_mm[first], fits[first] = self._nearest(first, wanted[first], target[first])
         rest = np.flatnonzero(~fits)
         radius = _SLACK * wide[rest]
@@ -276,5 +276,5 @@ def _nothing(count: int) -> tuple[Floats, Floats, Floats, Bools]:
 def _stretched(shapes: Shapes, stretch: Floats) -> Shapes:
     """Each of the shapes stretched along x and y."""
     by = np.repeat(stretch, shapely.get_num_coordinates(shapes), axis=0)
-    made: Shapes = shapely.transform(shapes, lambda points: points * by)
-    return made
+    stretched: Shapes = shapely.transform(shapes, lambda points: points * by)
+    return stretched

@@ -224,18 +224,18 @@ def _place_part(
     return places
 
 
-def _less(asked: Sequence[tuple[shapely.Geometry, TextPlace]]) -> Shapes:
+def _less(shapes: Sequence[tuple[shapely.Geometry, TextPlace]]) -> Shapes:
     """What texts, with some air around them, leave of areas."""
-    areas, places = zip(*asked, strict=True)
+    areas, places = zip(*shapes, strict=True)
     air_mm = np.array([0.12 * place.size_mm for place in places])
     boxes = shapely.buffer([place.box() for place in places], air_mm, join_style="mitre")
     left: Shapes = shapely.difference(np.array(areas, dtype=object), boxes)
     return left
 
 
-def _around(asked: Sequence[tuple[shapely.Geometry, shapely.Geometry, float]]) -> Shapes:
+def _around(shapes: Sequence[tuple[shapely.Geometry, shapely.Geometry, float]]) -> Shapes:
     """What of areas lies so near to others."""
-    areas, others, far_mm = zip(*asked, strict=True)
+    areas, others, far_mm = zip(*shapes, strict=True)
     bands = shapely.buffer(np.array(others, dtype=object), np.array(far_mm), quad_segs=4)
     near: Shapes = shapely.intersection(np.array(areas, dtype=object), bands)
     return near
@@ -317,15 +317,15 @@ def run_batched(tasks: Sequence[BatchedTask[DoneT]]) -> list[DoneT]:
     done: dict[int, DoneT] = {}
     answers: dict[int, Any] = dict.fromkeys(range(len(tasks)))
     while answers:
-        asked: dict[Many, dict[int, Any]] = {}
+        by_kind: dict[Many, dict[int, Any]] = {}
         for k, answer in answers.items():
             try:
                 many, question = tasks[k].send(answer)
             except StopIteration as end:
                 done[k] = end.value
             else:
-                asked.setdefault(many, {})[k] = question
+                by_kind.setdefault(many, {})[k] = question
         answers = {}
-        for many, questions in asked.items():
+        for many, questions in by_kind.items():
             answers |= dict(zip(questions, many(list(questions.values())), strict=True))
     return [done[k] for k in range(len(tasks))]

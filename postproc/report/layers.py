@@ -340,14 +340,19 @@ def sheet_layer(nest: Nest, view: View) -> SceneLayer:
 
 
 def part_layer(
-    nest: Nest, view: View, zones: ZoneMap, order: Mapping[str, int], faded: frozenset[str] = frozenset(), made: int = 0
+    nest: Nest,
+    view: View,
+    zones: ZoneMap,
+    order: Mapping[str, int],
+    faded: frozenset[str] = frozenset(),
+    cuts_made: int = 0,
 ) -> SceneLayer:
     """The parts' metal, filled; `order` numbers the cuts by contour id. Hosts lie below what is nested in them.
 
-    So many cuts are `made` before the first of the picture.
+    So many cuts are `cuts_made` before the first of the picture.
     """
     drawn = outlines_of_parts(nest, view)
-    return SceneLayer("parts", tuple(_metal(p, own, zones, order, p.id in faded, made) for p, own in drawn))
+    return SceneLayer("parts", tuple(_metal(p, own, zones, order, p.id in faded, cuts_made) for p, own in drawn))
 
 
 def out_layer(nest: Nest, view: View, out: frozenset[str]) -> SceneLayer:
@@ -359,10 +364,10 @@ def out_layer(nest: Nest, view: View, out: frozenset[str]) -> SceneLayer:
 
 
 def _metal(
-    part: Part, lines: tuple[Floats, ...], zones: ZoneMap, order: Mapping[str, int], faded: bool, made: int
+    part: Part, lines: tuple[Floats, ...], zones: ZoneMap, order: Mapping[str, int], faded: bool, cuts_made: int
 ) -> Shape:
     cuts = sorted((order[c.id], c.id) for c in part if c.id in order)
-    title = "\n".join([part.id, *(f"{made + k}  {contour}" for k, contour in cuts)])
+    title = "\n".join([part.id, *(f"{cuts_made + k}  {contour}" for k, contour in cuts)])
     fill = scene.mix(scene.SHEET, zones.colour(part.id), 0.4) if faded else zones.colour(part.id)
     return Shape(lines, Style(fill=fill), cut=order.get(part.outer.id, 0), title=title)
 

@@ -94,11 +94,11 @@ def page_and_policy(
         "@data": as_script_data(data),
         "@script": script,
     }
-    made = []
+    chunks = []
     for mark, text in parts.items():
         before, _, frame = frame.partition(mark)
-        made += [before, text]
-    return Page("".join([*made, frame]), policy)
+        chunks += [before, text]
+    return Page("".join([*chunks, frame]), policy)
 
 
 def _without_script(data: Mapping[str, Any]) -> str:
@@ -106,12 +106,12 @@ def _without_script(data: Mapping[str, Any]) -> str:
     if not data.get("nest"):
         return "<p>This page needs JavaScript. <code>kerfwise plot</code> draws the nest without it.</p>"
     sides = data["sides"]
-    told = f"<p>{escape(sides[0]['state']['told'])}</p>" if sides else ""
+    state = f"<p>{escape(sides[0]['state']['told'])}</p>" if sides else ""
     picture = base64.b64encode(bare_svg(data).encode("utf-8")).decode("ascii")
     title = escape(str(data.get("title", "")))
     alt = f"the nest {title}, with the numbers of the cuts" if sides else f"the nest {title}"
     return (
-        f"<h1>{title}</h1>{told}<p>The page needs JavaScript to explain and play the plan.</p>"
+        f"<h1>{title}</h1>{state}<p>The page needs JavaScript to explain and play the plan.</p>"
         f'<img alt="{alt}" src="data:image/svg+xml;base64,{picture}">'
     )
 
@@ -258,8 +258,8 @@ def nest_data(nest: Nest) -> Data:
 
 def _as_drawn_in_file(source: Source) -> Data:
     """What the drawing says of a line, where it says anything worth it: in words, its colour, and its writing."""
-    told = {"drawn": source.told(), "colour": source.colour, "text": source.text}
-    return {key: escape_text(value) for key, value in told.items() if value}
+    data = {"drawn": source.told(), "colour": source.colour, "text": source.text}
+    return {key: escape_text(value) for key, value in data.items() if value}
 
 
 def rows_of(curve: Curve) -> list[float]:

@@ -154,7 +154,7 @@ def _drawn(
     """The drawing; with `names` parts have theirs, beside the numbers of their cuts."""
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     order = {cut.contour: k for k, cut in enumerate(cuts, 1)}
-    made = plan.resumed_after if plan else 0
+    cuts_made = plan.resumed_after if plan else 0
     out = frozenset(p.cut.contour for p in plan.already_cut) if plan else frozenset()
     zones = zone_map(nest, {nest.contour(c.contour).part: c.zone for c in cuts})
     named = spot.contours if spot else frozenset()
@@ -162,21 +162,21 @@ def _drawn(
     faded = frozenset(p.id for p in nest.parts if p.id not in parts) if spot else frozenset()
 
     size_mm = view.number_size * view.mm
-    places = place_labels(nest, _labels(nest, cuts, named, size_mm, made), size_mm, window)
+    places = place_labels(nest, _labels(nest, cuts, named, size_mm, cuts_made), size_mm, window)
     if names:
         places = {name: replace(p, size_mm=max(p.size_mm, _LEAST_NUMBER * view.mm)) for name, p in places.items()}
     called = place_names(nest, places, size_mm, _LEAST_NAME * view.mm) if names else {}
-    layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded, made)]
+    layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded, cuts_made)]
     if out:
         layers.append(out_layer(nest, view, out))
     if spot is None and not (names and len(set(zones.of_part.values())) == 1):  # on paper a single zone says nothing
         layers.append(zone_layer(nest, view, zones, [p.box() for p in (*places.values(), *called.values())]))
     layers.append(contour_layer(nest, view, order, named, out))
     clock = None
-    begun = [] if plan is None else [(k - made, planned.cut) for k, planned in plan.begun if k > made]
+    begun = [] if plan is None else [(k - cuts_made, planned.cut) for k, planned in plan.begun if k > cuts_made]
     if cuts:
         clock, shares = _clock(cuts)
-        pierced = {} if plan is None else {k - made: holes for k, holes in plan.sequence().pierced.items()}
+        pierced = {} if plan is None else {k - cuts_made: holes for k, holes in plan.sequence().pierced.items()}
         layers += [
             travel_layer(view, cuts, home, shares, pierced, begun),
             *([stretch_layer(nest, view, begun)] if begun else []),
@@ -251,10 +251,12 @@ def _used_mm2(nest: Nest) -> float:
     return float(shapely.envelope(outlines).area) if nest.parts else float(nest.sheet.polygon.area)
 
 
-def _labels(nest: Nest, cuts: tuple[Cut, ...], named: frozenset[str], size_mm: float, made: int) -> dict[str, Label]:
+def _labels(
+    nest: Nest, cuts: tuple[Cut, ...], named: frozenset[str], size_mm: float, cuts_made: int
+) -> dict[str, Label]:
     """Order numbers with a plan; without one the names of the parts, or of the contours in question."""
     if cuts:
-        return {cut.contour: _number(nest, k, cut, named, size_mm) for k, cut in enumerate(cuts, made + 1)}
+        return {cut.contour: _number(nest, k, cut, named, size_mm) for k, cut in enumerate(cuts, cuts_made + 1)}
     if named:
         return {c: Label(c) for c in sorted(named)}
     return {p.outer.id: Label(p.id) for p in nest.parts}

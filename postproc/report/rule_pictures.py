@@ -116,8 +116,8 @@ def _panel(panel: Panel, top: float, number: int) -> tuple[list[SceneLayer], flo
         _hot_layer(view, cuts),
         _number_layer(nest, view, cuts, wrong),
     ]
-    said = [violation.text for violation in panel.violations] or ["nothing is wrong"]
-    below = [line for text in said for line in wrap(text, MOST_LETTERS)]
+    sentences = [violation.text for violation in panel.violations] or ["nothing is wrong"]
+    below = [line for text in sentences for line in wrap(text, MOST_LETTERS)]
     ink = scene.ALERT if panel.violations else scene.INK
     floor = top + LINE + high
     texts = [TextLine(MARGIN, top + 6, panel.title, 12, scene.INK, "start", bold=True)]

@@ -257,7 +257,7 @@ def held_to_plan(result: CheckResult, nest: Nest, text: str, plan: Plan, profile
 
 
 def _differences(text: str, own: str, dialect: Dialect) -> Iterator[str]:
-    told = 0
+    shown = 0
     for mine, other in zip_longest(_blocks(text, dialect), _blocks(own, dialect)):
         if mine is None or other is None:
             yield (
@@ -268,9 +268,9 @@ def _differences(text: str, own: str, dialect: Dialect) -> Iterator[str]:
             return
         if _same(mine[2], other[2], dialect):
             continue
-        told += 1
+        shown += 1
         yield f"line {mine[0]}: it says {_spelt(mine)}, the plan's own program says {_spelt(other)} there"
-        if told >= _NAMED or [letter for letter, _ in mine[2]] != [letter for letter, _ in other[2]]:
+        if shown >= _NAMED or [letter for letter, _ in mine[2]] != [letter for letter, _ in other[2]]:
             return
 
 

@@ -89,8 +89,8 @@ def read_back(dialect: Dialect, name: str, plant: Mapping[str, str] | None = Non
 
     def wrong(key: str, what: str) -> InputError:
         place = place_in(name, (key,)) if name.endswith(ENDINGS) else None
-        told = f"{key}: {what} (the dialect {dialect.name} says that its control is {control.title})"
-        return wrong_at(place, told) if place is not None else InputError(f"dialect {name}: {told}")
+        text = f"{key}: {what} (the dialect {dialect.name} says that its control is {control.title})"
+        return wrong_at(place, text) if place is not None else InputError(f"dialect {name}: {text}")
 
     blocks: list[str] = []
     numbers = number_blocks([line.block for line in lines], dialect)
@@ -201,7 +201,7 @@ def _spread(words: list[str], blocks: int) -> list[str]:
 
 def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect, control: Control) -> Iterator[tuple[str, str]]:
     """Keys whose words are read as something else, and what is read."""
-    if dialect.comment is not None and not any(_SAID in told for told in program.comments):
+    if dialect.comment is not None and not any(_SAID in comment for comment in program.comments):
         yield "comment", f"{lines[0].block!r} is not read as a comment"
     near_mm = _NEAR_MM + max(control.step_mm, dialect.step_mm)
     begun = {_started_by(burn, lines): burn for burn in reversed(program.burns)}
@@ -285,9 +285,9 @@ def _far(one: Point, other: Point, near_mm: float) -> bool:
     return float(np.hypot(one[0] - other[0], one[1] - other[1])) > near_mm
 
 
-def _bent_otherwise(asked: Segment, read: Segment, near_mm: float) -> bool:
-    slack = _SHARE + (near_mm - _NEAR_MM) * 4 / asked.chord_mm
-    return abs(asked.bulge - read.bulge) > slack
+def _bent_otherwise(segment: Segment, read: Segment, near_mm: float) -> bool:
+    slack = _SHARE + (near_mm - _NEAR_MM) * 4 / segment.chord_mm
+    return abs(segment.bulge - read.bulge) > slack
 
 
 def _at(point: Point) -> str:

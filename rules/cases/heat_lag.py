@@ -19,8 +19,8 @@ NEAR = nest(500, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(119, 10, 6
 
 
 def timed(cuts: CutSequence, *times_s: tuple[float, float]) -> CutSequence:
-    made = (replace(cut, start_s=start, end_s=end) for cut, (start, end) in zip(cuts, times_s, strict=True))
-    return replace(cuts, cuts=tuple(made))
+    timed_cuts = (replace(cut, start_s=start, end_s=end) for cut, (start, end) in zip(cuts, times_s, strict=True))
+    return replace(cuts, cuts=tuple(timed_cuts))
 
 
 def too_soon(first: str, second: str, at: tuple[int, int], missing: str) -> Violation:

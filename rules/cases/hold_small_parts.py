@@ -20,8 +20,8 @@ WHY = "its centroid is 40.0 mm from one end, and slats lie 60 mm apart"
 
 def cuts(sheet: Nest, *tabs: Tab) -> CutSequence:
     """Cuts of all contours, the last of them with tabs."""
-    made = [cut(sheet, contour.id) for contour in sheet.contours]
-    return CutSequence((*made[:-1], replace(made[-1], tabs=tabs)))
+    drawn_cuts = [cut(sheet, contour.id) for contour in sheet.contours]
+    return CutSequence((*drawn_cuts[:-1], replace(drawn_cuts[-1], tabs=tabs)))
 
 
 def tab(*at: Point, width: float = 1.0) -> tuple[Tab, ...]:
@@ -35,8 +35,8 @@ def wrong(*texts: str, at: int = 2) -> tuple[Violation, ...]:
 def ending(pierce: Point, sheet: Nest = SMALL) -> CutSequence:
     """Cuts of all contours; that of A joins at (61.25, 19.25) and stops 2.5 mm before: a tab of 1 mm, and the kerf."""
     lead_in, stop = (Curve.of(points, closed=False) for points in ([pierce, (61.25, 19.25)], [(58.75, 19.25)]))
-    made = cuts(sheet, *tab((60, 20)))
-    return CutSequence((*made[:-1], replace(made[-1], pierce=pierce, lead_in=lead_in, lead_out=stop)))
+    all_cuts = cuts(sheet, *tab((60, 20)))
+    return CutSequence((*all_cuts[:-1], replace(all_cuts[-1], pierce=pierce, lead_in=lead_in, lead_out=stop)))
 
 
 CASES = (

@@ -31,8 +31,8 @@ def linked(sequence: CutSequence) -> CutSequence:
     """The cuts, each after the first linked: it begins where the one before ends."""
     first, *others = sequence.cuts
     ends = [first, *others[:-1]]
-    made = (replace(one, pierce=before.end, linked=True) for before, one in zip(ends, others, strict=True))
-    return replace(sequence, cuts=(first, *made))
+    cuts = (replace(one, pierce=before.end, linked=True) for before, one in zip(ends, others, strict=True))
+    return replace(sequence, cuts=(first, *cuts))
 
 
 CASES = (

@@ -66,14 +66,14 @@ def from_the_right(pierce_x: float) -> tuple[str, Point, Point, Point]:
 
 def sequence(*cuts: tuple[str, Point, Point, Point] | Cut) -> CutSequence:
     """Cuts of (contour, entry, pierce, joining point), with a straight lead-in."""
-    made = []
-    for given in cuts:
-        if isinstance(given, Cut):
-            made.append(given)
+    cuts_so_far = []
+    for next_cut in cuts:
+        if isinstance(next_cut, Cut):
+            cuts_so_far.append(next_cut)
         else:
-            contour, entry, pierce, joined = given
-            made.append(Cut(contour, entry, "cw", pierce, Curve.of([pierce, joined], closed=False)))
-    return CutSequence(tuple(made))
+            contour, entry, pierce, joined = next_cut
+            cuts_so_far.append(Cut(contour, entry, "cw", pierce, Curve.of([pierce, joined], closed=False)))
+    return CutSequence(tuple(cuts_so_far))
 
 
 def broken(at: tuple[int, ...], contours: tuple[str, ...], text: str) -> Violation:

@@ -34,8 +34,8 @@ def case(name: str, kind: CaseKind, where: Nest, order: str, *violations: Violat
     return Case(name, kind, where, in_order(where, order), violations, SharedMetalOptions(kerf_mm=1.5))
 
 
-def burnt(at: tuple[int, ...], one: str, other: str, said: str) -> Violation:
-    return Violation("shared-metal", (one, other), f"{one} and {other} {said} mm into the other part", at)
+def burnt(at: tuple[int, ...], one: str, other: str, text: str) -> Violation:
+    return Violation("shared-metal", (one, other), f"{one} and {other} {text} mm into the other part", at)
 
 
 CASES: tuple[Case, ...] = (

@@ -24,8 +24,8 @@ ROUND = Nest(Sheet(Curve.of(circle(200, 200, 200)), ()), (part("A", circle(200, 
 ON_THE_MIDDLE = nest(400, 300, part("A", rect(100.1, 40, 99.9, 60)), part("B", rect(200, 200, 99.9, 60)))
 
 
-def wrong(given: str, expected: str, because: str) -> Violation:
-    return Violation("start-side", (), f"cutting starts from the {given}, not from the {expected}: {because}")
+def wrong(text: str, expected: str, because: str) -> Violation:
+    return Violation("start-side", (), f"cutting starts from the {text}, not from the {expected}: {because}")
 
 
 CASES = (

@@ -145,9 +145,9 @@ class HoldSmallParts(Rule[HoldSmallPartsOptions]):
 
 def unheld(facts: Facts, options: HoldSmallPartsOptions) -> Iterator[tuple[int, str, str | None]]:
     """Candidates without the tabs that their part needs, or with tabs that it does not: number, contour id, reason."""
-    asked = _tab_options(options)
+    tab_options = _tab_options(options)
     for part in facts.nest.parts:
-        reason = asked.reason(part)
+        reason = tab_options.reason(part)
         for k in facts.candidates_of(facts.nest.index[part.outer.id]):
             if (reason is not None) != bool(facts.candidates[k].tabs):
                 yield k, part.outer.id, reason
@@ -167,12 +167,12 @@ def _tab_options(options: HoldSmallPartsOptions) -> TabOptions:
 
 def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPartsOptions) -> Iterator[str]:
     """What is wrong with the tabs of a cut."""
-    asked, why = (None, "") if part is None else _asked(part, options)
-    if asked is None:
+    wanted, why = (None, "") if part is None else _asked(part, options)
+    if wanted is None:
         if cut.tabs:
             yield f"has {_tabs(len(cut.tabs))} that nothing asks for"
         return
-    given, drawn = asked
+    given, drawn = wanted
     if not cut.tabs:
         yield f"has no tab: {why}"
         return

@@ -202,9 +202,9 @@ def _is_at(entry: Point, locked: Point, contour: Contour, tolerance_mm: float) -
     return math.dist(entry, contour.curve.point_at(along_mm)) <= tolerance_mm
 
 
-def _tabbed(tabs: Sequence[Tab], asked: Point | Literal["off"], tolerance_mm: float) -> bool:
+def _tabbed(tabs: Sequence[Tab], place: Point | Literal["off"], tolerance_mm: float) -> bool:
     """Whether tabs are as a lock wants them."""
-    return not tabs if asked == "off" else any(math.dist(tab.at, asked) <= tolerance_mm for tab in tabs)
+    return not tabs if place == "off" else any(math.dist(tab.at, place) <= tolerance_mm for tab in tabs)
 
 
 def _asked(tab: Point | Literal["off"]) -> str:

@@ -215,8 +215,8 @@ def _in_turn(
     statements = []
     for i, j in product(first, then):
         names = (contours[i].id, contours[j].id)
-        said = f"{names[0]} is cut before {names[1]}: zone {zone} comes before zone {following}"
-        statements.append(Precede(i, j, About(rule, names, said)))
+        sentence = f"{names[0]} is cut before {names[1]}: zone {zone} comes before zone {following}"
+        statements.append(Precede(i, j, About(rule, names, sentence)))
     return statements
 
 

@@ -53,10 +53,10 @@ class ChartRow:
     @property
     def label(self) -> str:
         """What the row is called in messages."""
-        told = [
+        texts = [
             value_text(column, self.values[column]) for column in ("material", "thickness") if column in self.values
         ]
-        return self.names[0] if self.names else ", ".join(told) or f"line {self.line}"
+        return self.names[0] if self.names else ", ".join(texts) or f"line {self.line}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,33 +210,33 @@ def look_up(
     >>> found.values["kerf"]
     Found(value=1.7, lines=(2, 3), between_mm=(6.0, 10.0))
     """
-    asked: dict[str, Value] = dict(choice or (("material", material), ("thickness", thickness_mm)))
-    if "name" in asked:
-        row = _only([r for r in _named(chart, str(asked["name"])) if _fits(r, asked)], asked, chart)
+    wanted: dict[str, Value] = dict(choice or (("material", material), ("thickness", thickness_mm)))
+    if "name" in wanted:
+        row = _only([r for r in _named(chart, str(wanted["name"])) if _fits(r, wanted)], wanted, chart)
         kin, at_mm = _kin(chart, row), row.values.get("thickness")
     else:
         graded = any("material" in row.values for row in chart.rows)
-        asked = {**({"material": material} if graded else {}), "thickness": thickness_mm, **asked}
-        kin, at_mm = _alike(chart, asked), asked["thickness"]
+        wanted = {**({"material": material} if graded else {}), "thickness": thickness_mm, **wanted}
+        kin, at_mm = _alike(chart, wanted), wanted["thickness"]
         row = None
         exact = [r for r in kin if same_value(r.values.get("thickness"), at_mm)]
         if exact:
-            row = _only(exact, asked, chart)
+            row = _only(exact, wanted, chart)
             kin = [r for r in kin if _one_process(r, row)]
         elif not interpolate:
-            raise NoRow(_no_thickness(kin, asked, chart, "; say interpolate: true to have what lies between two rows"))
+            raise NoRow(_no_thickness(kin, wanted, chart, "; say interpolate: true to have what lies between two rows"))
     own = {} if row is None else row.values
     values = {c: Found(v, (row.line_of(c),)) for c, v in own.items() if c not in ABOUT and row is not None}
     if interpolate and isinstance(at_mm, float):
         between = _neighbours(kin, at_mm)
         if row is None:
-            _expect_one_process(between, asked, chart)
+            _expect_one_process(between, wanted, chart)
         values = {**_blended(kin, at_mm, row is None), **values}
     if row is None:
-        known = [c for c in ("material", "thickness") if c in asked]
-        told = ", ".join(value_text(c, asked[c]) for c in known)
-        values |= {c: Found(asked[c], ()) for c in known}
-        return LookedUp(told, values, None)
+        known = [c for c in ("material", "thickness") if c in wanted]
+        text = ", ".join(value_text(c, wanted[c]) for c in known)
+        values |= {c: Found(wanted[c], ()) for c in known}
+        return LookedUp(text, values, None)
     return LookedUp(row.label, values, row)
 
 
@@ -250,7 +250,7 @@ def _named(chart: Chart, name: str) -> list[ChartRow]:
     return found
 
 
-def _alike(chart: Chart, asked: Mapping[str, Value]) -> list[ChartRow]:
+def _alike(chart: Chart, wanted: Mapping[str, Value]) -> list[ChartRow]:
     """The rows that have what is asked, whatever their thickness.
 
     Raises
@@ -262,7 +262,7 @@ def _alike(chart: Chart, asked: Mapping[str, Value]) -> list[ChartRow]:
     if not any("thickness" in row.values for row in rows):
         names = ", ".join(row.label for row in rows[:_NAMED])
         raise NoRow(f"{chart.file} gives no thicknesses: name the row, such as row: {rows[0].label} (it has {names})")
-    for column, value in asked.items():
+    for column, value in wanted.items():
         if column == "thickness":
             continue
         fitting = [row for row in rows if same_value(row.values.get(column), value)]
@@ -309,39 +309,39 @@ def _one_process(one: ChartRow, other: ChartRow) -> bool:
     return all(one.values.get(p) == other.values.get(p) for p in PROCESS)
 
 
-def _fits(row: ChartRow, asked: Mapping[str, Value]) -> bool:
-    return all(column == "name" or same_value(row.values.get(column), value) for column, value in asked.items())
+def _fits(row: ChartRow, wanted: Mapping[str, Value]) -> bool:
+    return all(column == "name" or same_value(row.values.get(column), value) for column, value in wanted.items())
 
 
-def _only(rows: Sequence[ChartRow], asked: Mapping[str, Value], chart: Chart) -> ChartRow:
+def _only(rows: Sequence[ChartRow], wanted: Mapping[str, Value], chart: Chart) -> ChartRow:
     if len(rows) == 1:
         return rows[0]
-    told = ", ".join(f"{column} {value_text(column, value)}" for column, value in asked.items())
+    text = ", ".join(f"{column} {value_text(column, value)}" for column, value in wanted.items())
     if not rows:
-        raise NoRow(f"{chart.file} has no row with {told}")
+        raise NoRow(f"{chart.file} has no row with {text}")
     lines = ", ".join(str(row.line) for row in rows[:_NAMED])
-    differ = [c for c in COLUMNS if c not in asked and len({row.values.get(c) for row in rows}) > 1]
+    differ = [c for c in COLUMNS if c not in wanted and len({row.values.get(c) for row in rows}) > 1]
     tell = [c for c in ("name", *PROCESS) if c in differ] or differ[:3]
     how = (
-        f": say also {' or '.join(tell)}, such as row: {_example(rows[0], asked, tell[0])}" if tell else ": delete one"
+        f": say also {' or '.join(tell)}, such as row: {_example(rows[0], wanted, tell[0])}" if tell else ": delete one"
     )
-    raise NoRow(f"{chart.file} has {len(rows)} rows with {told} (lines {lines}){how}")
+    raise NoRow(f"{chart.file} has {len(rows)} rows with {text} (lines {lines}){how}")
 
 
-def _example(row: ChartRow, asked: Mapping[str, Value], column: str) -> str:
-    pairs = {**asked, **({column: row.values[column]} if column in row.values else {})}
+def _example(row: ChartRow, wanted: Mapping[str, Value], column: str) -> str:
+    pairs = {**wanted, **({column: row.values[column]} if column in row.values else {})}
     return f"{{{', '.join(f'{c}: {value_text(c, v)}' for c, v in pairs.items())}}}"
 
 
-def _no_thickness(rows: Sequence[ChartRow], asked: Mapping[str, Value], chart: Chart, more: str) -> str:
-    at_mm = float(asked["thickness"])
+def _no_thickness(rows: Sequence[ChartRow], wanted: Mapping[str, Value], chart: Chart, more: str) -> str:
+    at_mm = float(wanted["thickness"])
     known = sorted((t, row.line) for row in rows if isinstance(t := row.values.get("thickness"), float))
     near = sorted(sorted(known, key=lambda one: abs(one[0] - at_mm))[:4])
-    told = ", ".join(f"{value_text('thickness', t)} (line {line})" for t, line in near)
+    text = ", ".join(f"{value_text('thickness', t)} (line {line})" for t, line in near)
     inside = bool(known) and known[0][0] < at_mm < known[-1][0]
-    of = f" of {asked['material']}" if "material" in asked else ""
+    of = f" of {wanted['material']}" if "material" in wanted else ""
     at = value_text("thickness", at_mm)
-    return f"{chart.file} has no row{of} at {at}: near are {told or 'none'}{more if inside else ''}"
+    return f"{chart.file} has no row{of} at {at}: near are {text or 'none'}{more if inside else ''}"
 
 
 def _neighbours(rows: Sequence[ChartRow], at_mm: float) -> list[ChartRow]:
@@ -352,27 +352,27 @@ def _neighbours(rows: Sequence[ChartRow], at_mm: float) -> list[ChartRow]:
     return [row for row in rows if row.values.get("thickness") in {below, above} - {None}]
 
 
-def _expect_one_process(rows: Sequence[ChartRow], asked: Mapping[str, Value], chart: Chart) -> None:
+def _expect_one_process(rows: Sequence[ChartRow], wanted: Mapping[str, Value], chart: Chart) -> None:
     """Refuse to go between rows that are other settings of the machine, or beyond the end of a chart."""
     if len({row.values["thickness"] for row in rows}) < 2:
-        raise NoRow(_no_thickness(_alike(chart, asked), asked, chart, "") + "; beyond its ends a chart says nothing")
+        raise NoRow(_no_thickness(_alike(chart, wanted), wanted, chart, "") + "; beyond its ends a chart says nothing")
     for column in PROCESS:
         differ = {row.values.get(column) for row in rows}
         if len(differ) > 1:
-            told = " and ".join(
+            text = " and ".join(
                 f"{value_text(column, row.values[column]) if column in row.values else 'none'} (line {row.line})"
                 for row in rows[:_NAMED]
             )
             raise NoRow(
-                f"{chart.file}: at {value_text('thickness', asked['thickness'])} nothing lies between rows of another "
-                f"{column}: {told}; say which with row: {{{column}: …}}, or add the row"
+                f"{chart.file}: at {value_text('thickness', wanted['thickness'])} nothing lies between rows of another "
+                f"{column}: {text}; say which with row: {{{column}: …}}, or add the row"
             )
-    _check_single_values(rows, asked, chart)
+    _check_single_values(rows, wanted, chart)
 
 
-def _check_single_values(rows: Sequence[ChartRow], asked: Mapping[str, Value], chart: Chart) -> None:
+def _check_single_values(rows: Sequence[ChartRow], wanted: Mapping[str, Value], chart: Chart) -> None:
     for thickness in {row.values["thickness"] for row in rows}:
-        _only([row for row in rows if row.values["thickness"] == thickness], {**asked, "thickness": thickness}, chart)
+        _only([row for row in rows if row.values["thickness"] == thickness], {**wanted, "thickness": thickness}, chart)
 
 
 def _blended(rows: Sequence[ChartRow], at_mm: float, texts: bool) -> dict[str, Found]:

@@ -131,12 +131,12 @@ def _solver() -> dict[str, object]:
     }
 
 
-def _mistake(said: str, about: Path, program: str) -> InputError:
+def _mistake(text: str, about: Path, program: str) -> InputError:
     """The error that MiniZinc tells, at the first place in a file that kerfwise did not write."""
-    lines = said.splitlines()
+    lines = text.splitlines()
     told = next((line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")), "")
     if not told:
-        return unusable(program, f"it ends with {escape_text(said[:100])!r} and no error")
+        return unusable(program, f"it ends with {escape_text(text[:100])!r} and no error")
     for words in ("type error:", "symbol error:", "(did you forget to specify a data file?)"):
         told = told.replace(words, "").strip()
     message = f"MiniZinc: {told}{_hint(told, about)}"
@@ -157,15 +157,15 @@ def _own(file: Path) -> bool:
 _ENGINES_OWN = ("stop", "STOP", "leg", "cut_at", "travel", "idle_travel", "begin_ms", "end_ms", "cut_ms", "move_ms")
 
 
-def _hint(told: str, about: Path) -> str:
+def _hint(text: str, about: Path) -> str:
     """What to do where a file uses what only the MiniZinc engine has."""
-    name = re.search(r"[`'](\w+)'", told)
+    name = re.search(r"[`'](\w+)'", text)
     if name is not None and name[1] in _ENGINES_OWN:
         return (
             f" for engines other than minizinc: {name[1]} is a word of the sequence that rules do not have; write the "
             "rule with before, picked, directly_before, cuts_between, position, pick or pause_ms"
         )
-    if "must be defined" in told:
+    if "must be defined" in text:
         own = f"{about.stem.replace('-', '_')}_most"
         return f"; a parameter is called as the file and then by its own name, as in {own}, with a default beside it"
     return ""

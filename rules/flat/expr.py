@@ -220,8 +220,8 @@ def holds_under(node: Node, known: Mapping[Lit, bool]) -> Node:
         return not known[other] if other in known else node
     weights: dict[Node, int] = {}
     for term, weight in node.terms:
-        made = holds_under(term, known)
-        weights[made] = weights.get(made, 0) + weight
+        result = holds_under(term, known)
+        weights[result] = weights.get(result, 0) + weight
     return gate(weights, node.bound)
 
 
@@ -447,8 +447,8 @@ def of_node(node: Node) -> Sum:
 def times_node(node: Node, one: Sum) -> Sum:
     """The number where the node holds, else 0."""
     one = without_word(one)
-    made = [(weight, of_node(all_of([node, term]))) for term, weight in one.terms.items()]
-    return plus([(one.const, of_node(node)), *made])
+    parts = [(weight, of_node(all_of([node, term]))) for term, weight in one.terms.items()]
+    return plus([(one.const, of_node(node)), *parts])
 
 
 def product(one: Sum, other: Sum) -> Sum:

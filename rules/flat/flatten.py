@@ -90,9 +90,9 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
     if key in _kept:
         _kept.move_to_end(key)
         return _kept[key]
-    told = compiled(file, text)
+    flatzinc = compiled(file, text)
     try:
-        flat = read_flatzinc(told.flat)
+        flat = read_flatzinc(flatzinc.flat)
         kept = [c for c in flat.constraints if c.name.startswith(KEPT)]
         flat.arrays.clear()
         flat.arrays.update({c.name.removeprefix(KEPT): c.args[0] for c in kept if isinstance(c.args[0], list)})
@@ -105,18 +105,18 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
     except RecursionError:
         raise InputError(f"rule {file.name}: its conditions stand too deep in one another", file=file.path) from None
-    says = _says(told)
+    says = _says(flatzinc)
     if says and len(says) != len(elements):
         raise InputError(
             f"rule {file.name}: {file.stem}_says has {len(says)} sentences, {file.array} {len(elements)} elements",
             file=file.path,
             line=file.line,
         )
-    made = Flattened(elements, tuple(says), further, beside, _about(told, len(elements)))
-    _kept[key] = made
+    flattened = Flattened(elements, tuple(says), further, beside, _about(flatzinc, len(elements)))
+    _kept[key] = flattened
     if len(_kept) > MOST_KEPT:
         _kept.popitem(last=False)
-    return made
+    return flattened
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,8 +133,8 @@ def judge_order(file: ModelFile, data: str) -> JudgedOrder:
 
     `data` are the facts that the check has measured, and when each contour is cut.
     """
-    told = compiled(file, _model(file, data, (), judged=True))
-    flat = read_flatzinc(told.flat)
+    flatzinc = compiled(file, _model(file, data, (), judged=True))
+    flat = read_flatzinc(flatzinc.flat)
     holds: list[bool] = []
     possible = True
     for constraint in flat.constraints:
@@ -142,7 +142,7 @@ def judge_order(file: ModelFile, data: str) -> JudgedOrder:
             possible = False
         elif constraint.name == f"{KEPT}{file.array}" and isinstance(constraint.args[0], list):
             holds = [value is True for value in constraint.args[0]]
-    return JudgedOrder(holds, _says(told), possible)
+    return JudgedOrder(holds, _says(flatzinc), possible)
 
 
 def judge_orders(file: ModelFile, data: str, count: int) -> list[JudgedOrder]:
@@ -162,17 +162,17 @@ def judge_orders(file: ModelFile, data: str, count: int) -> list[JudgedOrder]:
     return judged
 
 
-def _about(told: Compiled, count: int) -> tuple[tuple[int, ...], ...]:
+def _about(flat: Compiled, count: int) -> tuple[tuple[int, ...], ...]:
     """The contours of each element, from 0, where the file's array is a comprehension over contours."""
-    columns = [json.loads(value) for name, value in told.printed if name == ABOUT]
+    columns = [json.loads(value) for name, value in flat.printed if name == ABOUT]
     if not columns or any(len(column) != count for column in columns):
         return ()
     return tuple(tuple(number - 1 for number in row) for row in zip(*columns, strict=True))
 
 
-def _says(told: Compiled) -> list[str]:
+def _says(flat: Compiled) -> list[str]:
     """The file's sentences; none where it has none."""
-    return next((json.loads(value) for name, value in told.printed if name == "says"), [])
+    return next((json.loads(value) for name, value in flat.printed if name == "says"), [])
 
 
 def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = False) -> str:
@@ -220,14 +220,14 @@ def compiled(file: ModelFile, text: str) -> Compiled:
     path = folder / f"{key}.flat"
     if (known := _read(path, maker)) is not None:
         return known
-    made = compile_model(text, file.path)
+    result = compile_model(text, file.path)
     if _key(file, text) != key:  # somebody has just changed a file
-        return made
+        return result
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
-        write_sealed(path, maker, zlib.compress(json.dumps([made.flat, made.printed]).encode(), 3))
+        write_sealed(path, maker, zlib.compress(json.dumps([result.flat, result.printed]).encode(), 3))
         _leave_room(folder)
-    return made
+    return result
 
 
 def cache_folder() -> Path | None:
@@ -246,8 +246,8 @@ def _key(file: ModelFile, text: str) -> str:
     """The digest of a model and of the files that it reads, wherever these lie."""
     for place in (file.path.resolve(), HERE):
         text = text.replace(place.as_posix(), "")
-    said = "\0".join([text, *files_read(file).values()])
-    return hashlib.sha256(said.encode("utf-8", "surrogatepass")).hexdigest()
+    content = "\0".join([text, *files_read(file).values()])
+    return hashlib.sha256(content.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 @cache

@@ -123,13 +123,13 @@ class Meaning:
 
     def further(self) -> list[Node]:
         """What constraints ask beside the arrays, one thing each; nothing that holds anyway."""
-        asked = [*self._asked, *(self._told(c) for c in self._flat.constraints if not self._is_definition(c))]
-        asked += [
+        nodes = [*self._asked, *(self._told(c) for c in self._flat.constraints if not self._is_definition(c))]
+        nodes += [
             iff(self._node(name), self._node(v.value))
             for name, v in self._flat.variables.items()
             if v.is_bool and v.value is not None and name in self._bools
         ]
-        found = (part for node in asked for part in parts(node) if not is_certain(part))
+        found = (part for node in nodes for part in parts(node) if not is_certain(part))
         return list(dict.fromkeys(found))
 
     def _is_definition(self, constraint: Constraint) -> bool:
@@ -221,9 +221,9 @@ class Meaning:
         if c.name == "bool2int":
             return at_least(self._sum(c.args[1]), 1)
         if c.args[-1] == name:
-            made = self._bool_function(c)
-            if made is not None:
-                return made
+            node = self._bool_function(c)
+            if node is not None:
+                return node
         raise UnsupportedModel(f"{c.name} has no meaning for rules")
 
     def _bool_function(self, c: Constraint) -> Node | None:
@@ -249,12 +249,12 @@ class Meaning:
 
     def _cases(self, args: Sequence[Value]) -> list[tuple[Node, Node]]:
         """Each condition that is the first to hold, and the node of its case."""
-        made: list[tuple[Node, Node]] = []
+        cases: list[tuple[Node, Node]] = []
         before: list[Node] = []
         for condition, value in zip(self._nodes(args[0]), self._nodes(args[1]), strict=True):
-            made.append((all_of([*before, condition]), value))
+            cases.append((all_of([*before, condition]), value))
             before.append(opposite(condition))
-        return made
+        return cases
 
     def _told(self, c: Constraint) -> Node:
         """The node of a constraint that is stated by itself."""
@@ -370,12 +370,12 @@ class Meaning:
                 chosen = [times_node(equal(index, k), one(v)) for k, v in enumerate(_listed(args[1]), 1)]
                 return plus([(1, s) for s in chosen])
             case "fzn_if_then_else_int" | "fzn_if_then_else_var_int":
-                made: list[tuple[int, Sum]] = []
+                terms: list[tuple[int, Sum]] = []
                 before: list[Node] = []
                 for condition, value in zip(self._nodes(args[0]), _listed(args[1]), strict=True):
-                    made.append((1, times_node(all_of([*before, condition]), one(value))))
+                    terms.append((1, times_node(all_of([*before, condition]), one(value))))
                     before.append(opposite(condition))
-                return plus(made)
+                return plus(terms)
         raise UnsupportedModel(f"{c.name} has no meaning for rules")
 
 

@@ -83,11 +83,11 @@ class ModelRule(Rule[Any]):
 
     def page(self) -> str:
         """The sentence, where the rule stands, and the file's text without its cases."""
-        told = f"It stands in `{self.file.path}`"
+        place = f"It stands in `{self.file.path}`"
         if self.replaces is not None:
-            told += f", in the place of the shipped rule `{self.replaces.id}`"
+            place += f", in the place of the shipped rule `{self.replaces.id}`"
         text = re.split(r"^%\s*cases:\s*$", self.file.text, maxsplit=1, flags=re.M)[0].strip()
-        return f"{self.sentence}\n\n{told}.\n\n```\n{text}\n```"
+        return f"{self.sentence}\n\n{place}.\n\n```\n{text}\n```"
 
     def with_strength(self, strength: Strength) -> ModelRule:
         """The same rule with the strength that a profile gives it."""
@@ -162,15 +162,15 @@ class ModelRule(Rule[Any]):
         """
         if self.replaces is None:
             return []
-        asked = list(twin_of(self.replaces.id).further(options, None))
-        if any(array.most_ms for array in asked):
+        from_twin = list(twin_of(self.replaces.id).further(options, None))
+        if any(array.most_ms for array in from_twin):
             raise InputError(
                 f"rule {self.id}: the profile asks for seconds, and its file cannot state them: ask for none in the "
                 "profile, and for pause_ms(i, j) >= so many ms in the file",
                 file=self.file.path,
                 line=self.file.line,
             )
-        return [array for array in asked if states(self.file, array.name)]
+        return [array for array in from_twin if states(self.file, array.name)]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: Any) -> list[Violation]:
         if self.unjudged(nest, cuts, options) is not None:
@@ -213,9 +213,9 @@ class ModelRule(Rule[Any]):
             if not held:
                 node = flat.elements[k] if flat is not None and k < len(flat.elements) else False
                 if not isinstance(node, Lit) and (pairs := self._pairs_broken(nest, node, at)):
-                    said = order.says[k] if k < len(order.says) else self.sentence
+                    sentence = order.says[k] if k < len(order.says) else self.sentence
                     for pair in pairs:
-                        text = f"{said}: {pair[0]} before {pair[1]} ({self.file.place})"
+                        text = f"{sentence}: {pair[0]} before {pair[1]} ({self.file.place})"
                         found.append(Violation(self.id, pair, text, tuple(sorted(at[name] for name in pair))))
                     continue
                 numbers = tuple(contours_of(node))
@@ -224,9 +224,9 @@ class ModelRule(Rule[Any]):
                 ids = tuple(nest.contours[number].id for number in numbers)
                 if ids and not any(name in at for name in ids):
                     continue
-                said = order.says[k] if k < len(order.says) else self._told(nest, node)
+                sentence = order.says[k] if k < len(order.says) else self._told(nest, node)
                 positions = tuple(sorted(at[name] for name in ids if name in at)) if len(ids) <= MOST_TOLD else ()
-                found.append(Violation(self.id, ids[:MOST_TOLD], f"{said} ({self.file.place})", positions))
+                found.append(Violation(self.id, ids[:MOST_TOLD], f"{sentence} ({self.file.place})", positions))
         if not order.possible:
             text = f"a constraint of the file does not hold: {self.sentence} ({self.file.path.name}:{self.file.bare})"
             found.append(Violation(self.id, (), text))
@@ -290,8 +290,8 @@ class ModelRule(Rule[Any]):
     def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
         """Attributes that the file reads and no part has, or words that a drawing says of no contour; what there is."""
         text = whole_text(self.file)
-        asked = sorted({w for w in re.findall(r"\battribute_(\w+)", text) if f"has_attribute_{w}" not in text})
-        lacking = [name for name in asked if all(value is None for value in attributes(nest, name))]
+        words = sorted({w for w in re.findall(r"\battribute_(\w+)", text) if f"has_attribute_{w}" not in text})
+        lacking = [name for name in words if all(value is None for value in attributes(nest, name))]
         if not lacking:
             return unknown_words(nest, "".join(map(without_comments, files_read(self.file).values())))
         there = {name for part in nest.parts for name in part.attributes}

@@ -160,12 +160,12 @@ def _parents(nest: Nest, cuts: CutSequence, limits: Limits) -> list[int]:
 
 def _pairs(nest: Nest, cuts: CutSequence, limits: Limits, fact: str) -> list[tuple[int, int]]:
     """Pairs of contours of a fact, as the rule that judges by it measures them."""
-    given = dict(limits.orders_by)
+    orders = dict(limits.orders_by)
     return [
         (nest.index[a], nest.index[b])
         for rule in RULES.values()
         if rule.pairs_are == fact
-        for a, b in rule.pairs(nest, cuts, given[rule.id] if rule.id in given else rule.Options())
+        for a, b in rule.pairs(nest, cuts, orders[rule.id] if rule.id in orders else rule.Options())
     ]
 
 
@@ -287,10 +287,10 @@ _COMPARED = re.compile(r'contour_(layer|colour|block|text)\s*\[[^\]]*\]\s*==?\s*
 
 def unknown_words(nest: Nest, text: str) -> str | None:
     """That a file compares what a drawing says of contours with what it says of none, such as another layer's name."""
-    for key, said in _COMPARED.findall(text):
+    for key, words in _COMPARED.findall(text):
         there = {getattr(contour.source, key) for contour in nest.contours}
-        if said and said not in there:
-            return f"it compares with the {key} of no contour: {none_has(key, said, there)}"
+        if words and words not in there:
+            return f"it compares with the {key} of no contour: {none_has(key, words, there)}"
     return None
 
 
@@ -329,9 +329,9 @@ def further_words(nest: Nest, text: str, plate: Plate = USUAL) -> str:
     wanted = {re.sub(r"^(has_)?attribute_", "", w) for w in named if re.match(r"(has_)?attribute_\w", w)}
     for name in sorted(wanted):
         values = attributes(nest, name)
-        given = [v for v in values if v is not None]
+        present = [v for v in values if v is not None]
         lines.append(f"array[CONTOUR] of bool: has_attribute_{name} = {flags(v is not None for v in values)};")
-        if all(isinstance(v, int | float) for v in given):
+        if all(isinstance(v, int | float) for v in present):
             lines.append(f"array[CONTOUR] of int: attribute_{name} = {numbers(round(v or 0) for v in values)};")
         else:
             texts = _texts("" if v is None else str(v) for v in values)

@@ -99,25 +99,25 @@ class Writer:
         for (i, j), (cuts, k) in lags.items():
             yield self._apart(Between(i, j, cuts), _said(says, k))
         for k in rest:
-            said, about = _said(says, k), self.about[k] if k < len(self.about) else ()
+            sentence, about = _said(says, k), self.about[k] if k < len(self.about) else ()
             if elements[k] is False:
-                yield self._impossible(k, about, said)
+                yield self._impossible(k, about, sentence)
                 continue
             try:
-                yield from self._of_node(elements[k], said, about)
+                yield from self._of_node(elements[k], sentence, about)
             except NotExpressible as error:
                 raise NotExpressible(k + 1, str(error)) from None
         for node in further:
             yield from self._of_node(node, None)
 
-    def _impossible(self, k: int, about: tuple[int, ...], said: str | None) -> AtLeast:
+    def _impossible(self, k: int, about: tuple[int, ...], sentence: str | None) -> AtLeast:
         """An element that no order holds, told with its contours, and where one of them stands for two."""
         ids = [self.nest.contours[c].id for c in dict.fromkeys(about)]
         words = f"element {k + 1} of the file's array can hold in no order"
-        of = f", that of {', '.join(ids)}" if ids and not said else ""
+        of = f", that of {', '.join(ids)}" if ids and not sentence else ""
         if len(ids) == 1 and len(about) == 2:
             of = f", where both contours are {ids[0]} (write `where i != j`)"
-        return AtLeast((), (), 1, About(self.rule, tuple(ids), f"{words}{of}: {said or self.why}"))
+        return AtLeast((), (), 1, About(self.rule, tuple(ids), f"{words}{of}: {sentence or self.why}"))
 
     def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[LagsOfPairs, list[int]]:
         """What elements ask to lie between contours, and the numbers of those left."""
@@ -126,33 +126,33 @@ class Writer:
         for k in numbers:
             node = elements[k]
             if isinstance(node, Lit) and node.holds and isinstance(node.atom, Between):
-                asked = found[node.atom.i, node.atom.j]
-                if node.atom.cuts in asked:
+                found_lags = found[node.atom.i, node.atom.j]
+                if node.atom.cuts in found_lags:
                     rest.append(k)  # asked twice, it counts twice
                 else:
-                    asked[node.atom.cuts] = k
+                    found_lags[node.atom.cuts] = k
             else:
                 rest.append(k)
         lags: LagsOfPairs = {}
-        for pair, asked in found.items():
-            most = max(asked)
-            if self.in_parts or sorted(asked) == list(range(1, most + 1)):
-                lags[pair] = (most, asked[most])
+        for pair, found_lags in found.items():
+            most = max(found_lags)
+            if self.in_parts or sorted(found_lags) == list(range(1, most + 1)):
+                lags[pair] = (most, found_lags[most])
             else:
-                rest += asked.values()
+                rest += found_lags.values()
         return lags, sorted(rest)
 
-    def _of_node(self, node: Node, said: str | None, about: tuple[int, ...] = ()) -> Iterator[Statement]:
+    def _of_node(self, node: Node, sentence: str | None, about: tuple[int, ...] = ()) -> Iterator[Statement]:
         if not self.in_parts:
-            yield from self._single(node, said, about)
+            yield from self._single(node, sentence, about)
             return
         for part in parts(node):
-            yield from self._single(part, said, about)
+            yield from self._single(part, sentence, about)
 
-    def _single(self, node: Node, said: str | None, about: tuple[int, ...]) -> Iterator[Statement]:
+    def _single(self, node: Node, sentence: str | None, about: tuple[int, ...]) -> Iterator[Statement]:
         if node is True:
             return
-        moves = self._moves(node, said)
+        moves = self._moves(node, sentence)
         if moves is not None:
             yield from moves
             return
@@ -160,11 +160,11 @@ class Writer:
             fallen = clauses(node)
             if len(fallen) > 1:
                 for clause in fallen:
-                    yield from self._single(clause, said, about)
+                    yield from self._single(clause, sentence, about)
                 return
         if isinstance(node, Lit) and node.holds and isinstance(node.atom, Pause | Between):
             if self.in_parts:
-                yield self._apart(node.atom, said)
+                yield self._apart(node.atom, sentence)
                 return
             if isinstance(node.atom, Pause):
                 raise NotExpressible(
@@ -175,11 +175,11 @@ class Writer:
         plain = merged(without_words(node, len(self.nest.contours)))
         if self.in_parts:
             for clause in clauses(plain):
-                yield from self._simple(merged(clause), said, about)
+                yield from self._simple(merged(clause), sentence, about)
             return
-        yield from self._simple(plain, said, about)
+        yield from self._simple(plain, sentence, about)
 
-    def _moves(self, node: Node, said: str | None) -> list[Move] | None:
+    def _moves(self, node: Node, sentence: str | None) -> list[Move] | None:
         """A condition about nothing but one move and the ways to cut its two contours; None where it is more."""
         found = [lit for lit in literals(node) if isinstance(lit.atom, Next)]
         if len(found) != 1 or found[0].holds:
@@ -188,7 +188,7 @@ class Writer:
         assert isinstance(straight, Next)
         i, j = straight.i, straight.j
         names = [self.nest.contours[k].id for k in (i, j)]
-        words = self._sentence(said, names, "do not follow each other directly in this order")
+        words = self._sentence(sentence, names, "do not follow each other directly in this order")
         about = About(self.rule, tuple(names), words)
         if node == found[0]:
             return [Move((i,), (j,), about)]
@@ -208,39 +208,39 @@ class Writer:
             Move((i,), (j,), about, leaving=frozenset(some), reaching=then) for then, some in refused.items() if then
         ]
 
-    def _apart(self, atom: Pause | Between, said: str | None) -> Lag:
+    def _apart(self, atom: Pause | Between, sentence: str | None) -> Lag:
         cuts, seconds = (atom.cuts, 0.0) if isinstance(atom, Between) else (0, atom.ms / 1000)
         words = f"have at least {cuts} cuts between them" if cuts else f"are at least {seconds:g} s apart"
         ids = [self.nest.contours[k].id for k in (atom.i, atom.j)]
-        return Lag(atom.i, atom.j, About(self.rule, tuple(ids), self._sentence(said, ids, words)), cuts, seconds)
+        return Lag(atom.i, atom.j, About(self.rule, tuple(ids), self._sentence(sentence, ids, words)), cuts, seconds)
 
-    def _simple(self, node: Node, said: str | None, of: tuple[int, ...]) -> Iterator[Statement]:
+    def _simple(self, node: Node, sentence: str | None, of: tuple[int, ...]) -> Iterator[Statement]:
         contours = self.nest.contours
         if node is True:
             return
         if node is False:
-            yield AtLeast((), (), 1, About(self.rule, (), self._sentence(said, [], "")))
+            yield AtLeast((), (), 1, About(self.rule, (), self._sentence(sentence, [], "")))
         elif isinstance(node, Lit) and isinstance(node.atom, Before):
             first, then = (node.atom.i, node.atom.j) if node.holds else (node.atom.j, node.atom.i)
             ids = (contours[first].id, contours[then].id)
-            about = About(self.rule, ids, said or f"{ids[0]} is cut before {ids[1]}: {self.why}")
+            about = About(self.rule, ids, sentence or f"{ids[0]} is cut before {ids[1]}: {self.why}")
             yield Precede(first, then, about)
         elif isinstance(node, Lit) and isinstance(node.atom, Pick) and not node.holds:
             way = self.ways[node.atom.c]
             name = contours[way.contour].id
-            yield Forbid(node.atom.c, About(self.rule, (name,), said or f"{name} is not {way.words}: {self.why}"))
+            yield Forbid(node.atom.c, About(self.rule, (name,), sentence or f"{name} is not {way.words}: {self.why}"))
         else:
             terms = ((node, 1),) if isinstance(node, Lit) else node.terms
-            yield self._at_least(terms, 1 if isinstance(node, Lit) else node.bound, said, of)
+            yield self._at_least(terms, 1 if isinstance(node, Lit) else node.bound, sentence, of)
 
     def _at_least(
-        self, terms: Sequence[tuple[Lit | Gate, int]], bound: int, said: str | None, of: tuple[int, ...]
+        self, terms: Sequence[tuple[Lit | Gate, int]], bound: int, sentence: str | None, of: tuple[int, ...]
     ) -> AtLeast:
         when = self._when(terms, bound)
         rest = [(term, weight) for term, weight in terms if when is None or term != Lit(Pick(when), False)]
-        made = _enough(rest, bound)
-        about = self._about([*rest, *(((Lit(Pick(when)), 1),) if when is not None else ())], said, of)
-        return AtLeast(made.literals, made.weights, made.bound, about, when=when)
+        statement = _enough(rest, bound)
+        about = self._about([*rest, *(((Lit(Pick(when)), 1),) if when is not None else ())], sentence, of)
+        return AtLeast(statement.literals, statement.weights, statement.bound, about, when=when)
 
     def _when(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int) -> int | None:
         """The candidate without which nothing is asked: best one whose contour every order is about."""
@@ -259,7 +259,7 @@ class Writer:
 
         return min(free, key=fit)
 
-    def _about(self, terms: Iterable[tuple[Lit | Gate, int]], said: str | None, of: tuple[int, ...]) -> About:
+    def _about(self, terms: Iterable[tuple[Lit | Gate, int]], sentence: str | None, of: tuple[int, ...]) -> About:
         numbers: dict[int, None] = {}
         for term, _ in terms:
             for lit in literals(term):
@@ -269,11 +269,11 @@ class Writer:
                     numbers |= dict.fromkeys(_ends(lit))
         named = dict.fromkeys(of) if of and len(numbers) > MOST_TOLD else numbers
         ids = [self.nest.contours[k].id for k in named]
-        return About(self.rule, tuple(ids), self._sentence(said, ids, ""))
+        return About(self.rule, tuple(ids), self._sentence(sentence, ids, ""))
 
-    def _sentence(self, said: str | None, ids: Sequence[str], words: str) -> str:
-        if said:
-            return said
+    def _sentence(self, sentence: str | None, ids: Sequence[str], words: str) -> str:
+        if sentence:
+            return sentence
         shown = join_names(ids, MOST_NAMED)
         return f"{shown} {words}: {self.why}" if words else f"{shown}: {self.why}" if shown else self.why
 
@@ -315,8 +315,8 @@ def _enough(terms: Iterable[tuple[Lit | Gate, int]], bound: int) -> Enough:
 
 def merged_gate(node: Gate) -> Gate:
     """The gate with a gate of its own written into it, where that leaves a gate."""
-    made = merged(node)
-    return made if isinstance(made, Gate) else node
+    gate = merged(node)
+    return gate if isinstance(gate, Gate) else node
 
 
 def contiguous_runs(elements: Sequence[Node]) -> tuple[list[frozenset[int]], list[int]]:
@@ -368,11 +368,11 @@ def without_words(node: Node, n: int) -> Node:
     if isinstance(node, bool):
         return node
     if isinstance(node, Gate):
-        made: dict[Node, int] = {}
+        values: dict[Node, int] = {}
         for term, weight in node.terms:
             plain = without_words(term, n)
-            made[plain] = made.get(plain, 0) + weight
-        return gate(made, node.bound)
+            values[plain] = values.get(plain, 0) + weight
+        return gate(values, node.bound)
     atom = node.atom
     match atom:
         case Before() | Pick():
@@ -417,13 +417,13 @@ def clauses(node: Node) -> list[Node]:
         return [clause for term, _ in node.terms for clause in clauses(term)]
     if not node.is_or or all(not isinstance(term, Gate) or not _falls_apart(term) for term, _ in node.terms):
         return [node]
-    made: list[Node] = [False]
+    conjunction: list[Node] = [False]
     for term, _ in node.terms:
         found = clauses(term)
-        if len(made) * len(found) > MOST_CLAUSES:
+        if len(conjunction) * len(found) > MOST_CLAUSES:
             raise NotExpressible(0, f"it comes to more than {MOST_CLAUSES:,} conditions")
-        made = [any_of([one, other]) for one in made for other in found]
-    return [clause for clause in dict.fromkeys(made) if clause is not True]
+        conjunction = [any_of([one, other]) for one in conjunction for other in found]
+    return [clause for clause in dict.fromkeys(conjunction) if clause is not True]
 
 
 def _falls_apart(node: Gate) -> bool:

@@ -70,9 +70,9 @@ def spots_along(part: int, line: shapely.LineString, begin_mm: float, length_mm:
     return spots_along_each([(part, line, begin_mm, length_mm, count)])
 
 
-def spots_along_each(asked: Sequence[Stretch]) -> Spots:
+def spots_along_each(stretches: Sequence[Stretch]) -> Spots:
     """As `spots_along` of each, one behind the other, in less time."""
-    return Spots.joined([_spots(asked[k : k + LINES_AT_ONCE]) for k in range(0, len(asked), LINES_AT_ONCE)])
+    return Spots.joined([_spots(stretches[k : k + LINES_AT_ONCE]) for k in range(0, len(stretches), LINES_AT_ONCE)])
 
 
 def _spots(stretches: Sequence[Stretch]) -> Spots:
@@ -239,7 +239,7 @@ def rigid_at_the_end(
     """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
     cut_at = np.full(len(nest.parts), len(cuts) + 1)
     judged: list[tuple[int, int]] = []
-    asked: list[tuple[Contour, Cut]] = []
+    pairs: list[tuple[Contour, Cut]] = []
     for k, cut in enumerate(cuts, 1):
         contour = nest.contour(cut.contour)
         if contour.kind != "outer":
@@ -247,9 +247,9 @@ def rigid_at_the_end(
         part = nest.owners[nest.index[cut.contour]]
         cut_at[part] = k
         judged.append((k, part))
-        asked.append((contour, cut))
+        pairs.append((contour, cut))
     tails: list[Stretch] = []
-    for (_, part), (contour, _), way in zip(judged, asked, follow_all(asked), strict=True):
+    for (_, part), (contour, _), way in zip(judged, pairs, follow_all(pairs), strict=True):
         end_mm, tail_mm = way.stretch(tail_share, last=True)
         count = min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
         tails.append((part, contour.line, end_mm, tail_mm, count))
@@ -323,10 +323,10 @@ def follow_all(rows: Sequence[tuple[Contour, Cut]]) -> list[Followed]:
     begin_mm = shapely.line_locate_point(lines, shapely.points([cut.entry for _, cut in rows]))
     points, of = shapely.get_coordinates(lines, return_index=True)
     ccw = shapely.is_ccw(shapely.linearrings(points, indices=of))
-    told = zip(rows, lines, begin_mm.tolist(), shapely.length(lines).tolist(), ccw.tolist(), strict=True)
+    walks = zip(rows, lines, begin_mm.tolist(), shapely.length(lines).tolist(), ccw.tolist(), strict=True)
     return [
         _followed(cut, line, begin, around, (cut.direction == "ccw") == turns)
-        for (_, cut), line, begin, around, turns in told
+        for (_, cut), line, begin, around, turns in walks
     ]
 
 
@@ -364,8 +364,8 @@ def faced_by_cuts(
     of_cuts = ((nest.contour(cut.contour), cut) for cut in cuts)
     outers = [(contour, cut) for contour, cut in of_cuts if contour.kind == "outer"]
     ways = zip(outers, follow_all(outers), strict=True)
-    asked = [(nest.index[contour.id], *way.stretch(share, last=last)) for (contour, _), way in ways]
-    return _faced(nest, asked, web_mm, edge_band_mm)
+    queries = [(nest.index[contour.id], *way.stretch(share, last=last)) for (contour, _), way in ways]
+    return _faced(nest, queries, web_mm, edge_band_mm)
 
 
 def faced_all_round(nest: Nest, web_mm: float, edge_band_mm: float) -> dict[int, Faced]:
@@ -374,19 +374,19 @@ def faced_all_round(nest: Nest, web_mm: float, edge_band_mm: float) -> dict[int,
     return _faced(nest, [(nest.index[c.id], 0.0, c.line.length) for c in outers], web_mm, edge_band_mm)
 
 
-def _faced(nest: Nest, asked: list[tuple[int, float, float]], web_mm: float, edge_band_mm: float) -> dict[int, Faced]:
+def _faced(nest: Nest, queries: list[tuple[int, float, float]], web_mm: float, edge_band_mm: float) -> dict[int, Faced]:
     """What stretches of contours (number, where they begin, how long they are) face."""
     part = {p.id: k for k, p in enumerate(nest.parts)}
     outer = [nest.index[p.outer.id] for p in nest.parts]
     stretches: list[Stretch] = []
-    for number, begin_mm, length_mm in asked:
+    for number, begin_mm, length_mm in queries:
         contour = nest.contours[number]
         count = min(max(math.ceil(abs(length_mm) / STRETCH_STEP_MM), LEAST_STRETCH_SPOTS), MOST_STRETCH_SPOTS)
         stretches.append((part[contour.part], contour.line, begin_mm, length_mm, count))
     met = facing(nest, web_mm, edge_band_mm).faced(spots_along_each(stretches))
     counts = [count for *_, count in stretches]
     found: dict[int, Faced] = {}
-    for (number, _, length_mm), own in zip(asked, np.split(met, np.cumsum(counts)[:-1]), strict=True):
+    for (number, _, length_mm), own in zip(queries, np.split(met, np.cumsum(counts)[:-1]), strict=True):
         each_mm = abs(length_mm) / len(own)
         values, times = np.unique(own, return_counts=True)
         mm = {int(value): float(count * each_mm) for value, count in zip(values, times, strict=True)}

@@ -176,15 +176,15 @@ class _Field:
 
     def walls(self, face: int, since: int) -> frozenset[int]:
         """The burns along the outline of the piece that a face is of after burn number `since`."""
-        piece, asked = {face}, deque([face])
+        piece, seen = {face}, deque([face])
         edge: set[int] = set()
-        while asked:
-            for other in self.beside[asked.popleft()]:
+        while seen:
+            for other in self.beside[seen.popleft()]:
                 if self.first[other] <= since:
                     edge.add(other)
                 elif other not in piece:
                     piece.add(other)
-                    asked.append(other)
+                    seen.append(other)
         outline = shapely.Polygon(shapely.union_all(self.faces[sorted(piece)]).exterior)
         around = [k for k in sorted(edge) if not outline.contains(shapely.point_on_surface(self.faces[k]))]
         return frozenset(self.first[around].tolist())

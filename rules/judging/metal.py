@@ -149,8 +149,8 @@ class Wide:
 
     def known(self, q: int, out: Bools) -> bool:
         """Whether part `q` was seen to be in none with these of the parts around it out, or more."""
-        asked = _bits(out)
-        return any(asked & ~seen == 0 for seen in self._known.get(q, ()))
+        bits = _bits(out)
+        return any(bits & ~seen == 0 for seen in self._known.get(q, ()))
 
     def note(self, q: int, out: Bools) -> None:
         """Part `q` is in none with these of the parts around it out; the last few of such sets are kept."""

@@ -82,8 +82,8 @@ class PiercePlaces:
         """Pierces nearer to a contour than the clearance; those off the sheet and those `let` are none."""
         pierced = ~shapely.disjoint(self.nest.sheet.polygon, self.points)
         on_edge = shapely.distance(self.nest.sheet.polygon.boundary, self.points) <= SLACK_MM
-        asked = np.array([k not in let or id(cut) not in self.finishing for k, cut, _ in self.pierced], dtype=np.bool_)
-        rows = np.flatnonzero(pierced & ~on_edge & asked)
+        mask = np.array([k not in let or id(cut) not in self.finishing for k, cut, _ in self.pierced], dtype=np.bool_)
+        rows = np.flatnonzero(pierced & ~on_edge & mask)
         for row, k in pairs_found(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
             (at, _, contour), near = self.pierced[rows[row]], self.through[k]
             if near is contour and contour.kind == "slit":
@@ -207,8 +207,8 @@ def leads_over_older_kerfs(
             text = f"{contour.id} (cut {k}) is pierced {where}, at {spot(cut)}"
             yield (burn.position, k), (contour.id, burn.contour.id), text
     before = {k: nest.contour(cuts[k - 2].contour) for k, cut, _ in through if cut.linked and k > 1}
-    asked = [row for row in through if not (row[0] in let and when[id(row[1])] % 2 == 0)]
-    leads = list(_leads_of(asked, when, kerf_mm, before))
+    rows = [row for row in through if not (row[0] in let and when[id(row[1])] % 2 == 0)]
+    leads = list(_leads_of(rows, when, kerf_mm, before))
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, b in pairs_found(tree.query(free, "dwithin", distance=kerf_mm - SLACK_MM)):
         lead, burn = leads[row], burns[b]
@@ -306,8 +306,8 @@ def _leads_of(
             ways.append(lead)
         else:
             ways.append(lead.between(0.0, free_mm) if free_mm > SLACK_MM / 100 else None)  # else none but rounding
-    made = iter(lines_of([way for way in ways if way is not None], CHORD_MM))
-    free = [None if way is None else next(made) for way in ways]
+    leads = iter(lines_of([way for way in ways if way is not None], CHORD_MM))
+    free = [None if way is None else next(leads) for way in ways]
     ways_out = [k for k, (_, _, _, name, _) in enumerate(named) if name == "lead-out"]
     kerfs = shapely.buffer(np.array([named[k][2].line for k in ways_out], dtype=object), kerf_mm + SLACK_MM)
     lines = np.array([free[k] for k in ways_out], dtype=object)

@@ -184,21 +184,21 @@ class Strips:
         takers = np.flatnonzero(before & near.takes)
         begin = np.searchsorted(near.of[takers], np.arange(len(metal.parts) + 1)).tolist()
         rows = (takers[first:last] for first, last in pairwise(begin))
-        asked = [q for q, row in enumerate(rows) if _two_sides(near.towards[row])]
-        out = {q: before[near.begin[q] : near.begin[q + 1]] for q in asked}
-        asked = [q for q in asked if not metal.wide.known(q, out[q])]
+        both_sides = [q for q, row in enumerate(rows) if _two_sides(near.towards[row])]
+        out = {q: before[near.begin[q] : near.begin[q + 1]] for q in both_sides}
+        both_sides = [q for q in both_sides if not metal.wide.known(q, out[q])]
         found: dict[int, list[int]] = defaultdict(list)
         in_turn = {}
-        for q in asked:
+        for q in both_sides:
             parts = metal.around(q).parts[out[q]]
             in_turn[q] = parts[np.argsort(self.at[parts])]
-        cores = np.array([metal.around(q).stiff for q in asked], dtype=object)
+        cores = np.array([metal.around(q).stiff for q in both_sides], dtype=object)
         for k in range(max(map(len, in_turn.values()), default=0)):
-            some = np.array([m for m, q in enumerate(asked) if k < len(in_turn[q])])
-            less = metal.swept[[in_turn[asked[m]][k] for m in some.tolist()]]
+            some = np.array([m for m, q in enumerate(both_sides) if k < len(in_turn[q])])
+            less = metal.swept[[in_turn[both_sides[m]][k] for m in some.tolist()]]
             cores[some] = shapely.difference(cores[some], less)
-        vanished = self._vanished(np.array(asked, dtype=np.int64), cores) if asked else ()
-        for q, lies_in_strip in zip(asked, vanished, strict=True):
+        vanished = self._vanished(np.array(both_sides, dtype=np.int64), cores) if both_sides else ()
+        for q, lies_in_strip in zip(both_sides, vanished, strict=True):
             if lies_in_strip:
                 found[self._first(q, in_turn[q])].append(q)
             else:
@@ -293,12 +293,12 @@ def lying_badly(metal: Metal, order: Sequence[int], at: Ints) -> dict[int, list[
     strips, islands = in_parallel(
         lambda: _found(Strips(metal, at), order), lambda: _found(Islands(metal, at), order), len(order) >= MANY_PARTS
     )
-    told: set[int] = set()
+    reported: set[int] = set()
     found: dict[int, list[Badly]] = {}
     for p in order:
         for badly in chain(strips[p], islands[p]):
-            if (left := badly[2][0]) not in told:
-                told.add(left)
+            if (left := badly[2][0]) not in reported:
+                reported.add(left)
                 found.setdefault(p, []).append(badly)
     return found
 

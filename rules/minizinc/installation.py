@@ -85,20 +85,20 @@ def expect_usable(program: str) -> None:
     InputError
         If it is too old, or answers otherwise than MiniZinc does, or not within `LIMIT_S`.
     """
-    said = version_of(program)
-    version = re.search(r"version (\d+)\.(\d+)\.(\d+)", said)
+    installed = version_of(program)
+    version = re.search(r"version (\d+)\.(\d+)\.(\d+)", installed)
     if version is None:
-        raise unusable(program, f"asked for its version, it {_quoted(said)}")
+        raise unusable(program, f"asked for its version, it {_quoted(installed)}")
     numbers = tuple(int(number) for number in version.groups())
     if numbers < OLDEST:
         raise unusable(program, f"it is version {'.'.join(map(str, numbers))}")
-    said = _answer(program, "--solvers-json")
+    installed = _answer(program, "--solvers-json")
     try:
-        solvers = json.loads(said)
+        solvers = json.loads(installed)
     except ValueError:
         solvers = None
     if not _is_list_of_solvers(solvers):
-        raise unusable(program, f"asked for its solvers, it {_quoted(said)}")
+        raise unusable(program, f"asked for its solvers, it {_quoted(installed)}")
     if not solvers:
         raise unusable(program, "it has no solvers")
 
@@ -115,9 +115,9 @@ def expect_solving(program: str, solver: str) -> None:
     with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
         model = Path(folder, "smallest.mzn")
         model.write_text(SMALLEST_MODEL, encoding="utf-8", newline="\n")
-        said = _answer(program, "--solver", solver, str(model), asked="a model of one line")
-    if SMALLEST_ANSWER not in said:
-        raise unusable(program, f"asked to solve a model of one line by {solver}, it {_quoted(said)}")
+        reply = _answer(program, "--solver", solver, str(model), asked="a model of one line")
+    if SMALLEST_ANSWER not in reply:
+        raise unusable(program, f"asked to solve a model of one line by {solver}, it {_quoted(reply)}")
 
 
 def _answer(program: str, *words: str, asked: str = "") -> str:
@@ -239,9 +239,9 @@ def _read(file: BinaryIO) -> str:
     return file.read(MOST_BYTES).decode("utf-8", errors="replace")
 
 
-def _quoted(said: str) -> str:
+def _quoted(text: str) -> str:
     """What it printed, in words: its first line that is not empty."""
-    line = next((line.strip() for line in said.splitlines() if line.strip()), "")
+    line = next((line.strip() for line in text.splitlines() if line.strip()), "")
     return f"prints {escape_text(line[:100])!r}" if line else "prints nothing"
 
 

@@ -137,12 +137,12 @@ class Number(OptionKind):
         return repr(value) if self.whole or value != int(value) else str(int(value))
 
     def schema(self) -> dict[str, Any]:
-        made: dict[str, Any] = {"type": "integer" if self.whole else "number"}
+        result: dict[str, Any] = {"type": "integer" if self.whole else "number"}
         if self.at_least is not None:
-            made["minimum"] = self.at_least
+            result["minimum"] = self.at_least
         if self.at_most is not None:
-            made["maximum"] = self.at_most
-        return made
+            result["maximum"] = self.at_most
+        return result
 
     def expected(self) -> str:
         what = "a whole number" if self.whole else "a number"
@@ -249,16 +249,16 @@ class Pairs(OptionKind):
             raise self.refuse(node)
         value = Choice(self.words) if self.words else Text()
         found: dict[str, str] = {}
-        for key, given in node.value:
-            found[Text().read(key)] = str(value.read(given))
+        for key, entry in node.value:
+            found[Text().read(key)] = str(value.read(entry))
         return tuple(found.items())
 
     def write(self, value: tuple[tuple[str, str], ...]) -> str:
-        return "{" + ", ".join(f"{Text().write(key)}: {Text().write(given)}" for key, given in value) + "}"
+        return "{" + ", ".join(f"{Text().write(key)}: {Text().write(pair)}" for key, pair in value) + "}"
 
     def schema(self) -> dict[str, Any]:
-        given: dict[str, Any] = {"enum": list(self.words)} if self.words else {"type": ["string", "number"]}
-        return {"type": "object", "additionalProperties": given}
+        word_schema: dict[str, Any] = {"enum": list(self.words)} if self.words else {"type": ["string", "number"]}
+        return {"type": "object", "additionalProperties": word_schema}
 
     def expected(self) -> str:
         return f"a mapping such as {{red: {self.words[0]}}}" if self.words else "a mapping such as {frame: sheet}"

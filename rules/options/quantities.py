@@ -182,8 +182,8 @@ class OrWord(OptionKind):
             return self.quantity.read(node)
         except Unfit as error:
             hint = f": did you mean {self.none!r}?" if nearest(text, [self.none]) else ""
-            said = str(error).replace(self.quantity.expected(), self.expected())
-            raise Unfit(f"{said}{hint}", error.node) from None
+            message = str(error).replace(self.quantity.expected(), self.expected())
+            raise Unfit(f"{message}{hint}", error.node) from None
 
     def write(self, value: float | None) -> str:
         return self.none if value is None else self.quantity.write(value)

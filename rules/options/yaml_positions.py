@@ -89,10 +89,10 @@ def _composed(text: str, file: str) -> yaml.Node | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-        said = ", ".join(part for part in (error.context, error.problem) if part)
-        if "'\\t'" in said:
-            said = "a tab; YAML is indented with spaces"
-        raise InputError(f"not YAML: {said}", file=file, line=line, column=column) from None
+        message = ", ".join(part for part in (error.context, error.problem) if part)
+        if "'\\t'" in message:
+            message = "a tab; YAML is indented with spaces"
+        raise InputError(f"not YAML: {message}", file=file, line=line, column=column) from None
     except yaml.reader.ReaderError as error:
         raise InputError(f"not YAML: {error.reason} (character {error.character!r})", file=file) from None
     except RecursionError:

@@ -167,10 +167,10 @@ def _fault(rule: Rule[Any], name: str, unfit: _Unfit) -> RuleFault:
     return RuleFault(f"rule {rule.id}{brought_by(rule.brought)}: {name}() {unfit}", file=file or None, line=line)
 
 
-def _statements(rule: Rule[Any], given: Any, facts: Facts, options: Any) -> list[Statement]:
-    if not isinstance(given, Iterable):
-        raise _Unfit(f"gives {given!r}, expected statements")
-    statements = list(given)
+def _statements(rule: Rule[Any], value: Any, facts: Facts, options: Any) -> list[Statement]:
+    if not isinstance(value, Iterable):
+        raise _Unfit(f"gives {value!r}, expected statements")
+    statements = list(value)
     for s in statements:
         if not isinstance(s, KINDS):
             raise _Unfit(f"gives {s!r}, expected a statement such as Precede")
@@ -185,8 +185,8 @@ def _statements(rule: Rule[Any], given: Any, facts: Facts, options: Any) -> list
     return statements
 
 
-def _violations(rule: Rule[Any], given: Any, nest: Nest, cuts: Any, options: Any) -> list[Violation]:
-    found = _each(given, Violation, "a list of Violation")
+def _violations(rule: Rule[Any], value: Any, nest: Nest, cuts: Any, options: Any) -> list[Violation]:
+    found = _each(value, Violation, "a list of Violation")
     for v in found:
         if v.rule != rule.id:
             raise _Unfit(f"gives a violation of rule {v.rule!r}, expected self.id")
@@ -196,8 +196,8 @@ def _violations(rule: Rule[Any], given: Any, nest: Nest, cuts: Any, options: Any
     return found
 
 
-def _pairs(rule: Rule[Any], given: Any, nest: Nest, cuts: Any, options: Any) -> list[tuple[str, str]]:
-    pairs = _each(given, tuple, "a list of pairs of contour ids")
+def _pairs(rule: Rule[Any], value: Any, nest: Nest, cuts: Any, options: Any) -> list[tuple[str, str]]:
+    pairs = _each(value, tuple, "a list of pairs of contour ids")
     for pair in pairs:
         if len(pair) != 2:
             raise _Unfit(f"gives {pair!r}, expected a pair of contour ids (before, after)")
@@ -205,15 +205,15 @@ def _pairs(rule: Rule[Any], given: Any, nest: Nest, cuts: Any, options: Any) -> 
     return pairs
 
 
-def _together(rule: Rule[Any], given: Any, nest: Nest, options: Any) -> list[tuple[str, ...]]:
-    runs = _each(given, tuple, "a list of tuples of contour ids")
+def _together(rule: Rule[Any], value: Any, nest: Nest, options: Any) -> list[tuple[str, ...]]:
+    runs = _each(value, tuple, "a list of tuples of contour ids")
     for run in runs:
         _known(nest, run)
     return runs
 
 
-def _no_goods(rule: Rule[Any], given: Any, nest: Nest, order: Any, options: Any) -> list[NoGoodIds]:
-    found = _each(given, NoGoodIds, "a list of NoGoodIds")
+def _no_goods(rule: Rule[Any], value: Any, nest: Nest, order: Any, options: Any) -> list[NoGoodIds]:
+    found = _each(value, NoGoodIds, "a list of NoGoodIds")
     for no_good in found:
         _known(nest, (*no_good.out, *no_good.left))
     return found
@@ -225,40 +225,40 @@ def _known(nest: Nest, names: Iterable[str]) -> None:
             raise _Unfit(f"names {name!r}, which is no contour of this nest")
 
 
-def _each(given: Any, kind: type, expected: str) -> list[Any]:
-    if not isinstance(given, Iterable) or isinstance(given, str):
-        raise _Unfit(f"gives {given!r}, expected {expected}")
-    found = list(given)
+def _each(value: Any, kind: type, expected: str) -> list[Any]:
+    if not isinstance(value, Iterable) or isinstance(value, str):
+        raise _Unfit(f"gives {value!r}, expected {expected}")
+    found = list(value)
     for one in found:
         if not isinstance(one, kind):
             raise _Unfit(f"gives {one!r}, expected {expected}")
     return found
 
 
-def _exempt(rule: Rule[Any], given: Any, facts: Any, options: Any) -> list[About]:
-    return _each(given, About, "self.about(…) of each contour")
+def _exempt(rule: Rule[Any], value: Any, facts: Any, options: Any) -> list[About]:
+    return _each(value, About, "self.about(…) of each contour")
 
 
-def _text(rule: Rule[Any], given: Any, *asked: Any) -> str | None:
-    if given is not None and not isinstance(given, str):
-        raise _Unfit(f"gives {given!r}, expected a sentence or None")
-    return given
+def _text(rule: Rule[Any], value: Any, *asked: Any) -> str | None:
+    if value is not None and not isinstance(value, str):
+        raise _Unfit(f"gives {value!r}, expected a sentence or None")
+    return value
 
 
-def _same_kind(rule: Rule[Any], given: Any, before: Any, *asked: Any) -> Any:
-    if type(given) is not type(before):
-        raise _Unfit(f"gives {given!r}, expected {type(before).__name__}: what was given, or dataclasses.replace of it")
-    return given
+def _same_kind(rule: Rule[Any], value: Any, before: Any, *asked: Any) -> Any:
+    if type(value) is not type(before):
+        raise _Unfit(f"gives {value!r}, expected {type(before).__name__}: what was given, or dataclasses.replace of it")
+    return value
 
 
-def _limit(rule: Rule[Any], given: Any, *asked: Any) -> TemperatureLimit | None:
-    if given is not None and not isinstance(given, TemperatureLimit):
-        raise _Unfit(f"gives {given!r}, expected a TemperatureLimit or None")
-    return given
+def _limit(rule: Rule[Any], value: Any, *asked: Any) -> TemperatureLimit | None:
+    if value is not None and not isinstance(value, TemperatureLimit):
+        raise _Unfit(f"gives {value!r}, expected a TemperatureLimit or None")
+    return value
 
 
-def _said(rule: Rule[Any], given: Any, *asked: Any) -> list[tuple[str, str]]:
-    found = _each(given, tuple, "pairs of an option's key and a sentence")
+def _said(rule: Rule[Any], value: Any, *asked: Any) -> list[tuple[str, str]]:
+    found = _each(value, tuple, "pairs of an option's key and a sentence")
     for pair in found:
         if len(pair) != 2 or not all(isinstance(text, str) for text in pair):
             raise _Unfit(f"gives {pair!r}, expected an option's key and a sentence")

@@ -113,10 +113,10 @@ def rules_in_file(path: Path) -> tuple[Rule[Any], ...]:
         raise InputError(f"cannot read the Python file: {getattr(error, 'strerror', error)}", file=path) from None
     key = str(full), hashlib.sha256(text).hexdigest()
     if key not in _LOADED:
-        made = tuple(rules_of(run_file(full, text), f"file {path}"))
-        for rule in made:
+        rules = tuple(rules_of(run_file(full, text), f"file {path}"))
+        for rule in rules:
             rule.stands_in = RuleFile(path, key[1])
-        _LOADED[key] = made
+        _LOADED[key] = rules
     return _LOADED[key]
 
 
@@ -192,8 +192,8 @@ def refusal(path: Path) -> str:
 
 
 def _of_environment() -> list[Path]:
-    given = os.environ.get(VARIABLE, "").split(os.pathsep)
-    return [_full(text, VARIABLE) for text in given if text.strip()]
+    paths = os.environ.get(VARIABLE, "").split(os.pathsep)
+    return [_full(text, VARIABLE) for text in paths if text.strip()]
 
 
 def _full(text: str, where: str) -> Path:

@@ -293,7 +293,7 @@ SHOWN = 8
 """So many values of a fact are shown in a message."""
 
 
-def none_has(fact: str, said: object, values: Iterable[object]) -> str:
+def none_has(fact: str, text: object, values: Iterable[object]) -> str:
     """That no contour has this value of a fact, and which there are.
 
     Examples
@@ -303,4 +303,4 @@ def none_has(fact: str, said: object, values: Iterable[object]) -> str:
     """
     there = sorted({str(value) for value in values if value not in (None, "")})
     shown = ", ".join(f"'{value}'" for value in there[:SHOWN]) + (", …" if len(there) > SHOWN else "")
-    return f"none has the {fact} {said!r}; there is {shown or 'nothing of that kind'}"
+    return f"none has the {fact} {text!r}; there is {shown or 'nothing of that kind'}"

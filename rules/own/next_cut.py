@@ -53,28 +53,28 @@ class NextCut(Constraint):
 
     @classmethod
     def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> NextCut:
-        made: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         so_far = len(problems.found)
         for name, key_node, value in entries(node, problems, what):
             if name not in FORMS and name != WITHIN:
                 problems.add(key_node, f"{what}: {unknown('key', name, [*FORMS, WITHIN])}")
-            elif name in FORMS and "form" in made:
-                problems.add(key_node, f"{what}: a rule asks one thing, this one asks {made['form']} and {name}")
+            elif name in FORMS and "form" in values:
+                problems.add(key_node, f"{what}: a rule asks one thing, this one asks {values['form']} and {name}")
             elif name in ("to", "never"):
-                made |= {"form": name, "other": read_selector(value, problems, f"{what}.{name}")}
+                values |= {"form": name, "other": read_selector(value, problems, f"{what}.{name}")}
             elif name == WITHIN:
                 try:
-                    made["within_mm"] = LENGTH.read(value)
+                    values["within_mm"] = LENGTH.read(value)
                 except Unfit as error:
                     problems.add(value, f"{what}.{name}: {error}")
             else:
-                made |= {"form": name, "fact": _fact(value, problems, f"{what}.{name}")}
+                values |= {"form": name, "fact": _fact(value, problems, f"{what}.{name}")}
         if len(problems.found) == so_far:
-            if "form" not in made:
+            if "form" not in values:
                 problems.add(node, f"{what}: say what may follow: one of {', '.join(FORMS)}, such as {{same: layer}}")
-            elif "within_mm" in made and not _is_length(made.get("fact", "")):
+            elif "within_mm" in values and not _is_length(values.get("fact", "")):
                 problems.add(node, f"{what}.{WITHIN}: only lengths such as y_mm, and attributes, are nearly the same")
-        return NextCut(**{"form": "same", **made})
+        return NextCut(**{"form": "same", **values})
 
     @classmethod
     def schema(cls, key: str) -> dict[str, Any]:
@@ -96,10 +96,10 @@ class NextCut(Constraint):
         }
 
     def plain(self) -> tuple[str, object]:
-        made: dict[str, object] = {self.form: self.other.plain() if self.other else self.fact}
+        result: dict[str, object] = {self.form: self.other.plain() if self.other else self.fact}
         if self.within_mm:
-            made[WITHIN] = LENGTH.write(self.within_mm)
-        return "next", made
+            result[WITHIN] = LENGTH.write(self.within_mm)
+        return "next", result
 
     def selectors(self) -> tuple[Selector, ...]:
         return (self.other,) if self.other else ()
@@ -145,8 +145,8 @@ class NextCut(Constraint):
         near = f" to {self.within_mm:g} mm" if self.within_mm else ""
         if self.other is None:
             return f"what directly follows {leave} has {'the same' if self.form == 'same' else 'another'}{near}"
-        asked = " and ".join(f"{name} {value}" for name, value in self.other.plain().items()) or "any contour"
-        return f"what directly follows {leave} is {'not ' if self.form == 'never' else ''}of {asked}"
+        words = " and ".join(f"{name} {value}" for name, value in self.other.plain().items()) or "any contour"
+        return f"what directly follows {leave} is {'not ' if self.form == 'never' else ''}of {words}"
 
     def _alike(self, one: Any, other: Any) -> bool:
         first, second = number_of(one), number_of(other)
@@ -178,14 +178,14 @@ class NextCut(Constraint):
 def _steps(cuts: CutSequence) -> Iterator[tuple[Cut, Cut]]:
     """Cuts that directly follow each other, what several torches cut together each with each; not over a stop."""
     moments = cuts.moments()
-    made = {cut.contour for cut in cuts[: cuts.made]}
+    cut_names = {cut.contour for cut in cuts[: cuts.made]}
     of_moment: dict[int, list[Cut]] = defaultdict(list)
     for cut in cuts:
         of_moment[moments[cut.contour]].append(cut)
     for moment in sorted(of_moment):
         for one in of_moment[moment]:
             for other in of_moment.get(moment + 1, ()):
-                if (one.contour in made) == (other.contour in made):
+                if (one.contour in cut_names) == (other.contour in cut_names):
                     yield one, other
 
 

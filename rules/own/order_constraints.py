@@ -262,21 +262,21 @@ class Apart(Constraint):
     @classmethod
     def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> Apart:
         options = {o.key: o for o in options_of(cls)}
-        given: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         so_far = len(problems.found)
         for name, key_node, value in entries(node, problems, what):
             if name == FROM:
-                given["other"] = read_selector(value, problems, f"{what}.{FROM}")
+                values["other"] = read_selector(value, problems, f"{what}.{FROM}")
             elif name not in options:
                 problems.add(key_node, f"{what}: {unknown('key', name, [*options, FROM])}")
             else:
                 try:
-                    given[options[name].name] = options[name].kind.read(value)
+                    values[options[name].name] = options[name].kind.read(value)
                 except Unfit as error:
                     problems.add(value, f"{what}.{name}: {error}")
-        if len(problems.found) == so_far and not (given.get("cuts") or given.get("time_s")):
+        if len(problems.found) == so_far and not (values.get("cuts") or values.get("time_s")):
             problems.add(node, f"{what}: say how far apart: cuts, time or both, such as {{cuts: 2}}")
-        return Apart(**given)
+        return Apart(**values)
 
     @classmethod
     def schema(cls, key: str) -> dict[str, Any]:
@@ -289,14 +289,14 @@ class Apart(Constraint):
         }
 
     def plain(self) -> tuple[str, object]:
-        made: dict[str, object] = {}
+        result: dict[str, object] = {}
         if self.cuts:
-            made["cuts"] = self.cuts
+            result["cuts"] = self.cuts
         if self.time_s:
-            made["time"] = DURATION.write(self.time_s)
+            result["time"] = DURATION.write(self.time_s)
         if self.within_mm is not None:
-            made["within"] = LENGTH.write(self.within_mm)
-        return "apart", made | ({FROM: self.other.plain()} if self.other else {})
+            result["within"] = LENGTH.write(self.within_mm)
+        return "apart", result | ({FROM: self.other.plain()} if self.other else {})
 
     def selectors(self) -> tuple[Selector, ...]:
         return (self.other,) if self.other else ()
@@ -409,10 +409,10 @@ class WithinTime(Constraint):
     def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         taken, index = _milliseconds(chosen), chosen.nest.index
         most, spent = self._most(taken), 0
-        asked = {chosen.ids(k)[0] for k in _members(chosen)}
+        contours = {chosen.ids(k)[0] for k in _members(chosen)}
         for position, one in enumerate(cuts, 1):
             spent += taken[index[one.contour]] if one.contour in index else 0
-            if one.contour in asked and spent > most:
+            if one.contour in contours and spent > most:
                 text = f"{one.contour} (cut {position}) is out after {spent / _MS:.1f} s of cutting, not {self._said()}"
                 yield (one.contour,), text, (position,)
 

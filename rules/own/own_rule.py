@@ -65,10 +65,10 @@ class OwnRule:
     def plain(self) -> dict[str, object]:
         """The YAML data that reads back as this rule."""
         key, demand = self.ask.plain()
-        made: dict[str, object] = {"name": self.name, "why": self.why, "strength": self.strength}
+        result: dict[str, object] = {"name": self.name, "why": self.why, "strength": self.strength}
         if self.weight is not None:
-            made["weight"] = LENGTH.write(self.weight)
-        return made | {"select": self.select.plain(), key: demand, "scope": self.scope}
+            result["weight"] = LENGTH.write(self.weight)
+        return result | {"select": self.select.plain(), key: demand, "scope": self.scope}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +91,9 @@ class OwnFile:
         """What plans and checks call it."""
         return PREFIX + self.name
 
-    def with_parameters(self, given: Mapping[str, int | bool | str]) -> OwnFile:
+    def with_parameters(self, values: Mapping[str, int | bool | str]) -> OwnFile:
         """The same entry with these parameters and no others."""
-        return replace(self, parameters=tuple(given.items()))
+        return replace(self, parameters=tuple(values.items()))
 
     @property
     def path(self) -> Path:
@@ -102,10 +102,10 @@ class OwnFile:
 
     def plain(self) -> dict[str, object]:
         """The YAML data that reads back as this entry."""
-        made: dict[str, object] = {"file": self.file, "name": self.name, "why": self.why, "strength": self.strength}
+        result: dict[str, object] = {"file": self.file, "name": self.name, "why": self.why, "strength": self.strength}
         if self.weight is not None:
-            made["weight"] = LENGTH.write(self.weight)
-        return made | {"parameters": dict(self.parameters)} if self.parameters else made
+            result["weight"] = LENGTH.write(self.weight)
+        return result | {"parameters": dict(self.parameters)} if self.parameters else result
 
 
 Own = OwnRule | OwnFile

@@ -39,28 +39,28 @@ def read_file_entry(
         If the entry gives parameters and the file is no rule.
     """
     so_far = len(problems.found)
-    given = plain_values(members, problems, what)
+    values = plain_values(members, problems, what)
     for key, key_node, value in members:
         if key == "file":
             try:
-                given["file"] = Text().read(value)
+                values["file"] = Text().read(value)
             except Unfit as error:
                 problems.add(value, f"{what}.file: {error}")
         elif key not in FILE_KEYS:
             problems.add(key_node, f"{what}: {unknown('key of a rule in a file', key, FILE_KEYS)}")
     if len(problems.found) > so_far:
         return None
-    given.setdefault("name", Path(given["file"]).stem)
-    made = OwnFile(place=problems.place(entry), **given)
+    values.setdefault("name", Path(values["file"]).stem)
+    file_entry = OwnFile(place=problems.place(entry), **values)
     node = next(value for key, _, value in members if key == "file")
-    if made.path.suffix != ".mzn":
-        problems.add(node, f"{what}.file: expected a MiniZinc file such as plant_rule.mzn, got {made.file!r}")
-        return made
-    expect_readable(made.path)  # whether it is there or not
-    if not is_file(made.path):
-        problems.add(node, f"{what}.file: there is no file {str(made.path)!r}")
-        return made
-    return with_parameters(made, members, problems, what, parameters_of)
+    if file_entry.path.suffix != ".mzn":
+        problems.add(node, f"{what}.file: expected a MiniZinc file such as plant_rule.mzn, got {file_entry.file!r}")
+        return file_entry
+    expect_readable(file_entry.path)  # whether it is there or not
+    if not is_file(file_entry.path):
+        problems.add(node, f"{what}.file: there is no file {str(file_entry.path)!r}")
+        return file_entry
+    return with_parameters(file_entry, members, problems, what, parameters_of)
 
 
 def with_parameters(
@@ -71,17 +71,17 @@ def with_parameters(
     if not found:
         return rule
     kinds = parameters_of(rule.path)
-    given: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for key, key_node, value in entries(found[0], problems, f"{what}.parameters"):
         if key not in kinds:
-            said = unknown("parameter", key, list(kinds)) if kinds else f"{rule.file} declares no parameter"
-            problems.add(key_node, f"{what}.parameters: {said}")
+            text = unknown("parameter", key, list(kinds)) if kinds else f"{rule.file} declares no parameter"
+            problems.add(key_node, f"{what}.parameters: {text}")
             continue
         try:
-            given[key] = kinds[key].read(value)
+            values[key] = kinds[key].read(value)
         except Unfit as error:
             problems.add(error.node or value, f"{what}.parameters.{key}: {error}")
-    return rule.with_parameters(given)
+    return rule.with_parameters(values)
 
 
 # The plain keys of an entry of `own_rules`: its name, why, strength, weight and scope.
@@ -101,16 +101,16 @@ KeyedNodes = list[tuple[str, yaml.Node, yaml.Node]]
 
 def plain_values(members: KeyedNodes, problems: Problems, what: str) -> dict[str, Any]:
     strength = next((value.value for key, _, value in members if key == "strength"), "hard")
-    given: dict[str, Any] = {"weight": DEFAULT_WEIGHT_MM} if strength == "soft" else {}
+    values: dict[str, Any] = {"weight": DEFAULT_WEIGHT_MM} if strength == "soft" else {}
     for key, _, value in members:
         if key in PLAIN:
             try:
-                given[key] = PLAIN[key][0].read(value)
+                values[key] = PLAIN[key][0].read(value)
             except Unfit as error:
                 problems.add(value, f"{what}.{key}: {error}")
         if key == "weight" and strength != "soft":
             problems.add(value, f"{what}.weight: only a soft rule has a weight, this one is {strength}")
-    return given
+    return values
 
 
 KEYS = (*PLAIN, "select", *ASKS)
@@ -146,24 +146,26 @@ def read_own_rules(node: yaml.Node, problems: Problems, parameters_of: Parameter
 
 def read_own_rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnRule | None:
     so_far = len(problems.found)
-    given: dict[str, Any] = {}
-    asked = [(key, key_node, value) for key, key_node, value in members if key in ASKS]
+    values: dict[str, Any] = {}
+    conditions = [(key, key_node, value) for key, key_node, value in members if key in ASKS]
     for key, key_node, value in members:
         if key == "select":
-            given[key] = read_selector(value, problems, f"{what}.select")
+            values[key] = read_selector(value, problems, f"{what}.select")
         elif key not in KEYS:
             problems.add(key_node, f"{what}: {unknown('key', key, [*KEYS, 'file'])}")
-    given |= plain_values(members, problems, what)
-    for key, key_node, _ in asked[1:]:
-        problems.add(key_node, f"{what}: a rule asks one thing, this one asks {asked[0][0]} and {key}; write two rules")
-    ask = [ASKS[key].read(key, value, problems, f"{what}.{key}") for key, _, value in asked[:1]]
+    values |= plain_values(members, problems, what)
+    for key, key_node, _ in conditions[1:]:
+        problems.add(
+            key_node, f"{what}: a rule asks one thing, this one asks {conditions[0][0]} and {key}; write two rules"
+        )
+    ask = [ASKS[key].read(key, value, problems, f"{what}.{key}") for key, _, value in conditions[:1]]
     if len(problems.found) == so_far and not ask:
         problems.add(entry, f"{what}: nothing is asked: give one of {', '.join(ASKS)}")
-    if len(problems.found) == so_far and "name" not in given:
+    if len(problems.found) == so_far and "name" not in values:
         problems.add(entry, f"{what}: give the rule a name")
     if len(problems.found) > so_far:
         return None
-    return OwnRule(ask=ask[0], place=problems.place(entry), **given)
+    return OwnRule(ask=ask[0], place=problems.place(entry), **values)
 
 
 def own_rules_schema() -> dict[str, Any]:
@@ -231,22 +233,22 @@ def with_own_values(
 
     A value that is no mapping is the rule's strength. What is not set stays as it is, however deep.
     """
-    given: dict[str, tuple[yaml.Node, Tree]] = {}
+    nodes: dict[str, tuple[yaml.Node, Tree]] = {}
     names = [rule.name for rule in own]
     for rest, key_node, value in _each(settings):
         name = _named(rest, names)
         if name is None:
-            said = unknown("own rule", rest, names) if names else "the profile has no own rules"
-            problems.add(key_node, f"set: {said}")
+            text = unknown("own rule", rest, names) if names else "the profile has no own rules"
+            problems.add(key_node, f"set: {text}")
             continue
         path = rest[len(name) + 1 :].split(".") if len(rest) > len(name) else []
         if not path and not isinstance(value, yaml.MappingNode):
             path = ["strength"]
-        twice = _put(given.setdefault(name, (key_node, {}))[1], path, value)
+        twice = _put(nodes.setdefault(name, (key_node, {}))[1], path, value)
         if twice is not None:
             problems.add(key_node, f"set: {'.'.join((SECTION, name, *twice))} is set twice")
     return tuple(
-        _changed(rule, *given[rule.name], problems, parameters_of) if rule.name in given else rule for rule in own
+        _changed(rule, *nodes[rule.name], problems, parameters_of) if rule.name in nodes else rule for rule in own
     )
 
 
@@ -310,14 +312,14 @@ def _changed(rule: Own, at: yaml.Node, tree: Tree, problems: Problems, parameter
 
 def _merged(plain: Mapping[str, object], tree: Tree) -> dict[str, object]:
     """Plain data with what is set in its place."""
-    made = dict(plain)
+    merged = dict(plain)
     for key, value in tree.items():
         if isinstance(value, dict):
-            under = made.get(key)
-            made[key] = _merged(under if isinstance(under, Mapping) else {}, value)
+            under = merged.get(key)
+            merged[key] = _merged(under if isinstance(under, Mapping) else {}, value)
         else:
-            made[key] = value
-    return made
+            merged[key] = value
+    return merged
 
 
 def _key(key: str, at: yaml.Node) -> yaml.Node:
@@ -334,6 +336,6 @@ def _node(value: object, at: yaml.Node) -> yaml.Node:
         )
     if isinstance(value, list | tuple):
         return yaml.SequenceNode("tag:yaml.org,2002:seq", [_node(v, at) for v in value], at.start_mark, at.end_mark)
-    made = SafeRepresenter().represent_data(value)
-    made.start_mark, made.end_mark = at.start_mark, at.end_mark
-    return made
+    node = SafeRepresenter().represent_data(value)
+    node.start_mark, node.end_mark = at.start_mark, at.end_mark
+    return node

@@ -105,8 +105,8 @@ class Selector:
 
     def plain(self) -> dict[str, object]:
         """The YAML data that reads back as this selector."""
-        made = {name: criterion.plain() for name, criterion in self.criteria}
-        return made | ({NOT: self.excluded.plain()} if self.excluded else {})
+        result = {name: criterion.plain() for name, criterion in self.criteria}
+        return result | ({NOT: self.excluded.plain()} if self.excluded else {})
 
 
 def read_selector(node: yaml.Node, problems: Problems, what: str) -> Selector:

@@ -52,15 +52,15 @@ class ModelSource:
     place: Place | None = field(default=None, compare=False)
 
 
-def with_model_files(node: yaml.Node, given: GivenFiles, problems: Problems) -> GivenFiles:
+def with_model_files(node: yaml.Node, files: GivenFiles, problems: Problems) -> GivenFiles:
     """The fields `models`, `further_rules` and `rules` of a profile, with the rules of the files that a node names.
 
     A new rule is hard until `rules` says otherwise; one in the place of a shipped rule has that one's strength. Files
     of a profile that this one is based on stay; a file of the same name takes their place.
     """
-    sources = {source.path.name: source for source in given["models"]}
-    rules: dict[str, Rule[Any]] = dict(given["further_rules"])
-    settings: dict[str, RuleSetting] = dict(given["rules"])
+    sources = {source.path.name: source for source in files["models"]}
+    rules: dict[str, Rule[Any]] = dict(files["further_rules"])
+    settings: dict[str, RuleSetting] = dict(files["rules"])
     taken: dict[str, ModelRule] = {}
     for path, entry in _paths(node, problems):
         place = problems.place(entry)
@@ -90,8 +90,8 @@ def _setting(rule: ModelRule, before: RuleSetting | None) -> RuleSetting:
     if before is None:
         return RuleSetting(rule.default, None, rule.Options())
     names = (o.name for o in options_of(rule.Options))
-    given = {name: getattr(before.options, name) for name in names if hasattr(before.options, name)}
-    return dataclasses.replace(before, options=rule.Options(**given))
+    options = {name: getattr(before.options, name) for name in names if hasattr(before.options, name)}
+    return dataclasses.replace(before, options=rule.Options(**options))
 
 
 def _paths(node: yaml.Node, problems: Problems) -> Iterator[tuple[Path, yaml.Node]]:
@@ -124,7 +124,7 @@ def models_schema() -> dict[str, Any]:
 # The key `python` of a profile: files of rules in Python, run where they are trusted.
 
 
-def with_python_files(node: yaml.Node, given: GivenFiles, problems: Problems, trust: bool) -> GivenFiles:
+def with_python_files(node: yaml.Node, profile_files: GivenFiles, problems: Problems, trust: bool) -> GivenFiles:
     """The fields `python`, `further_rules` and `rules` of a profile, with the rules of the files that a node names.
 
     A file's rules have the strength that they give themselves. Files of a profile that this one is based on stay.
@@ -134,9 +134,9 @@ def with_python_files(node: yaml.Node, given: GivenFiles, problems: Problems, tr
     InputError
         If a file is not trusted, or its rules cannot be used: nothing after it would mean anything.
     """
-    files = list(given["python"])
-    rules: dict[str, Rule[Any]] = dict(given["further_rules"])
-    settings: dict[str, RuleSetting] = dict(given["rules"])
+    files = list(profile_files["python"])
+    rules: dict[str, Rule[Any]] = dict(profile_files["further_rules"])
+    settings: dict[str, RuleSetting] = dict(profile_files["rules"])
     for name, entry in names_of_files(node, "python", problems):
         file = PythonFile(name, Path(problems.file).parent / name, problems.place(entry))
         for rule in _rules(file, trust):
@@ -235,10 +235,10 @@ class ChartUse:
             yield f"material chart {self.name}: starting values of {self.source}, to be tried on your machine"
         for ends in dict.fromkeys((one.lines, one.between) for one in self.interpolated):
             alike = [one for one in self.interpolated if (one.lines, one.between) == ends]
-            told = ", ".join(f"{one.column} {one.text}" for one in alike)
+            text = ", ".join(f"{one.column} {one.text}" for one in alike)
             sides = " and ".join(f"{mm} (line {line})" for line, mm in zip(*ends, strict=True))
             verb = "is" if len(alike) == 1 else "are"
-            yield f"material chart {self.name}: {told} {verb} interpolated between {sides}"
+            yield f"material chart {self.name}: {text} {verb} interpolated between {sides}"
         for column, chart_says, profile_says in self.beaten:
             yield (
                 f"material chart {self.name}: the profile says {column} {profile_says} itself, the chart says "
@@ -248,7 +248,7 @@ class ChartUse:
             yield f"material chart {self.name} says nothing of {column} for {self.row}: {value} holds"
 
 
-def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+def with_chart(found: Mapping[str, yaml.Node], values: dict[str, Any], problems: Problems) -> dict[str, Any]:
     """The sections of a profile with what its chart has for them; `found` are the nodes that this file gives.
 
     Raises
@@ -256,31 +256,31 @@ def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: 
     InputError
         If the chart cannot be read, or is wrong anywhere: with its own lines.
     """
-    material: Material = given["material"]
+    material: Material = values["material"]
     own = _said(found)
     chooses = any(("material", key) in own for key in SELECTS)
     if ("material", "chart") in own and material.chart is not None:
-        given = _put(given, "material", "chart", _chart_path(problems.file, material.chart))
-        material = given["material"]
+        values = _put(values, "material", "chart", _chart_path(problems.file, material.chart))
+        material = values["material"]
     if material.chart is None:
         for key in ("row", "interpolate", "chart_units"):
             if ("material", key) in own and ("material", "chart") not in own:
                 problems.add(own["material", key], f"material.{key}: there is no chart: give material.chart, its file")
-        return given | {"chart": None}
+        return values | {"chart": None}
     if not chooses:
-        return given | {"chart": _beaten_too(given["chart"], own, given)}
+        return values | {"chart": _beaten_too(values["chart"], own, values)}
     looked_up = _looked_up(material, own, found, problems)
-    return given if looked_up is None else _filled(given, looked_up, own, problems)
+    return values if looked_up is None else _filled(values, looked_up, own, problems)
 
 
-def with_dialect_beside(node: yaml.Node | None, given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+def with_dialect_beside(node: yaml.Node | None, values: dict[str, Any], problems: Problems) -> dict[str, Any]:
     """The sections of a profile with the dialect that stands beside its file, where none is there as seen from here."""
-    said = {key.value for key, _ in node.value} if isinstance(node, yaml.MappingNode) else set()
-    name: str = given["machine"].dialect
-    if "dialect" not in said or not is_own_dialect(name) or is_file(name):
-        return given
+    keys = {key.value for key, _ in node.value} if isinstance(node, yaml.MappingNode) else set()
+    name: str = values["machine"].dialect
+    if "dialect" not in keys or not is_own_dialect(name) or is_file(name):
+        return values
     beside = _beside(problems.file, name)
-    return _put(given, "machine", "dialect", beside) if is_file(beside) else given
+    return _put(values, "machine", "dialect", beside) if is_file(beside) else values
 
 
 def _chart_path(profile: str, chart: str) -> str:
@@ -331,7 +331,7 @@ def _looked_up(
 
 
 def _filled(
-    given: dict[str, Any], chosen: tuple[str, str, LookedUp], own: Mapping[Key, yaml.Node], problems: Problems
+    values: dict[str, Any], chosen: tuple[str, str, LookedUp], own: Mapping[Key, yaml.Node], problems: Problems
 ) -> dict[str, Any]:
     file, sha256, looked_up = chosen
     taken, beaten = [], []
@@ -339,41 +339,43 @@ def _filled(
         key = COLUMNS[name].key
         text = value_text(name, value.value)
         if key not in own:
-            given = _put(given, *key, value.value)
+            values = _put(values, *key, value.value)
             if value.lines:
                 taken.append(_taken(name, text, value))
             continue
-        said = _value(given, *key)
-        if same_value(said, value.value, _SAME, 0.0) or (name == "material" and family_of(str(said)) == value.value):
+        stated = _value(values, *key)
+        if same_value(stated, value.value, _SAME, 0.0) or (
+            name == "material" and family_of(str(stated)) == value.value
+        ):
             continue
         if name == "thickness":
             place = f"{Path(file).name}:{value.lines[0]}"
             problems.add(
                 own[key],
-                f"material.thickness: {value_text(name, said)}, but the "
+                f"material.thickness: {value_text(name, stated)}, but the "
                 f"row {looked_up.label!r} of the chart ({place}) is "
                 f"for {text}: name a row for this thickness, or leave the thickness out",
             )
             continue
-        beaten.append((name, text, value_text(name, said)))
+        beaten.append((name, text, value_text(name, stated)))
     silent = [
-        (name, value_text(name, _value(given, *COLUMNS[name].key)))
+        (name, value_text(name, _value(values, *COLUMNS[name].key)))
         for name in _TOLD
         if name not in looked_up.values and COLUMNS[name].key not in own
     ]
     line = 0 if looked_up.row is None else looked_up.row.line
     source = "" if looked_up.row is None else str(looked_up.row.values.get("source", ""))
     use = ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent), source)
-    return given | {"chart": use}
+    return values | {"chart": use}
 
 
-def _beaten_too(use: ChartUse, own: Mapping[Key, yaml.Node], given: Mapping[str, Any]) -> ChartUse:
+def _beaten_too(use: ChartUse, own: Mapping[Key, yaml.Node], values: Mapping[str, Any]) -> ChartUse:
     """The use of a chart by the profile that this one is based on, with what this one says otherwise."""
     kept, beaten = [], list(use.beaten)
     for one in use.taken:
         key = COLUMNS[one.column].key
         if key in own:
-            beaten.append((one.column, one.text, value_text(one.column, _value(given, *key))))
+            beaten.append((one.column, one.text, value_text(one.column, _value(values, *key))))
         else:
             kept.append(one)
     silent = [(name, value) for name, value in use.silent if COLUMNS[name].key not in own]
@@ -388,10 +390,10 @@ def _field(owner: Any, key: str) -> str:
     return next(option.name for option in options_of(owner) if option.key == key)
 
 
-def _put(given: dict[str, Any], section: str, key: str, value: Any) -> dict[str, Any]:
-    owner = given[section]
-    return given | {section: replace(owner, **{_field(owner, key): value})}
+def _put(values: dict[str, Any], section: str, key: str, value: Any) -> dict[str, Any]:
+    owner = values[section]
+    return values | {section: replace(owner, **{_field(owner, key): value})}
 
 
-def _value(given: Mapping[str, Any], section: str, key: str) -> Any:
-    return getattr(given[section], _field(given[section], key))
+def _value(values: Mapping[str, Any], section: str, key: str) -> Any:
+    return getattr(values[section], _field(values[section], key))

@@ -74,14 +74,14 @@ def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profi
     bases: list[str] = []
 
     def base(of: str) -> ProfileValues:
-        made = _load(of, Path(file).parent, (*chain, file), trust)
-        bases.append(made.sha256)
-        return _fields(made)
+        values = _load(of, Path(file).parent, (*chain, file), trust)
+        bases.append(values.sha256)
+        return _fields(values)
 
-    given = read_profile_values(text, file, _fields(_silent(escape_text(Path(file).stem))), base, trust)
-    read_from = (*given.get("read_from", ()), place)
-    made = Profile(**given | {"file": file, "read_from": read_from})
-    return dataclasses.replace(made, sha256=digest_of(content, made, bases))
+    read_values = read_profile_values(text, file, _fields(_silent(escape_text(Path(file).stem))), base, trust)
+    read_from = (*read_values.get("read_from", ()), place)
+    profile = Profile(**read_values | {"file": file, "read_from": read_from})
+    return dataclasses.replace(profile, sha256=digest_of(content, profile, bases))
 
 
 def _silent(name: str) -> Profile:
@@ -230,54 +230,54 @@ def profile_values(
     """The same of YAML that is read already."""
     known = RULES | start["further_rules"]
     found = _top_level(root, problems, known)
-    given = dict(start)
+    values = dict(start)
     if "based_on" in found:
-        given |= _base(found["based_on"], problems, load_base) | {"name": start["name"]}
-    measured_mm_s, start_mm = given["machine"].cut_feed_mm_s, given["material"].thickness_mm
+        values |= _base(found["based_on"], problems, load_base) | {"name": start["name"]}
+    measured_mm_s, start_mm = values["machine"].cut_feed_mm_s, values["material"].thickness_mm
     if "name" in found:
-        given["name"] = escape_text(_read(found["name"], Text(), problems, "name") or "")
+        values["name"] = escape_text(_read(found["name"], Text(), problems, "name") or "")
     for section in SECTIONS:
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
             stand = partial(where_it_belongs, rules=known, section=section)
-            given[section] = read_fields(members, given[section], problems, section, elsewhere=stand)
-    given = with_dialect_beside(found.get("machine"), given, problems)
+            values[section] = read_fields(members, values[section], problems, section, elsewhere=stand)
+    values = with_dialect_beside(found.get("machine"), values, problems)
     if not problems.found:
-        given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
+        values = with_chart({section: found[section] for section in SECTIONS if section in found}, values, problems)
     if "python" in found:
-        given |= with_python_files(found["python"], given, problems, trust)
+        values |= with_python_files(found["python"], values, problems, trust)
     if "models" in found:
-        given |= with_model_files(found["models"], given, problems)
+        values |= with_model_files(found["models"], values, problems)
     if "rules" in found:
-        given["rules"] = read_rules(found["rules"], given["rules"], problems, RULES | given["further_rules"])
+        values["rules"] = read_rules(found["rules"], values["rules"], problems, RULES | values["further_rules"])
     if "locks" in found:
-        given["locks"] = read_locks(found["locks"], problems)
+        values["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
-        given["own_rules"] = read_own_rules(found["own_rules"], problems, parameters_of)
+        values["own_rules"] = read_own_rules(found["own_rules"], problems, parameters_of)
     places = _places(found, problems.file)
-    given["said_at"] = {**given["said_at"], **places}
-    given |= _timed_at(measured_mm_s, given, places)
-    given["kept"] = kept_of_thickness(start_mm, given, places)
+    values["said_at"] = {**values["said_at"], **places}
+    values |= _timed_at(measured_mm_s, values, places)
+    values["kept"] = kept_of_thickness(start_mm, values, places)
     if root is not None:
-        check_together(given, root, problems)
+        check_together(values, root, problems)
     problems.raise_any()
-    return given
+    return values
 
 
-def _timed_at(measured_mm_s: float, given: Mapping[str, Any], places: Mapping[str, str]) -> ProfileValues:
+def _timed_at(measured_mm_s: float, values: Mapping[str, Any], places: Mapping[str, str]) -> ProfileValues:
     """How times are told: a feed law that is inherited holds for the feed that it was measured for.
 
     With another feed the torch moves at that one, and speeds up and slows down, unless the file says itself by which
     model or law; `places` are of what it says.
     """
-    time: Time = given["time"]
+    time: Time = values["time"]
     if any(key in places for key in _LAW_KEYS):
         return {"law_left": None}
-    if time.model != "blocks" or math.isclose(given["machine"].cut_feed_mm_s, measured_mm_s, rel_tol=1e-6):
+    if time.model != "blocks" or math.isclose(values["machine"].cut_feed_mm_s, measured_mm_s, rel_tol=1e-6):
         return {}
     law = time.feed_by_blocks
     left = LawLeft("" if law is None else law.name, measured_mm_s)
-    said_at = {key: at for key, at in given["said_at"].items() if key not in _LAW_KEYS}
+    said_at = {key: at for key, at in values["said_at"].items() if key not in _LAW_KEYS}
     if by := said_at.get("machine.cut_feed"):
         said_at |= dict.fromkeys(_LAW_KEYS, by)
     timed = dataclasses.replace(time, model="acceleration", feed_by_blocks=None)
@@ -296,15 +296,15 @@ def _top_level(root: yaml.Node | None, problems: Problems, known: Mapping[str, R
 
 def _places(found: Mapping[str, yaml.Node], file: str) -> dict[str, str]:
     """Where each key of a section stands, each rule, and what is under it, by such as `rules.pierce.clearance`."""
-    said: dict[str, str] = {}
+    places: dict[str, str] = {}
     nodes = [(section, node) for section, node in found.items() if section in (*SECTIONS, "rules")]
     while nodes:
         path, node = nodes.pop()
         for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-            said[f"{path}.{key.value}"] = f"{file}:{key.start_mark.line + 1}"
+            places[f"{path}.{key.value}"] = f"{file}:{key.start_mark.line + 1}"
             if "." not in path:  # no deeper: an alias may lead back
                 nodes.append((f"{path}.{key.value}", value))
-    return said
+    return places
 
 
 def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], ProfileValues]) -> ProfileValues:
@@ -342,7 +342,7 @@ def read_fields(
     `elsewhere` says where else a profile has a key that is none of these.
     """
     options = {option.key: option for option in options_of(base)}
-    given: ProfileValues = {}
+    values: ProfileValues = {}
     for key, key_node, value in members:
         if key not in options:
             valid = [*options, *other]
@@ -353,13 +353,13 @@ def read_fields(
             inner = list(entries(value, problems, f"{what}.{key}"))
             old = getattr(base, options[key].name)
             group = read_fields(inner, old, problems, f"{what}.{key}", elsewhere=elsewhere)
-            given[options[key].name] = named_in_group(group, [name for name, _, _ in inner])
+            values[options[key].name] = named_in_group(group, [name for name, _, _ in inner])
             continue
         try:
-            given[options[key].name] = options[key].kind.read(value)
+            values[options[key].name] = options[key].kind.read(value)
         except Unfit as error:
             problems.add(error.node or value, f"{what}.{key}: {error}")
-    return dataclasses.replace(base, **given)
+    return dataclasses.replace(base, **values)
 
 
 def read_rules(
@@ -383,20 +383,20 @@ def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Pr
         strength = _read(node, Choice(rule.strengths), problems, what) or base.strength
         return RuleSetting(strength, _weight(rule, strength, base.weight), base.options)
     members = list(entries(node, problems, what))
-    said = {key: value for key, _, value in members if key in ("strength", "weight")}
+    values = {key: value for key, _, value in members if key in ("strength", "weight")}
     strength, weight = base.strength, base.weight
-    if "strength" in said:
-        strength = _read(said["strength"], Choice(rule.strengths), problems, f"{what}.strength") or strength
-    if "weight" in said:
-        weight = _read(said["weight"], WEIGHT, problems, f"{what}.weight")
+    if "strength" in values:
+        strength = _read(values["strength"], Choice(rule.strengths), problems, f"{what}.strength") or strength
+    if "weight" in values:
+        weight = _read(values["weight"], WEIGHT, problems, f"{what}.weight")
         if strength != "soft":
-            problems.add(said["weight"], f"{what}.weight: only a soft rule has a weight, this one is {strength}")
+            problems.add(values["weight"], f"{what}.weight: only a soft rule has a weight, this one is {strength}")
     if not members and strength == "off":
         problems.add(node, f"{what}: the rule is off, and nothing is said of it: {_say_strength(rule)}")
-    rest = [member for member in members if member[0] not in said]
+    rest = [member for member in members if member[0] not in values]
     stand = partial(where_it_belongs, rules=RULES, section="rules")
     options = read_fields(rest, base.options, problems, what, other=("strength", "weight"), elsewhere=stand)
-    if rule.brought and rest and strength == "off" and "strength" not in said:
+    if rule.brought and rest and strength == "off" and "strength" not in values:
         problems.add(node, f"{what}: rules from outside are off unless a profile says otherwise: {_say_strength(rule)}")
     return RuleSetting(strength, _weight(rule, strength, weight), options)
 

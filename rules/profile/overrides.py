@@ -105,16 +105,16 @@ def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COM
     start["own_rules"] = with_own_values(profile.own_rules, own, problems, parameters_of)
     try:
         problems.raise_any()
-        given = profile_values(root, problems, start, _no_base)
+        values = profile_values(root, problems, start, _no_base)
     except InputError as error:
         if file != COMMAND_LINE:
             raise
         others = (text.split(": ", 1)[-1] for text in error.details)
-        told = "; ".join(text.removeprefix("set: ") for text in (error.message, *others))
-        raise InputError(f"{BOTH}: {told}") from None
+        message = "; ".join(text.removeprefix("set: ") for text in (error.message, *others))
+        raise InputError(f"{BOTH}: {message}") from None
     if file == COMMAND_LINE:
-        given["said_at"] = {key: _without_line(at) for key, at in given["said_at"].items()}
-    return dataclasses.replace(profile, **given)
+        values["said_at"] = {key: _without_line(at) for key, at in values["said_at"].items()}
+    return dataclasses.replace(profile, **values)
 
 
 def _no_base(name: str) -> dict[str, Any]:
@@ -153,7 +153,7 @@ def _put(
     path: Sequence[str],
     key_node: yaml.Node,
     value: yaml.Node,
-    said: str,
+    text: str,
     problems: Problems,
     depth: int = 1,
 ) -> None:
@@ -162,15 +162,15 @@ def _put(
     members = value.value if isinstance(value, yaml.MappingNode) and not rest and depth < _DEEPEST else ()
     if not rest and not (members and all(isinstance(key, yaml.ScalarNode) for key, _ in members)):
         if name in tree:
-            problems.add(key_node, f"set: {said} is set twice")
+            problems.add(key_node, f"set: {text} is set twice")
         tree[name] = (key_node, value)
         return
     _, under = tree.setdefault(name, (key_node, _Tree()))
     if not isinstance(under, _Tree):
-        problems.add(key_node, f"set: {said} is set twice: once with all that is under {name!r}")
+        problems.add(key_node, f"set: {text} is set twice: once with all that is under {name!r}")
         return
     for steps, at, node in [(rest, key_node, value)] if rest else [([k.value], k, v) for k, v in members]:
-        _put(under, steps, at, node, said if rest else f"{said}.{steps[0]}", problems, depth + 1)
+        _put(under, steps, at, node, text if rest else f"{text}.{steps[0]}", problems, depth + 1)
 
 
 _DEEPEST = 3
@@ -412,6 +412,6 @@ def _lock_mapping(name: str, key: str, value: str) -> yaml.Node:
         return yaml.ScalarNode("tag:yaml.org,2002:str", text, start, start)
 
     point = key in ("entry", "tab") and value.startswith(("(", "["))
-    told = compose(f"[{value[1:-1]}]", "") if point else scalar(value)
-    members = [(scalar("part" if key == "zone" else "contour"), scalar(name)), (scalar(key), told)]
+    node = compose(f"[{value[1:-1]}]", "") if point else scalar(value)
+    members = [(scalar("part" if key == "zone" else "contour"), scalar(name)), (scalar(key), node)]
     return yaml.MappingNode("tag:yaml.org,2002:map", members, start, start)

@@ -60,10 +60,10 @@ def profile_page() -> str:
 
 
 def _top() -> Iterator[str]:
-    given = profile_schema()["properties"]
+    sections = profile_schema()["properties"]
     yield from ("## At the top", "", "| key | what |", "|---|---|")
     for key in ("name", "based_on", "python", "models"):
-        yield f"| `{key}` | {_cell(given[key]['description'])} |"
+        yield f"| `{key}` | {_cell(sections[key]['description'])} |"
     yield from (f"| `{key}` | [below](#{key}): {_first_line(owner)} |" for key, owner in SECTIONS.items())
     yield "| `rules` | [below](#rules): which rules hold, how strongly, and their options |"
     yield "| `own_rules` | [below](#own_rules): rules of the plant's own |"

@@ -276,26 +276,26 @@ class KeptOfThickness:
             for section, owner in (("machine", machine), ("material", material))
             for o in options_of(owner)
         }
-        told = [values[key] for key in self.keys]
-        listed = ", ".join(told[:-1]) + (" and " if told[1:] else "") + told[-1]
-        verb, them = ("stay as they are", "them") if told[1:] else ("stays as it is", "it")
+        words = [values[key] for key in self.keys]
+        listed = ", ".join(words[:-1]) + (" and " if words[1:] else "") + words[-1]
+        verb, them = ("stay as they are", "them") if words[1:] else ("stays as it is", "it")
         return (
             f"material.thickness is {material.thickness_mm:g} mm, and {listed} {verb} for {self.made_for_mm:g} mm: say "
             f"{them} for this sheet too ({', '.join(self.keys)}), or name a material chart"
         )
 
 
-def kept_of_thickness(base_mm: float, given: Mapping[str, Any], said: Mapping[str, str]) -> KeptOfThickness | None:
-    """Which values are still those of another thickness, in a profile that `said` these keys over one for `base_mm`.
+def kept_of_thickness(base_mm: float, values: Mapping[str, Any], texts: Mapping[str, str]) -> KeptOfThickness | None:
+    """Which values are still those of another thickness, in a profile that `texts` these keys over one for `base_mm`.
 
     What its chart gives it is for its thickness.
     """
-    thickness_mm, chart, before = given["material"].thickness_mm, given["chart"], given["kept"]
+    thickness_mm, chart, before = values["material"].thickness_mm, values["chart"], values["kept"]
     made_for_mm = base_mm if before is None else before.made_for_mm
     if math.isclose(thickness_mm, made_for_mm, rel_tol=1e-6) or chart is not None:
         return None
     left = BY_THICKNESS if before is None else before.keys
-    keys = tuple(key for key in left if key not in said)
+    keys = tuple(key for key in left if key not in texts)
     return KeptOfThickness(made_for_mm, keys) if keys else None
 
 
@@ -449,9 +449,9 @@ class Prices:
             yield _left_out(["prices.remnant_share"], "prices.sheet_kg or sheet_each", "sheet and remnant")
 
 
-def _left_out(said: Sequence[str], missing: str, what: str) -> str:
-    given = f"{' and '.join(said)} {'is' if len(said) == 1 else 'are'} given"
-    return f"{given} without {missing}: the cost leaves out {what}"
+def _left_out(names: Sequence[str], missing: str, what: str) -> str:
+    text = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} given"
+    return f"{text} without {missing}: the cost leaves out {what}"
 
 
 # Prices of an overheat that plans are made at where nobody names others.

@@ -141,8 +141,8 @@ class Profile(ProfileSections):
     @property
     def kerf_starts(self) -> bool:
         """Whether cuts may begin in the kerf of an older one, without a wait for a pierce."""
-        asked = self.common_options() is not None or bool(self.cuts.in_stretches)
-        return asked and self.machine.kerf_start
+        offered = self.common_options() is not None or bool(self.cuts.in_stretches)
+        return offered and self.machine.kerf_start
 
     @property
     def longest_link_mm(self) -> float:
@@ -175,7 +175,7 @@ class Profile(ProfileSections):
     def _asked_of_leads(self) -> LeadOptions:
         """What the sections and the rules ask of each lead, whatever the nest."""
         leads = self.leads
-        given = LeadOptions(
+        lead_options = LeadOptions(
             entries=leads.entries,
             kerf_mm=self.material.kerf_mm,
             lead=leads.lead,
@@ -189,8 +189,8 @@ class Profile(ProfileSections):
             edge_start=leads.edge_start,
         )
         for rule, options, strength in self._every_rule:
-            given = rule.lead_options(given, options, strength)
-        return given
+            lead_options = rule.lead_options(lead_options, options, strength)
+        return lead_options
 
     def tabs(self) -> TabOptions | None:
         """Which parts have tabs, and of what kind; None where no rule asks for any."""
@@ -224,11 +224,11 @@ class Profile(ProfileSections):
             If a bridge of the nest is narrower than the kerf, or a part has no room to lose what it is to lose.
         """
         expect_wider(nest, self.material.kerf_mm)
-        made = self.without_losses(with_small_holes(nest, self.hole_limits()))
-        made = with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
-        made = with_scrap(made, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
+        cut_nest = self.without_losses(with_small_holes(nest, self.hole_limits()))
+        cut_nest = with_slits(cut_nest, self.material.kerf_mm) if self.cuts.narrow == "slit" else cut_nest
+        cut_nest = with_scrap(cut_nest, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
         law = self.corner_feed()
-        return made if law is None else with_corner_times(made, law, self.material.kerf_mm)
+        return cut_nest if law is None else with_corner_times(cut_nest, law, self.material.kerf_mm)
 
     def as_answered(self) -> Profile:
         """The profile with what `drawing.answers` says of slots narrower than the kerf, and of small holes.
@@ -241,8 +241,10 @@ class Profile(ProfileSections):
         answers = dict(self.drawing.answers)
         cuts, holes = self.cuts, self.small_holes
         for question, choices in ((NARROW, NARROW_ANSWERS), (SMALL_HOLES, SMALL_HOLE_ANSWERS)):
-            if (said := answers.get(question, choices[0])) not in choices:
-                raise InputError(f"the answer {question}={said} is none of the choices: expected {', '.join(choices)}")
+            if (answer := answers.get(question, choices[0])) not in choices:
+                raise InputError(
+                    f"the answer {question}={answer} is none of the choices: expected {', '.join(choices)}"
+                )
         if NARROW in answers:
             cuts = replace(cuts, narrow=cast(Narrow, answers[NARROW]))
         match answers.get(SMALL_HOLES):

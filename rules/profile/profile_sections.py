@@ -166,8 +166,8 @@ class ProfileSections:
 
 def options_of_own(own: OwnFile) -> Any:
     """The options of the rule that an entry's file makes, with the parameters that the entry sets."""
-    made, given = own_model_rule(own).Options, dict(own.parameters)
-    return made(**{o.name: given[o.key] for o in options_of(made) if o.key in given})
+    options_type, parameters = own_model_rule(own).Options, dict(own.parameters)
+    return options_type(**{o.name: parameters[o.key] for o in options_of(options_type) if o.key in parameters})
 
 
 def own_model_rule(own: Own) -> Rule[Any]:
@@ -223,15 +223,15 @@ def resolve_defaults(
         If neither `Plant` nor an option that a rule shares has the name of such a field: the rule's author is wrong.
     """
     fields = dataclasses.fields(options)
-    given = {f.name: getattr(options, f.name) for f in fields}
-    lengths = {n: v.at(plant.thickness_mm) for n, v in given.items() if isinstance(v, Thicknesses | ThicknessTable)}
+    values = {f.name: getattr(options, f.name) for f in fields}
+    lengths = {n: v.at(plant.thickness_mm) for n, v in values.items() if isinstance(v, Thicknesses | ThicknessTable)}
     unset = [f.name for f in fields if "kind" not in f.metadata]
     if not unset:
         return dataclasses.replace(options, **lengths)
-    told = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)} | shared(rules, known)
+    plant_values = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)} | shared(rules, known)
     if ORDERS_BY in unset:
-        told[ORDERS_BY] = _orders_by(plant, rules, known)
-    return dataclasses.replace(options, **lengths, **{name: told[name] for name in unset})
+        plant_values[ORDERS_BY] = _orders_by(plant, rules, known)
+    return dataclasses.replace(options, **lengths, **{name: plant_values[name] for name in unset})
 
 
 def _orders_by(plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]]) -> tuple[Any, ...]:
@@ -239,8 +239,8 @@ def _orders_by(plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[st
     found = []
     for name, rule in RULES.items():
         if rule.pairs_are:
-            given = {f.name: getattr(rules[name].options, f.name) for f in dataclasses.fields(rule.Options)}
-            found.append((name, resolve_defaults(rule.Options(**given), plant, rules, known)))
+            values = {f.name: getattr(rules[name].options, f.name) for f in dataclasses.fields(rule.Options)}
+            found.append((name, resolve_defaults(rule.Options(**values), plant, rules, known)))
     return tuple(found)
 
 
@@ -267,12 +267,12 @@ class ForOneNest:
 
     def as_json(self) -> dict[str, Any]:
         """What a plan says of it."""
-        told = {"file": self.file, "sha256": self.sha256} if self.file else {}
-        asked = {
+        source = {"file": self.file, "sha256": self.sha256} if self.file else {}
+        overrides = {
             "set": list(self.settings), "locks": list(self.locks), "numbered": dict(self.numbered),
             "said": dict(self.said),
         }  # fmt: skip
-        return told | {key: value for key, value in asked.items() if value}
+        return source | {key: value for key, value in overrides.items() if value}
 
     @staticmethod
     def of_json(data: Mapping[str, Any]) -> ForOneNest:
@@ -320,15 +320,15 @@ SLOWEST_MM_S = 1 / 3
 """The slowest feed that anything but a water jet cuts at; slower ones are mostly m/min without their unit."""
 
 
-def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
+def check_together(values: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
     """Note values that contradict each other, at the one that the file gives."""
-    leads: LeadsSection = given["leads"]
-    machine: Machine = given["machine"]
-    material: Material = given["material"]
-    rules: dict[str, RuleSetting] = given["rules"]
-    time: Time = given["time"]
-    heat: Heat = given["heat"]
-    holes: SmallHoles = given["small_holes"]
+    leads: LeadsSection = values["leads"]
+    machine: Machine = values["machine"]
+    material: Material = values["material"]
+    rules: dict[str, RuleSetting] = values["rules"]
+    time: Time = values["time"]
+    heat: Heat = values["heat"]
+    holes: SmallHoles = values["small_holes"]
 
     lead_in_mm = length_at(leads.lead_in_mm, material.thickness_mm)
     if leads.lead_in_min_mm > lead_in_mm:
@@ -358,7 +358,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"machine.cut_feed: {feed} mm/min is not likely for {machine.process}, expected {least} mm/min and more: "
             f"did you mean {feed} m/min?",
         )
-    for path, text in common_cut_problems(given["cuts"].common, machine, material, given["cuts"].in_stretches):
+    for path, text in common_cut_problems(values["cuts"].common, machine, material, values["cuts"].in_stretches):
         problems.add(deepest(root, *path), text)
     if leads.edge_start and machine.pierce_dwell == "machine":
         problems.add(
@@ -404,10 +404,10 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
             "the scheme is stable up to 0.125",
         )
-    for key, text in _wrong_prices(given["prices"], material):
+    for key, text in _wrong_prices(values["prices"], material):
         problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
-    plant = plant_of_sections(machine, material, heat, given["locks"], given["cuts"])
-    for name, key, text in rule_option_problems(plant, rules, RULES | given["further_rules"]):
+    plant = plant_of_sections(machine, material, heat, values["locks"], values["cuts"])
+    for name, key, text in rule_option_problems(plant, rules, RULES | values["further_rules"]):
         problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
 
 

@@ -28,15 +28,15 @@ COMMENT_COLUMN = 44
 
 def profile_yaml(profile: Profile, sources: bool = False) -> str:
     """The whole profile; loading this text gives the same profile. With `sources` each value says where it is from."""
-    told = Provenance(profile) if sources else None
+    provenance = Provenance(profile) if sources else None
     lines = [_line(0, f"name: {Text().write(profile.name)}", "what plans and programs call this profile")]
     for section in SECTIONS:
-        lines += ["", f"{section}:", *_options(getattr(profile, section), 2, told, section)]
+        lines += ["", f"{section}:", *_options(getattr(profile, section), 2, provenance, section)]
     lines += ["", *_python(profile), "", *_models(profile)]
     known = profile.known_rules()
     lines += ["", "rules:"]
     for name in sorted(profile.rules):
-        lines += _rule(known[name], profile.rules[name], told)
+        lines += _rule(known[name], profile.rules[name], provenance)
     lines += ["", *_locks(profile.locks, sources)]
     own = [rule.plain() for rule in profile.own_rules]
     lines += ["", yaml.safe_dump({"own_rules": own}, allow_unicode=True, sort_keys=False).rstrip()]
@@ -53,29 +53,29 @@ def _models(profile: Profile) -> Iterator[str]:
     yield _line(0, f"models: [{written}]", "files of rules in MiniZinc")
 
 
-def _rule(rule: Rule[Any], setting: RuleSetting, told: Provenance | None = None) -> Iterator[str]:
-    said = f" ({told.of(f'rules.{rule.id}')})" if told is not None else ""
-    yield f"  # {rule.sentence}" + (f" From {rule.brought}." if rule.brought else "") + said
+def _rule(rule: Rule[Any], setting: RuleSetting, provenance: Provenance | None = None) -> Iterator[str]:
+    note = f" ({provenance.of(f'rules.{rule.id}')})" if provenance is not None else ""
+    yield f"  # {rule.sentence}" + (f" From {rule.brought}." if rule.brought else "") + note
     yield f"  {rule.id}:"
     yield _line(4, f"strength: {setting.strength}", " | ".join(rule.strengths))
     if setting.weight is not None:
         yield _line(4, f"weight: {LENGTH.write(setting.weight)}", "cost of breaking it once, in idle travel")
-    yield from _options(setting.options, 4, told, f"rules.{rule.id}", said_only=True)
+    yield from _options(setting.options, 4, provenance, f"rules.{rule.id}", said_only=True)
 
 
 def _options(
-    owner: Any, indent: int, told: Provenance | None = None, path: str = "", said_only: bool = False
+    owner: Any, indent: int, provenance: Provenance | None = None, path: str = "", said_only: bool = False
 ) -> Iterator[str]:
     """The options of a section, or of a rule or a group, which name their place only if somebody said them."""
     for option in options_of(owner):
         if isinstance(option.kind, Members):
             yield _line(indent, f"{option.key}:", option.help)
-            yield from _options(getattr(owner, option.name), indent + 2, told, f"{path}.{option.key}", True)
+            yield from _options(getattr(owner, option.name), indent + 2, provenance, f"{path}.{option.key}", True)
             continue
         value = option.kind.write(getattr(owner, option.name))
         key = f"{path}.{option.key}"
-        said = f"; {told.of(key)}" if told is not None and (told.says(key) or not said_only) else ""
-        yield _line(indent, f"{option.key}: {value}", f"{option.help}{said}")
+        note = f"; {provenance.of(key)}" if provenance is not None and (provenance.says(key) or not said_only) else ""
+        yield _line(indent, f"{option.key}: {value}", f"{option.help}{note}")
 
 
 def _locks(locks: tuple[Lock, ...], sources: bool) -> Iterator[str]:
@@ -86,8 +86,8 @@ def _locks(locks: tuple[Lock, ...], sources: bool) -> Iterator[str]:
 
 def lock_text(lock: Lock) -> str:
     """A lock as a profile has it."""
-    given = [(o.key, o.kind, getattr(lock, o.name)) for o in options_of(lock)]
-    return f"{{{', '.join(f'{key}: {kind.write(value)}' for key, kind, value in given if value is not None)}}}"
+    options = [(o.key, o.kind, getattr(lock, o.name)) for o in options_of(lock)]
+    return f"{{{', '.join(f'{key}: {kind.write(value)}' for key, kind, value in options if value is not None)}}}"
 
 
 def _line(indent: int, text: str, comment: str) -> str:
@@ -237,24 +237,24 @@ def _with_one(text: str, rule: str, key: str, value: str) -> str:
     wanted = _plain(value.strip(), what)
     place = ("rules", rule)
     before = _stated(text, *place)
-    said = dict(before) if isinstance(before, dict) else {} if before is None else {STRENGTH: before}
-    made = text
+    mapping = dict(before) if isinstance(before, dict) else {} if before is None else {STRENGTH: before}
+    changed = text
     if isinstance(before, dict) or (before is None and key != STRENGTH):
-        made = with_value(made, (*place, key), value.strip())
+        changed = with_value(changed, (*place, key), value.strip())
     elif key == STRENGTH:
-        made = with_value(made, place, value.strip())
+        changed = with_value(changed, place, value.strip())
     else:
-        made = with_value(made, place, f"{{{STRENGTH}: {_word(before)}, {key}: {value.strip()}}}")
-    said[key] = wanted
-    if key == STRENGTH and wanted != "soft" and WEIGHT in said:
-        made = without_value(made, (*place, WEIGHT))
-        del said[WEIGHT]
-    _expect_only(text, made, rule, said if isinstance(before, dict) or key != STRENGTH else wanted, what)
-    return made
+        changed = with_value(changed, place, f"{{{STRENGTH}: {_word(before)}, {key}: {value.strip()}}}")
+    mapping[key] = wanted
+    if key == STRENGTH and wanted != "soft" and WEIGHT in mapping:
+        changed = without_value(changed, (*place, WEIGHT))
+        del mapping[WEIGHT]
+    _expect_only(text, changed, rule, mapping if isinstance(before, dict) or key != STRENGTH else wanted, what)
+    return changed
 
 
-def _word(said: Any) -> str:
-    return "off" if said is False else str(said)
+def _word(value: Any) -> str:
+    return "off" if value is False else str(value)
 
 
 def _plain(value: str, what: str) -> Any:
@@ -274,12 +274,12 @@ def _stated(text: str, *path: str) -> Any:
     return None if node is holder or node is root else plain(node)
 
 
-def _expect_only(before: str, after: str, rule: str, said: Any, what: str) -> None:
+def _expect_only(before: str, after: str, rule: str, value: Any, what: str) -> None:
     """Make sure that what a profile says of one rule has changed, and nothing else."""
     wanted = _whole(before)
     rules = wanted.get("rules") or {}
     try:
-        same = isinstance(rules, dict) and _whole(after) == {**wanted, "rules": {**rules, rule: said}}
+        same = isinstance(rules, dict) and _whole(after) == {**wanted, "rules": {**rules, rule: value}}
     except InputError:
         same = False
     if not same:

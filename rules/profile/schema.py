@@ -62,15 +62,15 @@ def _older(section: str) -> Json:
 
 
 def _options(owner: type) -> Json:
-    made = {}
+    properties = {}
     for option in options_of(owner):
         if isinstance(option.kind, Members):
-            made[option.key] = _described(_closed(_options(option.kind.owner)), option.help)
+            properties[option.key] = _described(_closed(_options(option.kind.owner)), option.help)
             continue
         default = None if option.default is None else option.kind.write(option.default)
         shown = f"{option.help} (default {default})" if default is not None else option.help
-        made[option.key] = _described(option.kind.schema(), shown)
-    return made
+        properties[option.key] = _described(option.kind.schema(), shown)
+    return properties
 
 
 def _rule(rule: Rule[Any]) -> Json:

@@ -419,10 +419,10 @@ class Objective:
     )
 
 
-def named_in_group(group: Any, said: Collection[str]) -> Any:
+def named_in_group(group: Any, names: Collection[str]) -> Any:
     """A group of options that a profile has: on, where neither it nor a profile that it is based on says by what.
 
-    `said` are the keys that stand in it.
+    `names` are the keys that stand in it.
 
     Examples
     --------
@@ -430,7 +430,7 @@ def named_in_group(group: Any, said: Collection[str]) -> Any:
     (Links(longest_mm=30.0), Links(longest_mm=0.0), Scrap(grid_mm=None, remnant='right'))
     """
     switches = [o for o in options_of(group) if o.named]
-    if any(o.key in said or getattr(group, o.name) != o.default for o in switches):
+    if any(o.key in names or getattr(group, o.name) != o.default for o in switches):
         return group
     return replace(group, **{o.name: o.named[0] for o in switches})
 

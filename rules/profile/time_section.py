@@ -117,9 +117,9 @@ class FeedLaw:
         feeds = [*self._marks(), self.mm_s(LONGEST)]
         for mm_s in (min(feeds), max(feeds)):
             if not low <= mm_s <= high:
-                told = f"{mm_s:.6g} mm/s" if mm_s < math.inf else "no number any more"
+                text = f"{mm_s:.6g} mm/s" if mm_s < math.inf else "no number any more"
                 return (
-                    f"the feed is {told} for some program of up to {LONGEST} blocks: expected {low:g} to {high:g} "
+                    f"the feed is {text} for some program of up to {LONGEST} blocks: expected {low:g} to {high:g} "
                     "mm/s; are the formulas in another unit?"
                 )
         return None
@@ -281,11 +281,11 @@ def _members(node: yaml.Node, keys: tuple[str, ...], what: str) -> dict[str, yam
 
 def _written(law: FeedLaw) -> list[str]:
     """The keys of a plant's own law as YAML that reads back the same."""
-    said = [f"source: {Text().write(law.source)}"] if law.source else []
+    lines = [f"source: {Text().write(law.source)}"] if law.source else []
     if law.points:
         points = ", ".join(f"[{blocks}, {SPEED.write(mm_s)}]" for blocks, mm_s in law.points)
-        return [*said, f"points: [{points}]"]
-    return [*said, f"unit: {law.unit}", f"pieces: [{', '.join(map(_written_piece, law.pieces))}]"]
+        return [*lines, f"points: [{points}]"]
+    return [*lines, f"unit: {law.unit}", f"pieces: [{', '.join(map(_written_piece, law.pieces))}]"]
 
 
 def _written_piece(piece: LawPiece) -> str:

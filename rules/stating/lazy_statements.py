@@ -40,13 +40,13 @@ def lazy_statements(facts: Facts, profile: Profile) -> Callable[[Sequence[int]],
     again, at its price.
     """
     nest, whole, book = facts.nest, facts.whole_nest, profile.rulebook()
-    index, rest, made = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
-    told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
+    index, rest, cut_before = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
+    reported: set[tuple[str, frozenset[int], frozenset[int]]] = set()
     enclosing: set[tuple[str, ...]] = set()
 
     def look(order: Sequence[int]) -> tuple[Statement, ...]:
         found: list[Statement] = []
-        for names in _in_turn(facts, [*made, *(nest.contours[k].id for k in order)]):
+        for names in _in_turn(facts, [*cut_before, *(nest.contours[k].id for k in order)]):
             found += looked(names)
             found += in_loose_metal(names)
         return tuple(found)
@@ -56,8 +56,8 @@ def lazy_statements(facts: Facts, profile: Profile) -> Callable[[Sequence[int]],
         for name, setting in profile.settings().items():
             for wrong in book[name].no_goods(whole, contours, setting.options):
                 out, left = frozenset(index[k] for k in wrong.out), frozenset(index[k] for k in wrong.left)
-                if (name, out, left) not in told:
-                    told.add((name, out, left))
+                if (name, out, left) not in reported:
+                    reported.add((name, out, left))
                     about = book[name].about((*wrong.out, *wrong.left), wrong.sentence)
                     hard = EXEMPTION_MM if book[name].excusable else None
                     seen = NoGood(out, left, about, hard if setting.weight is None else setting.weight)
@@ -187,13 +187,13 @@ def no_goods(nest: Nest, names: Sequence[str], kerf_mm: float, held: Collection[
     faces = loosened(shapely.make_valid(nest.sheet.polygon), [rings[name] for name in order], kerf_mm)
     areas = np.array([face.area for face in faces], dtype=object)
     faces = [face for face, crumb in zip(faces, crumbs(areas).tolist(), strict=True) if not crumb] if faces else []
-    asked = [name for name in names if nest.contour(name).kind not in ("mark", "scrap")]
-    lines = np.array([_line(nest, name, kerf_mm) for name in asked], dtype=object)
+    cut_names = [name for name in names if nest.contour(name).kind not in ("mark", "scrap")]
+    lines = np.array([_line(nest, name, kerf_mm) for name in cut_names], dtype=object)
     place = {name: k for k, name in enumerate(names)}
     tree = shapely.STRtree(lines)
     walls: dict[str, frozenset[str]] = {}
     for face in faces:
-        late = [asked[k] for k in tree.query(face.area, "intersects").tolist()]
+        late = [cut_names[k] for k in tree.query(face.area, "intersects").tolist()]
         late = [name for name in late if place[name] > place[order[face.since]] and name not in walls]
         late = [name for name in late if at.get(name, 0) <= face.gone]
         late = [name for name in late if _over_mm(nest, name, kerf_mm, face.area) > OVER_MM]
@@ -282,6 +282,6 @@ def _any_order(facts: Facts) -> list[str]:
             depth, top = depth + 1, parent[top]
         return -float(contours[top].line.distance(middle)), top, -depth
 
-    made = [*(cut.contour for cut in facts.already_cut), *(way.id for way in of.nest.stretches)]
-    left = sorted((k for k, contour in enumerate(contours) if contour.id not in set(made)), key=key)
-    return [*made, *(contours[k].id for k in left)]
+    cut_before = [*(cut.contour for cut in facts.already_cut), *(way.id for way in of.nest.stretches)]
+    left = sorted((k for k, contour in enumerate(contours) if contour.id not in set(cut_before)), key=key)
+    return [*cut_before, *(contours[k].id for k in left)]

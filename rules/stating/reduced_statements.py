@@ -287,23 +287,23 @@ class GantryStatements:
         weights: dict[Literal, int] = {}
         bound, at_once = s.bound, set[int]()
         for literal, weight in zip(s.literals, s.weights, strict=True):
-            made: Literal | None
+            whole_sum: Literal | None
             match literal:
                 case Pick():
-                    made = Pick(self.candidate[literal.c])
+                    whole_sum = Pick(self.candidate[literal.c])
                 case Before():
                     i, j = self.number[literal.i], self.number[literal.j]
-                    made = Before(i, j) if i != j else None
-                    if made is None:
+                    whole_sum = Before(i, j) if i != j else None
+                    if whole_sum is None:
                         at_once.add(i)
                         bound -= weight if sign * weight < 0 else 0
                 case Enough():
-                    made, more = self._sum(literal, sign if weight > 0 else -sign)
+                    whole_sum, more = self._sum(literal, sign if weight > 0 else -sign)
                     at_once |= more
                 case _:
                     assert_never(literal)
-            if made is not None:
-                weights[made] = weights.get(made, 0) + weight
+            if whole_sum is not None:
+                weights[whole_sum] = weights.get(whole_sum, 0) + weight
         return Enough(tuple(weights), tuple(weights.values()), bound), at_once
 
     def _no_good(self, s: NoGood) -> Iterator[Statement]:

@@ -303,8 +303,8 @@ def _jointly(statements: Sequence[Statement], n: int, gives_way: Mapping[str, in
     place, dropped = _place_because(kinds.at_least, n), []
     for k in out:
         against = path(nodes, kept, nodes[k][1], nodes[k][0])
-        said = place if against is None else _round_by([asking[links[m]] for m in against], gives_way)
-        dropped += [DroppedStatement(order, said if shown else f"{said}{NOT_SHOWN}") for order in asking[links[k]]]
+        where = place if against is None else _round_by([asking[links[m]] for m in against], gives_way)
+        dropped += [DroppedStatement(order, where if shown else f"{where}{NOT_SHOWN}") for order in asking[links[k]]]
     return dropped
 
 

@@ -258,10 +258,10 @@ def open_ways(facts: Facts) -> Iterator[AtLeast]:
 
 def _about(name: str, candidate: Candidate) -> About:
     neighbours = (*candidate.out, *candidate.still_in)
-    asked = [f"{_listed(candidate.out)} out" if candidate.out else ""]
-    asked += [f"{_listed(candidate.still_in)} still in" if candidate.still_in else ""]
+    phrases = [f"{_listed(candidate.out)} out" if candidate.out else ""]
+    phrases += [f"{_listed(candidate.still_in)} still in" if candidate.still_in else ""]
     way = "along what is left of it" if candidate.span is not None else "all round"
-    return About(COMMON, (name, *neighbours), f"{name} is cut {way} with {' and '.join(filter(None, asked))}")
+    return About(COMMON, (name, *neighbours), f"{name} is cut {way} with {' and '.join(filter(None, phrases))}")
 
 
 def _listed(names: tuple[str, ...]) -> str:

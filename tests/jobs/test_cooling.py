@@ -158,11 +158,11 @@ def test_where_another_order_is_not_found_in_time_the_first_may_wait(monkeypatch
     solve = kerfwise.models.engines.solve.solve
     found: list[object] = []
 
-    def once(*given: Any) -> Any:
+    def once(*given: Any, **named: Any) -> Any:
         if found:
             raise RulesConflict("no time left")
         found.append(None)
-        return solve(*given)
+        return solve(*given, **named)
 
     monkeypatch.setattr("kerfwise.models.engines.solve.solve", once)
     assert made(PAIR, HOT).plan.waits

@@ -66,13 +66,13 @@ def test_burns_that_were_mixed_get_the_travel_of_the_proven_plan(dialect: str, t
     profile = with_dialect(PLAIN, dialect)
     program, idle_mm = solved(plates(), profile)
     asked = ProgramRequest(sheet_mm=(500, 280))
-    made = again(mixed(program, load_dialect(dialect).control), tmp_path, profile, asked=asked)
+    made = again(mixed(program, load_dialect(dialect).control), tmp_path, profile, request=asked)
     assert made.before.idle_mm > 1.5 * idle_mm
     assert made.proven
     assert made.after.idle_mm <= idle_mm + (2.0 if dialect == "essi" else 0.01)  # in steps, 26 ends of travel
     assert made.after.verdict is not None
     assert made.after.verdict.ok
-    stays = again(program, tmp_path, profile, asked=asked)
+    stays = again(program, tmp_path, profile, request=asked)
     assert not stays.changed
     assert stays.program == program
 
@@ -110,7 +110,7 @@ def test_names_zones_and_excuses_of_our_own_programs_are_kept(tmp_path: Path) ->
 def test_contours_planned_afresh_have_about_the_travel_of_the_proven_plan(tmp_path: Path) -> None:
     plain, plain_mm = solved(plates(), strategy="random")
     idle_mm = solved(plates())[1]
-    made = again(plain, tmp_path, paths="new", asked=ProgramRequest(sheet_mm=(500, 280)))
+    made = again(plain, tmp_path, paths="new", request=ProgramRequest(sheet_mm=(500, 280)))
     assert made.proven
     assert made.after.verdict is not None
     assert made.after.verdict.ok
@@ -120,7 +120,7 @@ def test_contours_planned_afresh_have_about_the_travel_of_the_proven_plan(tmp_pa
 
 @pytest.mark.parametrize("name", READ)
 def test_no_program_gets_longer(name: str, tmp_path: Path) -> None:
-    made = again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500), without_rules=True)
+    made = again(READ[name], tmp_path, request=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert made.after.idle_mm <= made.before.idle_mm or "longer since the old order breaks" in made.ends
     assert (made.after.idle_mm > made.before.idle_mm) == (name in ("squares", "travel by lines"))
     assert made.after.cut_mm == pytest.approx(made.before.cut_mm)
@@ -158,12 +158,12 @@ TOLD = {
 @pytest.mark.parametrize("name", READ)
 def test_without_a_nest_nothing_is_done_unless_it_is_asked_for(name: str, tmp_path: Path) -> None:
     if name in TOLD:
-        assert again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500)).nest is not None
+        assert again(READ[name], tmp_path, request=ProgramRequest(feed_mm_min=2500)).nest is not None
         return
     with pytest.raises(InputError, match="take --without-rules") as caught:
-        again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500))
+        again(READ[name], tmp_path, request=ProgramRequest(feed_mm_min=2500))
     assert caught.value.line is not None
-    made = again(READ[name], tmp_path, asked=ProgramRequest(feed_mm_min=2500), without_rules=True)
+    made = again(READ[name], tmp_path, request=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert not made.proven or made.ends.endswith("no rule was asked")
 
 
@@ -180,7 +180,7 @@ def test_without_rules_what_can_be_told_still_breaks_no_hard_rule_oftener(tmp_pa
 
 
 def test_materials_keep_their_turn(tmp_path: Path) -> None:
-    made = again(READ["materials"], tmp_path, asked=ProgramRequest(feed_mm_min=2500), without_rules=True)
+    made = again(READ["materials"], tmp_path, request=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert not made.changed
     rows = [(20, "M190 P1"), (220, "M190 P1"), (120, "M190 P1"), (80, "M190 P2"), (20, "M190 P2")]
     squares = "".join(f"{m}\nM66 P3 L3 Q1\n{square(x, 80 if m[-1] == '2' else 20, 40)}" for x, m in rows)

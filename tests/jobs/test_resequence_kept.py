@@ -67,7 +67,7 @@ def turned_round(text: str, profile: Profile) -> str:
 
 def again(text: str, profile: Profile, folder: Path, **options: object) -> Resequenced:
     (folder / "old.nc").write_text(text)
-    return resequence(folder / "old.nc", profile, asked=SHEET, work=5, **options)  # type: ignore[arg-type]
+    return resequence(folder / "old.nc", profile, request=SHEET, work=5, **options)  # type: ignore[arg-type]
 
 
 @STEPS

@@ -76,13 +76,13 @@ class FlowProgram:
         at_once = 1 + int(max(AT_ONCE_S, AT_ONCE * left_s) / each_s) if self._program.goes_on else left
         solved = None
         while solved is None:
-            asked = min(at_once, left)
-            if asked <= 0 or not self._in_time():
+            rows = min(at_once, left)
+            if rows <= 0 or not self._in_time():
                 return False
-            solved = self._program.solve(asked, self._deadline.left_s)
+            solved = self._program.solve(rows, self._deadline.left_s)
             self.work += (self._program.iterations + 1) * each_s * (PRIMAL if self._program.primal else 1.0)
             left -= self._program.iterations
-            if solved is None and self._program.iterations < asked:
+            if solved is None and self._program.iterations < rows:
                 return False
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._idle = paid <= 1e-9

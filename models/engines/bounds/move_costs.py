@@ -114,8 +114,8 @@ def _lawful(contours: Ints, sooner: Bools, later: Bools) -> tuple[Bools, Ints]:
     """
     n = sooner.shape[1]
     owner = np.append(contours, n)
-    asked = np.concatenate([owner[:, None].view(np.uint8), np.packbits(np.hstack([sooner, later]), axis=1)], axis=1)
-    _, of_kind, kind = np.unique(asked, axis=0, return_index=True, return_inverse=True)
+    keys = np.concatenate([owner[:, None].view(np.uint8), np.packbits(np.hstack([sooner, later]), axis=1)], axis=1)
+    _, of_kind, kind = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     owner, sooner, later = owner[of_kind], sooner[of_kind], later[of_kind]
     home, inside = np.flatnonzero(owner == n), np.flatnonzero(owner < n)
     never: Bools = np.asarray(later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5)
@@ -210,9 +210,9 @@ class Passage:
 
 def passages_of(problem: Problem) -> tuple[Passage, ...]:
     """The blocks of a problem that their last contour can stand for."""
-    asked = np.zeros(problem.n, dtype=np.bool_)
-    asked[[condition.contour for condition in problem.conditions]] = True
-    asked |= _crossing_inside(problem)
+    watched = np.zeros(problem.n, dtype=np.bool_)
+    watched[[condition.contour for condition in problem.conditions]] = True
+    watched |= _crossing_inside(problem)
     names, size = np.unique(problem.block, return_counts=True)
     found = []
     for block in names[(size > 1) & (size <= MOST_INNER + 1)].tolist():
@@ -224,7 +224,7 @@ def passages_of(problem: Problem) -> tuple[Passage, ...]:
         last, inner = int(ends[0]), members[members != ends[0]]
         alike = (problem.before[members][:, ~inside] == problem.before[last, ~inside]).all()
         alike &= (problem.before[:, members][~inside] == problem.before[~inside, last][:, None]).all()
-        if alike and not asked[inner].any():
+        if alike and not watched[inner].any():
             found.append(Passage(last, inner))
     return tuple(found)
 

@@ -73,14 +73,14 @@ def network_of(
     """
     passages = passages_of(problem)
     kept, number, last_of = stand_for(problem, passages)
-    asked: list[list[Condition]] = [[] for _ in range(problem.m)]
+    conditions_of: list[list[Condition]] = [[] for _ in range(problem.m)]
     for condition in problem.conditions:
         if condition.when is not None:
             hard = condition.cost is not None and condition.cost > most
-            asked[condition.when].append(replace(condition, cost=None) if hard else condition)
-    splits = _splits(problem, kept, asked, MOST_SPLIT, most)
+            conditions_of[condition.when].append(replace(condition, cost=None) if hard else condition)
+    splits = _splits(problem, kept, conditions_of, MOST_SPLIT, most)
     if len(splits) > most_sites:
-        splits = _splits(problem, kept, asked, 0, most)
+        splits = _splits(problem, kept, conditions_of, 0, most)
     sites = np.array([split.site for split in splits], dtype=np.int64)
     contours = number[problem.site_contour[sites]]
     paid = np.array([sum(c.cost or 0 for c in split.paid) for split in splits], dtype=np.int64)
@@ -115,7 +115,7 @@ def network_of(
     return Network(split_problem, kept, sites, inside, cost, sooner, later, tuple(_on(splits, route, problem)))
 
 
-def _splits(problem: Problem, kept: Ints, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:
+def _splits(problem: Problem, kept: Ints, groups: list[list[Condition]], most: int, most_um: int) -> list[_Split]:
     """All sites of the contours kept, as often as so many of their conditions can be met or paid for.
 
     None that costs more than a plan.
@@ -124,7 +124,7 @@ def _splits(problem: Problem, kept: Ints, asked: list[list[Condition]], most: in
     splits: list[_Split] = []
     for i in kept.tolist():
         near = [s for s in problem.sites(i) if problem.site_cost[s] <= dear]
-        of_contour = [split for s in near for split in _splits_of(problem, s, asked[s], most)]
+        of_contour = [split for s in near for split in _splits_of(problem, s, groups[s], most)]
         of_contour = [s for s in of_contour if problem.site_cost[s.site] + sum(c.cost or 0 for c in s.paid) <= dear]
         if not of_contour:  # no lawful plan: not for this to find out
             plain = (_Split(s, (), problem.before[:, i], problem.before[i], ()) for s in problem.sites(i))
@@ -133,10 +133,10 @@ def _splits(problem: Problem, kept: Ints, asked: list[list[Condition]], most: in
     return splits
 
 
-def _splits_of(problem: Problem, site: int, asked: list[Condition], most: int) -> Iterator[_Split]:
+def _splits_of(problem: Problem, site: int, conditions: list[Condition], most: int) -> Iterator[_Split]:
     i = int(problem.site_contour[site])
-    hard = [c for c in asked if c.cost is None]
-    soft = sorted((c for c in asked if c.cost is not None), key=lambda c: -(c.cost or 0))
+    hard = [c for c in conditions if c.cost is None]
+    soft = sorted((c for c in conditions if c.cost is not None), key=lambda c: -(c.cost or 0))
     chosen = [c for c in soft if _decides(problem, i, c)][:most]
     beside = [c for c in soft if c not in chosen]
     for met in product((True, False), repeat=len(chosen)):

@@ -139,10 +139,10 @@ def _conditions_are_met(model: CpModel, problem: Problem, v: Variables) -> None:
     for k, condition in enumerate(problem.conditions):
         if condition.cost is not None and k not in v.broken:
             continue
-        given = [] if condition.when is None else [v.pick[condition.when]]
+        premise = [] if condition.when is None else [v.pick[condition.when]]
         excused = [v.broken[k].negated()] if k in v.broken else []
         literals = [v.before(member, condition.contour) for member in condition.members]
-        _at_least(model, literals, condition.weights, condition.bound, [*given, *excused])
+        _at_least(model, literals, condition.weights, condition.bound, [*premise, *excused])
 
 
 def _lags_are_kept(model: CpModel, problem: Problem, v: Variables) -> None:
@@ -163,10 +163,10 @@ def _lags_are_kept(model: CpModel, problem: Problem, v: Variables) -> None:
 def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> None:
     """Statements over any literals hold (when the candidate given is used), or the penalty is due."""
     for k, statement in enumerate(problem.general):
-        given = [] if statement.when is None else [_picked(problem, v, statement.when)]
+        premise = [] if statement.when is None else [_picked(problem, v, statement.when)]
         excused = [v.failed[k].negated()] if k in v.failed else []
         literals = [_literal(model, problem, v, lit) for lit in statement.literals]
-        _at_least(model, literals, statement.weights, statement.bound, [*given, *excused])
+        _at_least(model, literals, statement.weights, statement.bound, [*premise, *excused])
 
 
 def _moves_over_parts_are_paid_for(model: CpModel, v: Variables) -> None:
@@ -235,7 +235,7 @@ def _picked(problem: Problem, v: Variables, candidate: int) -> LiteralT:
 
 
 def _at_least(
-    model: CpModel, literals: Sequence[LiteralT], weights: Sequence[int], bound: int, given: Sequence[LiteralT]
+    model: CpModel, literals: Sequence[LiteralT], weights: Sequence[int], bound: int, premise: Sequence[LiteralT]
 ) -> None:
-    """The weighted sum of the literals reaches the bound whenever all of `given` are true."""
-    model.add(LinearExpr.weighted_sum(literals, weights) >= bound).only_enforce_if(*given)
+    """The weighted sum of the literals reaches the bound whenever all of `premise` are true."""
+    model.add(LinearExpr.weighted_sum(literals, weights) >= bound).only_enforce_if(*premise)

@@ -89,9 +89,9 @@ def _checked(problem: Problem, route: Sequence[int], most_um: int) -> Incumbent:
     only tied to what they pay for in one direction, and it is the objective that drives them down.
     """
     cost = route_cost(problem, route)
-    said = [about.sentence for about in broken(problem, route)]
-    if said or cost > most_um:
-        raise AssertionError(f"CP-SAT found {route} for {most_um} µm; it costs {cost} µm and breaks {said}")
+    sentences = [about.sentence for about in broken(problem, route)]
+    if sentences or cost > most_um:
+        raise AssertionError(f"CP-SAT found {route} for {most_um} µm; it costs {cost} µm and breaks {sentences}")
     return Incumbent(tuple(route), cost)
 
 

@@ -53,11 +53,11 @@ def reverse_problem(problem: Problem) -> Problem:
     )
 
 
-def _turned(asked: Condition) -> Condition:
+def _turned(condition: Condition) -> Condition:
     """What is out then was not out before, but for the contour that is asked about."""
-    pairs = [(c, w) for c, w in zip(asked.members, asked.weights, strict=True) if c != asked.contour]
+    pairs = [(c, w) for c, w in zip(condition.members, condition.weights, strict=True) if c != condition.contour]
     weights = tuple(-w for _, w in pairs)
-    return replace(asked, members=tuple(c for c, _ in pairs), weights=weights, bound=asked.bound + sum(weights))
+    return replace(condition, members=tuple(c for c, _ in pairs), weights=weights, bound=condition.bound + sum(weights))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -93,8 +93,8 @@ def price(
         route = incumbent.route[until[k] - len(groups[k]) : until[k]]
         known = earlier[k] if len(earlier) == len(groups) else None
         onward = found[-1].onward if found else home_from(problem, ends_of(problem, groups[k])[1])
-        asked = _Asked(parts.of(groups[k]), groups[k], before, out, onward, known)
-        here, took = asked.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes))
+        query = _Asked(parts.of(groups[k]), groups[k], before, out, onward, known)
+        here, took = query.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes))
         spent += took
         if here is None:
             return None

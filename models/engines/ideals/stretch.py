@@ -163,11 +163,11 @@ def series(problem: Problem) -> list[tuple[int, ...]]:
     --------
     Two zones of one contour each come back as `[(0,), (1,)]` when 0 must precede 1.
     """
-    asked = digest(*(np.array(group.contours, dtype=np.int64) for group in problem.soft_groups))
-    found = _last.known(problem.before, asked)
+    key = digest(*(np.array(group.contours, dtype=np.int64) for group in problem.soft_groups))
+    found = _last.known(problem.before, key)
     if found is None:
         found = _apart(problem)
-        _last.keep(problem.before, asked, found)
+        _last.keep(problem.before, key, found)
     return list(found)
 
 

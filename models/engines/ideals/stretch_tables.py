@@ -231,15 +231,15 @@ def conditions_within(
 ) -> Iterator[Condition]:
     """The conditions of a stretch in its own numbers, once all contours of `earlier` are out, and none that follow."""
     number = {c: k for k, c in enumerate(group)}
-    for asked in problem.conditions:
-        if asked.contour in number:
-            pairs = list(zip(asked.members, asked.weights, strict=True))
+    for condition in problem.conditions:
+        if condition.contour in number:
+            pairs = list(zip(condition.members, condition.weights, strict=True))
             inside = [(number[c], weight) for c, weight in pairs if c in number]
             yield replace(
-                asked,
-                contour=number[asked.contour],
+                condition,
+                contour=number[condition.contour],
                 members=tuple(c for c, _ in inside),
                 weights=tuple(weight for _, weight in inside),
-                bound=asked.bound - sum(weight for c, weight in pairs if c in earlier),
-                when=None if asked.when is None else int(np.searchsorted(sites, asked.when)),
+                bound=condition.bound - sum(weight for c, weight in pairs if c in earlier),
+                when=None if condition.when is None else int(np.searchsorted(sites, condition.when)),
             )

@@ -72,23 +72,23 @@ def _lawful(fields: SearchTables) -> Bools:
 def make_chain_tables(fields: SearchTables) -> ChainTables:
     """The arcs of a plain problem."""
     lawful = _lawful(fields)
-    given = fields.arcs.cost.astype(np.int64)
-    cost = reduced_costs(given, lawful)
+    costs = fields.arcs.cost.astype(np.int64)
+    cost = reduced_costs(costs, lawful)
     if cost[lawful].max(initial=0) >= UNLAWFUL:  # sums of a few would be no small numbers
-        cost = given
+        cost = costs
     cost = np.where(lawful, cost, UNLAWFUL)
     return ChainTables(
         fields.legs.n,
         np.ascontiguousarray(cost.astype(np.int32)),
-        _nearest(cost, given),
-        _nearest(cost.T, given.T),
+        _nearest(cost, costs),
+        _nearest(cost.T, costs.T),
         fields.orders,
     )
 
 
-def _nearest(cost: Ints, given: Ints) -> Int32s:
+def _nearest(cost: Ints, costs: Ints) -> Int32s:
     """The ends of the cheapest lawful arcs of each row; where reduced costs are the same, the cheaper first."""
-    by_cost = np.lexsort((given, cost), axis=1)[:, :NEAREST]
+    by_cost = np.lexsort((costs, cost), axis=1)[:, :NEAREST]
     near = np.where(np.take_along_axis(cost, by_cost, axis=1) < UNLAWFUL, by_cost, -1)
     return np.ascontiguousarray(near.astype(np.int32))
 

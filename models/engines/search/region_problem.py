@@ -215,8 +215,8 @@ class RegionConditions:
                     weights[int(other[e])] = weights.get(int(other[e]), 0) + int(weight[e])
             at = int(pieces.new_site[site[k]]) if alone[k] and site[k] >= 0 else None
             cost = None if demands.cost[k] < 0 else int(demands.cost[k])
-            asked = tuple(weights), tuple(weights.values()), int(bound[k])
-            found.append(Condition(int(piece[k]), *asked, ABOUT, at, cost))
+            key = tuple(weights), tuple(weights.values()), int(bound[k])
+            found.append(Condition(int(piece[k]), *key, ABOUT, at, cost))
         return found
 
 

@@ -225,15 +225,15 @@ def expect_bounded(metal_points: int, path: TimedPath, heat: Heat) -> None:
     expect_short(path)
     if heat.model == "logical":
         steps, key = metal_points * path.end_s / heat.logical_step_s, "heat.logical_step"
-        given = f"{heat.logical_step_s:g} s"
+        text = f"{heat.logical_step_s:g} s"
         least = f"{heat.logical_step_s * steps / MOST_POINT_STEPS:.2g} s"
     else:
         steps, key = point_steps(metal_points * heat.grid_mm**2, path.end_s, heat), "heat.grid"
-        given = f"{heat.grid_mm:g} mm"
+        text = f"{heat.grid_mm:g} mm"
         least = f"{heat.grid_mm * (steps / MOST_POINT_STEPS) ** 0.25:.2g} mm"
     if steps > MOST_POINT_STEPS:
         raise InputError(
-            f"{key}: {given} makes {steps:.1e} steps of points of this program, and {MOST_POINT_STEPS:.0e} is the "
+            f"{key}: {text} makes {steps:.1e} steps of points of this program, and {MOST_POINT_STEPS:.0e} is the "
             f"most; give about {least} or more"
         )
 

@@ -110,14 +110,14 @@ def without_tabs(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tupl
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(burn.xy, axis=0).T))])
     ends = [0.0, *(mm for stretch in unlit_mm for mm in stretch), float(along[-1])]
     table = np.column_stack([burn.xy, burn.at_s])
-    made = []
+    pieces = []
     for number, (low, high) in enumerate(zip(ends[::2], ends[1::2], strict=True)):
         first = int(np.searchsorted(along, low, side="right")) if number else 0
         last = int(np.searchsorted(along, high, side="left"))
         begin, end = np.column_stack([np.interp([low, high], along, column) for column in table.T])
         rows = np.vstack([*([begin] if number else []), table[first:last], end])
-        made.append(TorchOn(burn.contour, rows[:, :2], rows[:, 2]))
-    return tuple(made)
+        pieces.append(TorchOn(burn.contour, rows[:, :2], rows[:, 2]))
+    return tuple(pieces)
 
 
 def in_order(burns: Sequence[TorchOn], end_s: float) -> TimedPath:

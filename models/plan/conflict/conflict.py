@@ -65,16 +65,16 @@ class Conflict:
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
-    def for_operator(self, made: int) -> Iterator[str]:
+    def for_operator(self, cuts_made: int) -> Iterator[str]:
         """The same at the machine, where work has stopped after so many cuts: what cannot be together, and what helps.
 
         Who stands there knows contours and cuts, not the names of rules.
         """
-        yield f"what is left after cut {made} cannot be cut as the plant asks; these do not go together:"
-        said = list(dict.fromkeys(about.sentence for about in self.clash))
-        yield from (f"  - {sentence}" for sentence in said[:MOST_NAMED])
-        if len(said) > MOST_NAMED:
-            yield f"  … and {len(said) - MOST_NAMED} more"
+        yield f"what is left after cut {cuts_made} cannot be cut as the plant asks; these do not go together:"
+        sentences = list(dict.fromkeys(about.sentence for about in self.clash))
+        yield from (f"  - {sentence}" for sentence in sentences[:MOST_NAMED])
+        if len(sentences) > MOST_NAMED:
+            yield f"  … and {len(sentences) - MOST_NAMED} more"
         yield from (f"  note: {note}" for note in self.notes)
         if self.relax is None:
             yield "nothing that may give way helps: cut the rest by hand, or ask whoever planned it"
@@ -417,19 +417,19 @@ def cheapest(
     And whether all such sets were compared.
     """
     ways, whole = _sets(found, clashes)
-    sets = [given for given in ways if set(given) != set(found)]
+    sets = [way for way in ways if set(way) != set(found)]
     if not sets or engines.facts.n > MOST_CONTOURS:
         return tuple(found), whole and not sets
     deadline, began = engines.deadline, engines.deadline.left
     best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
     took = began - deadline.left
-    for given in sets:
+    for way in sets:
         if deadline.left <= 0 or (deadline.timed and deadline.left < took):
             return best, False
-        other, problem = _cost(engines, statements, given, gives_way, first)
+        other, problem = _cost(engines, statements, way, gives_way, first)
         alike = first is None or problem is None or first.left_out == problem.left_out
         if other is not None and alike and (cost is None or other < cost):
-            best, cost, first = given, other, problem
+            best, cost, first = way, other, problem
     return best, whole
 
 
@@ -440,9 +440,9 @@ def _sets(found: Sequence[About], clashes: Collection[frozenset[About]]) -> tupl
         return [], False
     locks = _locks(found)
     hitting = (
-        given
-        for given in combinations(pool, len(found))
-        if _locks(given) <= locks and all(not clash.isdisjoint(given) for clash in clashes)
+        subset
+        for subset in combinations(pool, len(found))
+        if _locks(subset) <= locks and all(not clash.isdisjoint(subset) for clash in clashes)
     )
     sets = list(islice(hitting, MOST_PLANS + 1))
     return sets[:MOST_PLANS], len(sets) <= MOST_PLANS
@@ -455,7 +455,7 @@ def _locks(abouts: Collection[About]) -> int:
 def _cost(
     engines: Engines,
     statements: Sequence[Statement],
-    given: Sequence[About],
+    relaxed: Sequence[About],
     gives_way: Mapping[str, int],
     earlier: Problem | None = None,
 ) -> tuple[int | None, Problem | None]:
@@ -469,7 +469,7 @@ def _cost(
     most_s = min(CHEAPEST_WORK, SHARE * max(deadline.left, 0.0))
     until = deadline.left - MOVES * most_s
     try:
-        stated = resolve(soften(statements, given), engines.facts.n, gives_way).statements
+        stated = resolve(soften(statements, relaxed), engines.facts.n, gives_way).statements
         problem = make_problem(
             engines.facts,
             stated,

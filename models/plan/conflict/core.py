@@ -61,10 +61,10 @@ def find_core(
         If it was not shown whether all can hold.
     """
     deadline = deadline or Deadline(DEFAULT_WORK)
-    said = orders_of(facts, groups)
-    if of_orders := clash_of_orders(facts.n, groups, said, gives_way):
+    orders = orders_of(facts, groups)
+    if of_orders := clash_of_orders(facts.n, groups, orders, gives_way):
         return _firmest(facts, groups, _of_orders(facts, groups, of_orders, deadline), gives_way, deadline)
-    if whole_order(facts, groups, said) is not None:
+    if whole_order(facts, groups, orders) is not None:
         return None
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
     if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], deadline):
@@ -233,27 +233,27 @@ class Way:
         return False if contour in self.entered else None
 
 
-def whole_order(facts: Facts, groups: Sequence[Group], said: Sequence[Orders]) -> Way | None:
+def whole_order(facts: Facts, groups: Sequence[Group], orders: Sequence[Orders]) -> Way | None:
     """An order of all contours, and entries, that keep every group; None if none was found.
 
-    `said` is what each group says of orders. Moves and seconds are not asked.
+    `orders` is what each group says of orders. Moves and seconds are not asked.
     """
-    runs = [run for of in said for run in of.runs]
-    links = [link for of in said for link in of.links]
-    earliest, latest = bounds(said)
+    runs = [run for of in orders for run in of.runs]
+    links = [link for of in orders for link in of.links]
+    earliest, latest = bounds(orders)
     contour_of = [c.contour for c in facts.candidates]
-    asked: dict[int, list[CanClash]] = defaultdict(list)
-    for group, of in zip(groups, said, strict=True):
+    by_contour: dict[int, list[CanClash]] = defaultdict(list)
+    for group, of in zip(groups, orders, strict=True):
         for s in () if of.whole else group.statements:
             for contour in dict.fromkeys(contour_of[c] for c in candidates_named(s)):
-                asked[contour].append(s)
+                by_contour[contour].append(s)
     for _ in range(TRIES):
         place = order_in_runs(facts.n, links, runs, earliest, latest)
         if place is None:
             return None
         way = Way(place, contour_of)
         wanted: list[Link] = []
-        for contour, statements in asked.items():
+        for contour, statements in by_contour.items():
             wants = _enter(way, facts.candidates_of(contour), statements)
             if wants is None:
                 return None

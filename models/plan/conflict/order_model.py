@@ -184,11 +184,11 @@ def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
         case AtLeast():
             literals = [_literal(built, lit) for lit in statement.literals]
             total = sum(weight * literal for weight, literal in zip(statement.weights, literals, strict=True))
-            given = [holds] if statement.when is None else [holds, built.candidate(statement.when)]
+            premise = [holds] if statement.when is None else [holds, built.candidate(statement.when)]
             if literals:
-                model.add(total >= statement.bound).only_enforce_if(given)
+                model.add(total >= statement.bound).only_enforce_if(premise)
             elif statement.bound > 0:
-                model.add_bool_or(literal.negated() for literal in given)
+                model.add_bool_or(literal.negated() for literal in premise)
         case Contiguous(contours):
             for i in contours:
                 for j in contours:

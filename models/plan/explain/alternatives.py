@@ -194,15 +194,17 @@ def try_order_fast(along: PositionCosts, order: Sequence[int]) -> TriedOrder:
     return try_order(setting, order)
 
 
-def _broken(setting: PlanContext, order: Sequence[int], asked: Sequence[Statement] | None = None) -> Iterator[About]:
-    """The hard statements that the order breaks whatever the entries; `asked` are those that may be, if known."""
+def _broken(
+    setting: PlanContext, order: Sequence[int], statements: Sequence[Statement] | None = None
+) -> Iterator[About]:
+    """The hard statements that the order breaks whatever the entries; `statements` are those that may be, if known."""
     place = np.empty(setting.problem.n, dtype=np.int64)
     place[list(order)] = np.arange(len(order))
     if len(setting.pairs):
         for k in np.flatnonzero(place[setting.pairs[:, 0]] > place[setting.pairs[:, 1]]).tolist():
             yield setting.orders[k].about
     known = _OrderAlone(place.tolist())
-    for s in setting.stated.statements if asked is None else asked:
+    for s in setting.stated.statements if statements is None else statements:
         if s.weight is None and holds(s, known) is False:
             yield s.about
 
@@ -237,8 +239,8 @@ class Relocation:
 def explain_moves(along: PositionCosts, contour: int) -> tuple[Relocation, ...]:
     """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out."""
     swaps = tuple(_swaps(along, contour))
-    told = {(move.moved, move.place) for move in swaps}
-    return (*swaps, *(move for move in _farthest(along, contour) if (move.moved, move.place) not in told))
+    places = {(move.moved, move.place) for move in swaps}
+    return (*swaps, *(move for move in _farthest(along, contour) if (move.moved, move.place) not in places))
 
 
 def _swaps(along: PositionCosts, contour: int) -> Iterator[Relocation]:
@@ -415,14 +417,16 @@ def chain(setting: PlanContext, contour: int, earlier: bool) -> tuple[Hold, ...]
     return tuple(found)
 
 
-def other_statements(setting: PlanContext, contour: int, asked: Sequence[Statement] | None = None) -> tuple[About, ...]:
+def other_statements(
+    setting: PlanContext, contour: int, statements: Sequence[Statement] | None = None
+) -> tuple[About, ...]:
     """What else is asked of a contour's place: hard statements that are not the order of two contours.
 
-    `asked` are those that may be such, if known.
+    `statements` are those that may be such, if known.
     """
     found = [
         s.about
-        for s in (setting.stated.statements if asked is None else asked)
+        for s in (setting.stated.statements if statements is None else statements)
         if s.weight is None and contour in contours_named(s) and s.HOLDS_IN_PLACE
     ]
     site = setting.route[setting.order.index(contour)]

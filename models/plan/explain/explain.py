@@ -62,9 +62,9 @@ def expect_planned(facts: Facts, plan: Plan, contour: str) -> None:
     left = next((left for left in plan.left_out if left.contour == contour), None)
     if contour not in index and left is not None:
         raise InputError(f"{contour} is not in the plan: {left.why}")
-    if contour in (made := [cut.contour for cut in facts.already_cut]):
+    if contour in (already := [cut.contour for cut in facts.already_cut]):
         raise InputError(
-            f"{contour} was cut before the stop, as cut {made.index(contour) + 1}: the old plan explains it"
+            f"{contour} was cut before the stop, as cut {already.index(contour) + 1}: the old plan explains it"
         )
     if contour not in index:
         raise InputError(unknown("contour", contour, index))

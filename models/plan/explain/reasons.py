@@ -50,11 +50,11 @@ class Reason:
         for about in self.abouts:
             of_rule.setdefault(about.rule, []).append(about.sentence)
         if len(of_rule) == 1 or len(self.abouts) <= FEW_TOLD:
-            told = [
+            texts = [
                 sentences[0] + (f", and {len(sentences) - 1} more of {rule}" if len(sentences) > 1 else "")
                 for rule, sentences in of_rule.items()
             ]
-            return told[0] if len(told) == 1 else f"together: {'; '.join(told)}"
+            return texts[0] if len(texts) == 1 else f"together: {'; '.join(texts)}"
         most = sorted(of_rule, key=lambda rule: -len(of_rule[rule]))
         named = most[:FEW_NAMED]
         named += [f"{len(most) - FEW_NAMED} more"] if len(most) > FEW_NAMED else []
@@ -246,7 +246,7 @@ def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
     cuts = []
     for contour, cut in zip(setting.order, plan.items, strict=True):
         why = reasons.of(contour).sentences(setting.name(contour)) or kept_orders(setting, contour)
-        how = next((k for k, told in enumerate(cut.because) if told.startswith(ENTRY)), len(cut.because))
+        how = next((k for k, reason in enumerate(cut.because) if reason.startswith(ENTRY)), len(cut.because))
         cuts.append(replace(cut, because=(*cut.because[:how], *why, *cut.because[how:])))
     return replace(plan.with_items(cuts), prices=price_split(setting))
 

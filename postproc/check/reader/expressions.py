@@ -153,13 +153,13 @@ class ExpressionReader:
 
     def _worked_out(self, work: Callable[[], float]) -> float:
         try:
-            made = work()
+            value = work()
         except (ArithmeticError, ValueError):
-            made = math.nan
-        if isinstance(made, complex) or not math.isfinite(made):
+            value = math.nan
+        if isinstance(value, complex) or not math.isfinite(value):
             why = "it divides by zero, or has a root or an angle that is none"
             raise _wrong(self.line, f"'{self.code}' cannot be worked out: {why}")
-        return made
+        return value
 
     def _unread(self) -> InputError:
         shown = self.code[self.at : self.at + 20]

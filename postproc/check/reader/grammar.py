@@ -249,8 +249,8 @@ class ModalState:
 
     def modal(self, block: Block) -> float | None:
         """The motion in force from a block on."""
-        said = [word.value for word in block.g if word.value in MOTION or word.value == NO_MOTION]
-        return self.motion if not said else None if said[0] == NO_MOTION else said[0]
+        motions = [word.value for word in block.g if word.value in MOTION or word.value == NO_MOTION]
+        return self.motion if not motions else None if motions[0] == NO_MOTION else motions[0]
 
     def feed(self, block: Block) -> None:
         """An F word counts in the units before its block, as the control has it; G94 forgets the F before it."""
@@ -341,19 +341,19 @@ class ModalState:
 
     def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:
         ccw, at, unit = self.motion == 3.0, self.track.at, self.unit_mm * self.control.place_mm
-        given = [letter for letter in "IJ" if letter in block.words]
+        letters = [letter for letter in "IJ" if letter in block.words]
         if block.of("P", 1.0) != 1.0:
             raise block.refused("an arc of several turns is not supported here; write each turn out", block.words["P"])
         if "R" in block.words:
-            if given:
+            if letters:
                 raise block.refused("an arc with both R and I or J; write one of the two", block.words["R"])
             if "X" not in block.words and "Y" not in block.words:
                 raise block.refused("an arc by R without its end; write X and Y", block.words["R"])
             short_mm = SHORT_MM if self.control.place_mm == 1.0 else self.control.mismatch_mm
             return arc_by_radius(at, end, block.of("R") * unit, ccw, block, short_mm)
-        if not given:
+        if not letters:
             raise block.refused("an arc without I, J or R; write its centre as I and J")
-        if self.centre_absolute and len(given) < 2:
+        if self.centre_absolute and len(letters) < 2:
             raise block.refused("an arc with an absolute centre (G90.1) needs both I and J; write both")
         base = (0.0, 0.0) if self.centre_absolute else at
         centre = base[0] + block.of("I") * unit, base[1] + block.of("J") * unit

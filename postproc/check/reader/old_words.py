@@ -89,11 +89,11 @@ class OldWords:
         InputError
             With line and column, for what nobody can be sure of.
         """
-        made = self._of_qtplasmac(row, line, moves) if self.control.filtered else row
-        if made.code:
-            made = self._carried_off(made, line, moves)
-            self.begun = self.begun or bool(_PLACE.search(made.code))
-        return made
+        plain_row = self._of_qtplasmac(row, line, moves) if self.control.filtered else row
+        if plain_row.code:
+            plain_row = self._carried_off(plain_row, line, moves)
+            self.begun = self.begun or bool(_PLACE.search(plain_row.code))
+        return plain_row
 
     def _of_qtplasmac(self, row: Row, line: int, moves: ModalState) -> Row:
         for text in row.comments:
@@ -211,11 +211,11 @@ class OldWords:
                 "material for this program alone with o=0",
                 line=line,
             )
-        given = dict(
+        fields = dict(
             pair.split("=", 1) for pair in (found["rest"] or "").replace(" ", "").lower().split(",") if "=" in pair
         )
         try:
-            feed, kerf = (float(given[key]) if key in given else None for key in ("fr", "kw"))
+            feed, kerf = (float(fields[key]) if key in fields else None for key in ("fr", "kw"))
         except ValueError:
             raise InputError(f"({text}): expected numbers for fr and kw; correct it", line=line) from None
         if feed is None or feed <= 0:

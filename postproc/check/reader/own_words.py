@@ -73,13 +73,13 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
             changes["feed_mm_min"] = _FEEDS[reads.feed]
         if reads.longest is not None:
             changes["longest"] = reads.longest
-    made: Control = replace(control, **changes)  # type: ignore[arg-type]
-    if rests := [s for s, _ in _own_waits(dialect.torch_off, made)]:
-        made = replace(made, rests_s=sum(rests))
-    waits = list(_own_waits(dialect.torch_on, made))
+    changed: Control = replace(control, **changes)  # type: ignore[arg-type]
+    if rests := [s for s, _ in _own_waits(dialect.torch_off, changed)]:
+        changed = replace(changed, rests_s=sum(rests))
+    waits = list(_own_waits(dialect.torch_on, changed))
     if waits:
-        made = replace(made, stands_s=sum(s for s, _ in waits), preheat_s=sum(s for s, lit in waits if not lit))
-    return made
+        changed = replace(changed, stands_s=sum(s for s, _ in waits), preheat_s=sum(s for s, lit in waits if not lit))
+    return changed
 
 
 def _own_waits(blocks: Sequence[str], control: Control) -> Iterator[tuple[float, bool]]:
@@ -144,12 +144,12 @@ def _regex(text: str, named: bool = False) -> re.Pattern[str]:
 
     With `named` the numbers have the names that stand for them.
     """
-    made = ""
+    pattern = ""
     for literal, name, _, _ in Formatter().parse(text):
-        made += re.sub(r"(?<![0-9.])0*([0-9]+)(?![0-9.])", r"0*\1(?:\\.0*)?", re.escape(_code(literal)))
-        made += (f"(?P<{name}>{_NUMBER})" if named and name else _NUMBER) if name is not None else ""
-    begins = r"(?<![A-Z])" if made[:1].isalpha() else ""
-    return re.compile(f"{begins}{made}" + ("(?![0-9.])" if made[-1:] not in "=);" else ""))
+        pattern += re.sub(r"(?<![0-9.])0*([0-9]+)(?![0-9.])", r"0*\1(?:\\.0*)?", re.escape(_code(literal)))
+        pattern += (f"(?P<{name}>{_NUMBER})" if named and name else _NUMBER) if name is not None else ""
+    begins = r"(?<![A-Z])" if pattern[:1].isalpha() else ""
+    return re.compile(f"{begins}{pattern}" + ("(?![0-9.])" if pattern[-1:] not in "=);" else ""))
 
 
 def _pattern(also: Also, control: Control, file: str) -> Declared:

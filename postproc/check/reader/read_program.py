@@ -113,8 +113,8 @@ def with_program_origin(program: NcProgram, profile: Profile) -> Profile:
 def origin_warning(program: NcProgram, profile: Profile) -> Iterator[str]:
     """A warning where a program says another origin than the profile."""
     if program.origin is not None and program.origin != profile.machine.origin:
-        asked = profile.machine.origin
-        yield f"the program's origin is {program.origin}, the profile says {asked}: the program's counts"
+        origin = profile.machine.origin
+        yield f"the program's origin is {program.origin}, the profile says {origin}: the program's counts"
 
 
 def stated_origin(program: NcProgram) -> tuple[Origin | None, Point | None]:
@@ -280,8 +280,8 @@ def _notes(further: OldWords, rows: Sequence[UnfoldedRow] | None) -> Iterator[st
 
 def _travel_word(block: Block, machine: Machine) -> str:
     """The word by which a block travels, said or in force; by an arc it does so no second time."""
-    said = next((word.text for word in block.g if word.value in (0.0, 1.0)), "")
-    return said or _implied(block, machine.moves.motion, machine.control)
+    spelt = next((word.text for word in block.g if word.value in (0.0, 1.0)), "")
+    return spelt or _implied(block, machine.moves.motion, machine.control)
 
 
 def _implied(block: Block, modal: float | None, control: Control) -> str:

@@ -92,9 +92,9 @@ def unfold(text: str, plasmac: bool = False) -> list[UnfoldedRow]:
     """
     kept = set(_PLASMAC) if plasmac else set()
     if plasmac:
-        told = re.sub(r"\([^()]*\)|;.*|\s", lambda found: "\n" if found[0] == "\n" else "", text).lower()
-        read = {name for name, rest in re.findall(r"#<([^>]+)>(=?)", told) if not rest}
-        kept |= {name for name in re.findall(r"#<([^>]+)>=", told) if name not in read}
+        plain = re.sub(r"\([^()]*\)|;.*|\s", lambda found: "\n" if found[0] == "\n" else "", text).lower()
+        read = {name for name, rest in re.findall(r"#<([^>]+)>(=?)", plain) if not rest}
+        kept |= {name for name in re.findall(r"#<([^>]+)>=", plain) if name not in read}
     return list(_Run(_sources(text), frozenset(kept)).rows())
 
 

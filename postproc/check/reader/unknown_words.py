@@ -61,7 +61,7 @@ def _of_row(raw: str, line: int, control: Control, machine: Machine, further: Ol
 
 def _words(row: Row, control: Control) -> list[tuple[str, str]]:
     """The unknown words of a row, and what settles each."""
-    made = []
+    pairs = []
     code = re.sub(r"^N[0-9.]+", "", row.code.replace(COMMENT, ""))
     for found in _TOKEN.finditer(code):
         letter, number = found["letter"], found["number"]
@@ -71,10 +71,10 @@ def _words(row: Row, control: Control) -> list[tuple[str, str]]:
             if value in known:
                 continue
             why = refused_g(value) if letter == "G" else control.refused_m.get(value)
-            made.append((found[0], why or _advice(found[0])))
+            pairs.append((found[0], why or _advice(found[0])))
         elif letter not in BOUNDS and letter != "N":
-            made.append((f"{letter}…", NOT_READ.get(letter) or _advice(f"{letter}{{n}}")))
-    return made
+            pairs.append((f"{letter}…", NOT_READ.get(letter) or _advice(f"{letter}{{n}}")))
+    return pairs
 
 
 def _advice(word: str) -> str:

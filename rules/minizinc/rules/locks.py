@@ -11,16 +11,16 @@ class LocksTwin(Twin[LocksOptions]):
 
     def data(self, case: TwinCase, options: LocksOptions) -> Fields:
         number = {name: k + 1 for name, k in case.facts.nest.index.items()}
-        made = len(case.facts.already_cut)
+        count = len(case.facts.already_cut)
         ends = {"first": 1, "last": case.facts.n}
         locks = [lock for lock in options.locks if lock.contour in number]
         orders = [
             (number[lock.contour], number[lock.before]) for lock in locks if lock.contour and lock.before in number
         ]
         places = [
-            (number[lock.contour], ends[place] if isinstance(place, str) else place - made)
+            (number[lock.contour], ends[place] if isinstance(place, str) else place - count)
             for lock in locks
-            if lock.contour and (place := lock.place_among(case.facts.n + made))
+            if lock.contour and (place := lock.place_among(case.facts.n + count))
         ]
         out = {s.candidate + 1 for s in Locks().excluded(case.facts, options)}
         return [

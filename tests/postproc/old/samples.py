@@ -51,7 +51,7 @@ def samples(folder: Path, feed_mm_min: float = 2500.0) -> Iterator[Sample]:
             apart = split_program(read_old(path.read_text(), feed_mm_min=feed_mm_min, file=path.name))
             order = list(range(len(apart.pieces)))[::-1]
             expect_same(apart, order, read_old(reordered(apart, order), feed_mm_min=feed_mm_min))
-            made = resequence(path, work=5, asked=ProgramRequest(feed_mm_min=feed_mm_min), without_rules=True)
+            made = resequence(path, work=5, request=ProgramRequest(feed_mm_min=feed_mm_min), without_rules=True)
         except InputError as error:
             yield Sample(path.name, f"refused: {error.message} (line {error.line})", None, error.line)
             continue
