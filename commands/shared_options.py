@@ -16,7 +16,16 @@ from kerfwise.encoder.errors import InputError, RuleFault, RulesConflict
 from kerfwise.encoder.questions import Question, Questions
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import escape_text
-from kerfwise.jobs.inputs import Inputs, common_cuts_not_made, drawn_nest, plant_of, reading, silent, tabs_not_left
+from kerfwise.jobs.inputs import (
+    Inputs,
+    common_cuts_not_made,
+    dates_ignored,
+    drawn_nest,
+    plant_of,
+    reading,
+    silent,
+    tabs_not_left,
+)
 from kerfwise.jobs.nest_job.job import job_beside
 from kerfwise.languages.catalogue import ENGLISH, LANGUAGES
 from kerfwise.models.engines import ENGINES, OLD_NAMES, Engine
@@ -176,7 +185,6 @@ def protect(inputs: Inputs, nest: str, outputs: Iterable[str | Path | None], *ot
 
 def note_placing(inputs: Inputs) -> None:
     """Say on standard error what a planner would want to know: where the sheet lies, which cuts are not made."""
-    from kerfwise.jobs.sheet_parts import dates_ignored
     from kerfwise.rules.profile.profile import placing_notes
 
     for text in placing_notes(inputs.nest, inputs.profile):

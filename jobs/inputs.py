@@ -14,7 +14,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow_features import cut_across, lost_walls
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.small_holes import diameter_under
 from kerfwise.encoder.text import join_names
 from kerfwise.models.plan.plan import Plan
@@ -375,3 +375,23 @@ def expect_of_first(plan: Plan, contour: str) -> None:
                 f"{contour} is cut by torch {planned.cut.torch} at the time of {first}, by the same motion: ask about "
                 f"{first}"
             )
+
+
+def dates_ignored(nest: Nest, profile: Profile) -> int:
+    """How many parts have a due date or a priority that the order of cutting does not follow."""
+    if profile.objective.completion > 0:
+        return 0
+    parts = (nest.drawn or nest).parts
+    priorities = {attribute_text(part, "priority") for part in parts}
+    dated = [
+        part
+        for part in parts
+        if attribute_text(part, "due") or (attribute_text(part, "priority") and len(priorities) > 1)
+    ]
+    return len(dated) if len({(attribute_text(p, "due"), attribute_text(p, "priority")) for p in parts}) > 1 else 0
+
+
+def attribute_text(part: Part, key: str) -> str:
+    """What an attribute of a part says, a number as text; "" where it has none."""
+    value = part.attributes.get(key)
+    return str(value) if isinstance(value, str | int | float) and not isinstance(value, bool) else ""

@@ -20,10 +20,9 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import by_kind
 
 from .adaptive_zones import ZonedPlan
-from .plan_without_zones import is_relaxed, restated, searched, zoned_by
+from .plan_without_zones import bans_crossings, is_relaxed, restated, searched, zoned_by
 from .request import Request
 
 WORK, WORK_A_CONTOUR = 0.03, 1e-4
@@ -66,7 +65,7 @@ def first_plan(
             asked = Request(one, stated, asked.seconds)
     work = min(limits.work, WORK + WORK_A_CONTOUR * asked.facts.n)
     limits = replace(limits, work=work, time_s=None)  # so little takes less time than a look at the clock is worth
-    moves = moves or any(s.weight is None for s in by_kind(asked.stated.statements).crossing)
+    moves = moves or bans_crossings(asked.stated.statements)
     route = () if at_hand is None else at_hand.route
     found = searched(asked.facts, asked.stated, profile, route, limits, progress, moves=moves)
     if found is None:

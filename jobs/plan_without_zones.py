@@ -177,6 +177,11 @@ def without_moves(statements: Sequence[Statement]) -> tuple[list[Statement], fro
     return [s for s in statements if id(s) not in unasked], frozenset(s.about.rule for s in moves)
 
 
+def bans_crossings(statements: Sequence[Statement]) -> bool:
+    """Whether a hard rule bans moves over areas."""
+    return any(s.weight is None for s in by_kind(statements).crossing)
+
+
 # How long plans without zones, and by other zones, are looked for, and whether that is begun at all.
 #
 # Up to `FEW` contours a look has a share of the limit, always. In larger nests a plan by the zones of geometry is

@@ -21,6 +21,8 @@ from kerfwise.postproc.report.scene import FAINT, INK, Scene, SceneLayer, Shape,
 from kerfwise.rules.profile.plant_sections import MATERIALS
 from kerfwise.rules.profile.profile import Profile
 
+from .inputs import attribute_text
+
 
 @dataclass(frozen=True, slots=True)
 class PartKind:
@@ -43,7 +45,7 @@ def part_kinds(nest: Nest, profile: Profile) -> list[PartKind]:
     per_mm2 = profile.material.thickness_mm * MATERIALS[profile.heat.material].density * 1e-9
     found: dict[tuple[str, str, str], list[Part]] = {}
     for part in (nest.drawn or nest).parts:
-        found.setdefault((kind_of(part), _said(part, "order"), _said(part, "due")), []).append(part)
+        found.setdefault((kind_of(part), attribute_text(part, "order"), attribute_text(part, "due")), []).append(part)
     rows = []
     for (name, order, due), parts in found.items():
         x0, y0, x1, y1 = parts[0].outer.polygon.bounds
@@ -52,24 +54,9 @@ def part_kinds(nest: Nest, profile: Profile) -> list[PartKind]:
     return rows
 
 
-def dates_ignored(nest: Nest, profile: Profile) -> int:
-    """How many parts have a due date or a priority that the order of cutting does not follow."""
-    if profile.objective.completion > 0:
-        return 0
-    parts = (nest.drawn or nest).parts
-    priorities = {_said(part, "priority") for part in parts}
-    dated = [part for part in parts if _said(part, "due") or (_said(part, "priority") and len(priorities) > 1)]
-    return len(dated) if len({(_said(p, "due"), _said(p, "priority")) for p in parts}) > 1 else 0
-
-
 def kind_of(part: Part) -> str:
     """What a part is a copy of, as its nest says; else its own name."""
-    return _said(part, OF) or part.id
-
-
-def _said(part: Part, key: str) -> str:
-    value = part.attributes.get(key)
-    return str(value) if isinstance(value, str | int | float) and not isinstance(value, bool) else ""
+    return attribute_text(part, OF) or part.id
 
 
 def left_of(nest: Nest, gap_mm: float) -> tuple[float, float]:
@@ -129,7 +116,7 @@ def _labels(nest: Nest, profile: Profile, say: Texts) -> Iterator[_Label]:
     weights = {(row.name, row.order, row.due): row.weight_kg for row in part_kinds(nest, profile)}
     sheet = Path(nest.file or "nest").name
     for part in (nest.drawn or nest).parts:
-        order, due = _said(part, "order"), _said(part, "due")
+        order, due = attribute_text(part, "order"), attribute_text(part, "due")
         weight_kg = weights[kind_of(part), order, due]
         lines = (
             tr("order {order}").format(order=order) if order else "",

@@ -26,9 +26,9 @@ from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.overrides import lines_of
 from kerfwise.rules.profile.profile import Profile
 
-from .inputs import Inputs, Tell, differences, program_text, silent
+from .inputs import Inputs, Tell, dates_ignored, differences, program_text, silent
 from .programs import Times, time_made
-from .sheet_parts import PartKind, dates_ignored, left_of, part_kinds, zero_sketch, zero_words
+from .sheet_parts import PartKind, left_of, part_kinds, zero_sketch, zero_words
 
 
 @dataclass(frozen=True, eq=False, slots=True)
