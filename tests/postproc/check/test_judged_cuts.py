@@ -79,6 +79,7 @@ def bent(cut: Cut, by: float) -> Cut:
         (lambda cut: replace(cut, linked=True), False),
         (lambda cut: replace(cut, torch=2), False),
         (lambda cut: replace(cut, together="A.outer"), False),
+        (lambda cut: replace(cut, way="snake1"), False),
         (lambda cut: replace(cut, tabs=(Tab((0.0, 0.0), 1.0),)), False),
         (lambda cut: replace(cut, span=Span((0.0, 0.0), (1.0, 0.0))), False),
     ],
@@ -120,7 +121,7 @@ def test_cuts_are_not_the_same_where_temperatures_were_measured_or_some_are_miss
 def test_every_field_of_a_cut_is_looked_at() -> None:
     """A new one is to be compared, too: see `judged_cuts`."""
     points = {"entry", "pierce", "lead_in", "lead_out", "start_s", "end_s"}
-    words = {"contour", "direction", "zone", "excused", "linked", "span", "tabs", "torch", "together"}
+    words = {"contour", "direction", "zone", "excused", "linked", "span", "tabs", "torch", "together", "way"}
     assert {field.name for field in fields(Cut)} == points | words
     looked_at = {"cuts", "start_side", "home", "hot_spots", "made", "begun", "pierces"}
     assert {field.name for field in fields(CutSequence)} == looked_at
