@@ -63,7 +63,7 @@ def command(
 
     plant, request = plant_of(profile, trust), program_request(**given)
     limits: dict[str, Any] = {"work": work, "time_s": time_limit, "seed": seed}
-    limits |= {"paths": paths, "asked": request, "without_rules": without_rules}
+    limits |= {"paths": paths, "request": request, "without_rules": without_rules}
     if is_folder(Path(old)):
         if picture or plan_path:
             raise InputError(f"{'--picture' if picture else '--plan'} is of one program: give one, not a folder")

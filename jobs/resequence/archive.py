@@ -65,7 +65,7 @@ def resequence_folder(
     make_folder(out, parents=True)
     options = {
         "paths": paths,
-        "asked": request or ProgramRequest(),
+        "request": request or ProgramRequest(),
         "without_rules": without_rules,
         "work": work,
         "time_s": time_s,
@@ -154,7 +154,7 @@ _FORMAT = "kerfwise-resequence/1"
 def besides_of(profile: Profile, options: Mapping[str, Any], version: str) -> dict[str, Any]:
     """All that answers depend on besides the program and the files of the profile."""
     of_profile = {"profile": profile.sha256, "machine": repr(profile.machine)}
-    return {"version": version, **of_profile, **options, "asked": asdict(options["asked"])}
+    return {"version": version, **of_profile, **options, "request": asdict(options["request"])}
 
 
 def recorded(out: Path) -> dict[str, Row]:

@@ -235,7 +235,8 @@ def _same_cut(one: Cut, other: Cut) -> bool:
 
 def _words(cut: Cut) -> tuple[object, ...]:
     return (
-        cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span, cut.tabs, cut.torch, cut.together, cut.way,
+        cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span, cut.tabs, cut.torch, cut.together,
+        cut.way,
     )  # fmt: skip
 
 
