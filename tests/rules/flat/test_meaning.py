@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from itertools import permutations, product
+from itertools import pairwise, permutations, product
 from pathlib import Path
 
 import pytest
@@ -20,7 +20,7 @@ from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat.expr import ChoiceSum, Lit, equal, in_values
 from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Pick, Precede, Statement
+from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Move, Pick, Precede, Statement
 
 pytestmark = pytest.mark.minizinc
 
@@ -113,6 +113,8 @@ def holds(statement: Statement, order: tuple[int, ...], picks: tuple[int, ...]) 
             return candidate not in picks
         case Contiguous(contours):
             return max(at[k] for k in contours) - min(at[k] for k in contours) < len(contours)
+        case Move(leave, reach, leaving=None, reaching=None):
+            return not any(i in leave and j in reach for i, j in pairwise(order))
         case Lag(first, second):
             return abs(at[first] - at[second]) - 1 >= statement.cuts
         case AtLeast():
