@@ -53,6 +53,7 @@ export function brokenDrawing(problems, repair) {
     }
     stage.draw();
   };
+  stage.buttons = 0;
   stage.layers.push(place);
   stage.canvas.setAttribute("tabindex", "0");
   stage.canvas.setAttribute("role", "img");

@@ -44,6 +44,8 @@ export class Stage {
     /** @type {[number, number] | null} */
     this.cross = null;
     this.size = { wide: 0, high: 0, ratio: 1 };
+    /** Height of the buttons that lie over the drawing, pixels. */
+    this.buttons = BUTTONS_PX;
     this.asked = 0;
     this.frames = 0;
     this.sharp = false;
@@ -68,7 +70,7 @@ export class Stage {
   }
 
   /** Height that the buttons over the drawing leave free. */
-  get #free() { return this.size.high > 5 * BUTTONS_PX ? this.size.high - BUTTONS_PX : this.size.high; }
+  get #free() { return this.size.high > 5 * BUTTONS_PX ? this.size.high - this.buttons : this.size.high; }
 
   /** All parts in the window, whatever is free around them. */
   fitParts() {
