@@ -21,7 +21,7 @@ from kerfwise.tests.tools.amount import rows
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 ROW_PX = 27
-LONG_S = 600.0
+LONG_S = 180.0
 """A thousand contours take half a minute of the processor, which others may have."""
 WORK = 0.05
 """Of a plan: nothing is proven by it, and what takes time is all the rest."""
@@ -233,7 +233,11 @@ def taken_back(at: AtPage, tab: Tab, *locks: str) -> None:
     assert [lock for lock in locks if not any(line.startswith(lock) for line in locked)] == [], locked
     at.page.click("#hands-cancel")
     at.page.wait_for_selector("#hands-cancel", state="hidden")
-    at.page.click("#hands-undo")
+    listed = "document.getElementById('hands-locks').textContent"
+    while tab.state()["locked"]:  # one gesture after the other
+        before = at.ask(listed)
+        at.page.click("#hands-undo")
+        at.until(f"{listed} !== given[0]", before)
     at.page.wait_for_selector("#hands-plan:not(.primary)")
     assert (tab.state()["locked"], tab.state()["shown"]) == ([], 1)
 
