@@ -82,7 +82,8 @@ def leading_to(address: str, folder: Path) -> Path:
     page = folder / "open.html"
     page.touch(0o600)
     refresh = f'<meta http-equiv="refresh" content="0; url={address}">'
-    page.write_text(f'<!DOCTYPE html><meta charset="utf-8">{refresh}<title>kerfwise</title>', encoding="utf-8")
+    text = f'<!DOCTYPE html><meta charset="utf-8">{refresh}<title>kerfwise</title>'
+    page.write_text(text, encoding="utf-8", newline="")
     return page
 
 

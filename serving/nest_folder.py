@@ -203,7 +203,7 @@ def _is_nest(path: str, folder: Path) -> bool:
     if path.lower().endswith(_NOT_NESTS):
         return False
     try:
-        if os.path.islink(path) and not Path(path).resolve().is_relative_to(folder):
+        if Path(path).is_symlink() and not Path(path).resolve().is_relative_to(folder):
             return False
         suffix = Path(path).suffix.lower()
         if suffix == ".dxf":

@@ -126,7 +126,7 @@ def _write_token(path: Path, token: str) -> None:
         handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     except OSError as error:
         raise InputError(f"--token-file: {error.strerror}", file=path) from None
-    with os.fdopen(handle, "w", encoding="ascii") as file:
+    with os.fdopen(handle, "w", encoding="ascii", newline="") as file:
         file.write(token)
 
 

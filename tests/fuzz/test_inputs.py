@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yaml
 
 from kerfwise.tests.fuzz.__main__ import count, table
 from kerfwise.tests.fuzz.inputs import seeds
@@ -106,6 +107,7 @@ def after(option: str, line: tuple[str, ...]) -> list[str]:
     return [line[k + 1] for k, word in enumerate(line[:-1]) if word == option]
 
 
+DRAWN = "note: written: o.svg: what is read so far\nkerfwise: nest.json: in mm?\n  --answer units=mm\n"
 GOOD = Ended(0, "done\n", "", {"nest.json": seeds.nest_bytes()}, 0.0)
 
 
@@ -132,6 +134,11 @@ GOOD = Ended(0, "done\n", "", {"nest.json": seeds.nest_bytes()}, 0.0)
         ({"files": {**GOOD.files, "out.nc": "(\u202e)\n".encode()}}, "half written: out.nc"),
         ({"files": {**GOOD.files, ".kerfwise-ab12": b""}}, "half written: .kerfwise-ab12"),
         ({"code": 2, "err": "kerfwise: nest.json: x\n", "files": {**GOOD.files, "o.nc": b"\n"}}, "refused and written"),
+        (
+            {"code": 3, "err": DRAWN, "files": {**GOOD.files, "o.svg": b"<a/>", "o.nc": b"\n"}},
+            "refused and written: ['o.nc",
+        ),
+        ({"code": 2, "err": DRAWN, "files": {**GOOD.files, "o.svg": b"<a/>"}}, "refused and written"),
     ],
 )
 def test_the_judge_finds_what_is_wrong(wrong: dict[str, object], said: str) -> None:
@@ -143,6 +150,16 @@ def test_the_judge_finds_what_is_wrong(wrong: dict[str, object], said: str) -> N
 def test_a_refusal_with_its_place_is_none() -> None:
     assert findings(PLAIN, replace(GOOD, code=2, err="note: x\nkerfwise: nest.json:1:2: wrong\n  - more\n")) == []
     assert unfinished("a.png", b"\x89PNG....IEND\xaeB`\x82") == ""
+
+
+def test_a_picture_of_what_an_open_question_is_about_is_no_fault() -> None:
+    assert findings(PLAIN, replace(GOOD, code=3, err=DRAWN, files={**GOOD.files, "o.svg": b"<a/>"})) == []
+
+
+def test_the_job_that_is_damaged_is_a_good_one(worker: Worker) -> None:
+    case = next(case for case in (made("job", 1, number) for number in range(100)) if case.words[0] == "solve")
+    whole = yaml.safe_dump(seeds.JOB, sort_keys=False).encode()
+    assert worker.ask(replace(case, files={**case.files, "nest.job.yaml": whole})).code == 0
 
 
 def test_two_runs_are_compared() -> None:

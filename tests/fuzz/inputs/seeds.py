@@ -64,7 +64,12 @@ JOB = {
     "due": "2026-12-24",
     "locks": ["A first", {"contour": "B.outer", "direction": "cw"}, "#2 after A", "no link B"],
     "tabs": {"A": "off", "B": [150, 70]},
-    "set": {"leads.lead_in": "4 mm", "material": {"thickness": 8}, "rules.pierce.clearance": "1.6 mm"},
+    "set": {
+        "leads.lead_in": "4 mm",
+        "material": {"thickness": 8},
+        "rules.pierce.clearance": "1.6 mm",
+        "rules.hold-small-parts": "hard",
+    },
 }
 JOB_WORDS = (
     "A first", "B before A", "#1 last", "#0 first", "#999999999 last", "A 5th", "A.outer entry (1e9, nan)", "no link",

@@ -17,6 +17,8 @@ from .run import Ended
 
 OWN_FAULT, WRONG_INPUT, OPEN_QUESTION = 70, 2, 3
 CODES = (0, 1, WRONG_INPUT, OPEN_QUESTION)
+DRAWN = "what is read so far"
+"""A picture of this is the one thing that is written where a question is open."""
 _WARNING = re.compile(r"\.py:\d+: \w*Warning|Exception ignored")
 
 
@@ -82,8 +84,9 @@ def _files(case: Case, ended: Ended) -> Iterator[str]:
         if name not in case.written and ended.files.get(name) != content:
             yield f"lost: {name} is not as it was"
     new = {n: c for n, c in ended.files.items() if given.get(n) != c and not n.startswith("kerfwise-fault-")}
-    if new and ended.code in (WRONG_INPUT, OPEN_QUESTION):
-        yield f"refused and written: {sorted(new)}"
+    drawn = {name for name in new if f"note: written: {name}: {DRAWN}" in ended.err and ended.code == OPEN_QUESTION}
+    if ended.code in (WRONG_INPUT, OPEN_QUESTION) and (written := sorted(set(new) - drawn)):
+        yield f"refused and written: {written}"
     for name, content in new.items():
         kinds = (name,) if case.damaged else (name, "a.nc", "a.json", "a.svg")  # -o out.svg writes a program there
         if all(unfinished(kind, content) for kind in kinds):
