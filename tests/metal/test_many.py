@@ -45,7 +45,7 @@ def test_parts_a_kerf_apart_make_no_scrap_nor_does_the_rest_after_a_stop(
 
 
 def test_a_refusal_is_counted_by_its_reason() -> None:
-    (done,) = tried(made(7), "plasma-carbon-steel", EFFORT)
+    (done,) = tried(made(1), "plasma-carbon-steel", EFFORT)
     assert "N mm" in done.refused
     assert not any(letter.isdigit() for letter in done.refused)
     assert done.findings == ()

@@ -65,12 +65,12 @@ class Conflict:
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
-    def for_operator(self, cuts_made: int) -> Iterator[str]:
+    def for_operator(self, made: int) -> Iterator[str]:
         """The same at the machine, where work has stopped after so many cuts: what cannot be together, and what helps.
 
         Who stands there knows contours and cuts, not the names of rules.
         """
-        yield f"what is left after cut {cuts_made} cannot be cut as the plant asks; these do not go together:"
+        yield f"what is left after cut {made} cannot be cut as the plant asks; these do not go together:"
         sentences = list(dict.fromkeys(about.sentence for about in self.clash))
         yield from (f"  - {sentence}" for sentence in sentences[:MOST_NAMED])
         if len(sentences) > MOST_NAMED:
