@@ -49,12 +49,14 @@ def test_a_drawing_of_three_is_told_and_drawn(tmp_path: Path) -> None:
     )
     nest = tmp_path / "three.svg"
     nest.write_text(SVG.format(drawn))
-    ended = kerfwise("facts", nest)
+    asked = kerfwise("facts", nest)
+    assert (asked.code, "--answer overlap=refuse " in asked.err) == (3, True)
+    ended = kerfwise("facts", nest, "--answer", "overlap=refuse")
     assert ended.code == 2, ended.err
     assert "overlap" in ended.err or "reaches out of" in ended.err
     for suffix in ("svg", "png", "html"):
         picture = tmp_path / f"picture.{suffix}"
-        ended = kerfwise("plot", nest, "-o", picture)
+        ended = kerfwise("plot", nest, "-o", picture, "--answer", "overlap=refuse")
         assert (ended.code, ended.err.startswith(f"warning: {nest}: the nest cannot be cut as it is drawn")) == (
             0,
             True,
