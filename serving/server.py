@@ -222,7 +222,8 @@ class Server:
     async def preview_of_drop(self, name: str, drawing: bytes, repair: bool, answers: Mapping[str, str]) -> str:
         """The same of a drawing that was dropped on the page, and is not in the folder yet."""
         with self._aside(name, drawing) as path:
-            return await self.preview(path, repair, answers)
+            disk = self.text_beside(self.folder.path / name)
+            return str(await self.asked("preview", wanted=self._with_answers(path, disk, repair, answers)))
 
     @contextmanager
     def _aside(self, name: str, drawing: bytes) -> Iterator[Path]:
