@@ -23,6 +23,8 @@ export class History {
     /** @type {Wanted | null} */
     this.now = null;
     this.busy = false;
+    /** the step that was asked for last */
+    this.turn = Promise.resolve();
     /** the highest number of a plan so far */
     this.newest = 0;
     work.on((_, what) => { if (what === "state") this.note(); });
@@ -43,11 +45,17 @@ export class History {
 
   /** Whether there is something to undo, or with 1 to do again. */
   /** @type {(by: -1 | 1) => boolean} */
-  can(by) { return !this.busy && (by < 0 ? this.past : this.future).length > 0; }
+  can(by) { return (by < 0 ? this.past : this.future).length > 0; }
 
-  /** One step back, or on. */
+  /** One step back, or on, once the step before is made. */
   /** @type {(by: -1 | 1) => Promise<void>} */
-  async step(by) {
+  step(by) {
+    this.turn = this.turn.then(() => this.#step(by));
+    return this.turn;
+  }
+
+  /** @type {(by: -1 | 1) => Promise<void>} */
+  async #step(by) {
     const { work } = this, [from, to] = by < 0 ? [this.past, this.future] : [this.future, this.past];
     if (!this.now || !this.can(by)) {
       work.say(by < 0 ? tr("nothing to undo") : tr("nothing to do again"));
