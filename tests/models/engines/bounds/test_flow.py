@@ -23,6 +23,7 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 from kerfwise.tests.models.brute import cheapest, lawful
@@ -266,7 +267,7 @@ def test_no_plan_costs_less_where_sites_rest(tiny: Problem, seed: int) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(flow_program, "FEW_SITES", 0)
         patch.setattr(flow_program, "AWAKE", 1.0)
-        for seen in (tiny, replace(tiny, matrix=matrix)):
+        for seen in (tiny, replace(tiny, matrix=matrix, moves=MovePrices())):  # a matrix has all prices of moves in it
             best = cheapest(seen)
             if best is not None:
                 for dear in (0, 10**9):
