@@ -65,7 +65,7 @@ def test_moves_that_are_closed_for_a_known_plan_are_not_those_of_a_better_one(ti
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed: int) -> None:
     matrix = np.random.default_rng(seed).integers(0, 100_000, (tiny.m + 1, tiny.m + 1))
-    drawn = replace(tiny, matrix=matrix)
+    drawn = replace(tiny, matrix=matrix, moves=MovePrices())
     best = cheapest(drawn)
     if best is not None:
         assert flow_bound(drawn, replace(best, cost=best.cost + 10**9), Deadline(1.0)).bound <= best.cost
