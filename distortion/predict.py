@@ -141,9 +141,9 @@ def distort_made(
 
     Parameters
     ----------
-    given
+    inputs
         Nest and profile; heat, material, thickness and kerf are the profile's.
-    made
+    plan
         A plan, or the path of a plan or a program.
     tell
         Told what the user should know.

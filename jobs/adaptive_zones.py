@@ -127,7 +127,7 @@ def better_zones(
 
     Parameters
     ----------
-    asked, solution
+    request, solution
         What was asked of a plan by zones, and the plan.
     further
         What geometry has found missing of it.

@@ -44,7 +44,7 @@ class Explainer:
 
     Parameters
     ----------
-    given
+    inputs
         The nest, and the profile that the plan is explained by.
     plan
         What was planned.

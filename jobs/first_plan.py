@@ -37,7 +37,7 @@ class FirstPlans:
 
     Parameters
     ----------
-    given
+    inputs
         Nest and profile.
     limits
         Of the whole planning.

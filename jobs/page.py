@@ -53,7 +53,7 @@ def page_data(
 
     Parameters
     ----------
-    given
+    inputs
         Nest and profile.
     plan
         Of that nest.

@@ -89,7 +89,7 @@ def plan_nest(
 
     Parameters
     ----------
-    given
+    inputs
         Nest and profile.
     limits
         Of the plan, as `options_for` makes them.

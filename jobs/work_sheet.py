@@ -96,7 +96,7 @@ def work_sheet(
 
     Parameters
     ----------
-    given
+    inputs
         Nest and profile.
     plan
         The plan of the nest.

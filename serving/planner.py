@@ -248,7 +248,7 @@ class PlansShown:
     ----------
     asking
         Who is told.
-    given, already, limits
+    inputs, already, limits
         Nest and profile, what of it is cut already, and the limits of the whole planning.
     kept
         Makes of a plan what is told of it.

@@ -48,7 +48,7 @@ def serve(
 
     Parameters
     ----------
-    given
+    path
         The nest or the folder.
     port
         0 for any that is free.

@@ -401,7 +401,7 @@ def round_corners(
 
     Parameters
     ----------
-    asked, straight
+    lines, straight
         All straight lines, and those that are free.
     leave, reach
         The places that they join.

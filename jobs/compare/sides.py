@@ -215,7 +215,7 @@ def pair_of(
 
     Parameters
     ----------
-    given
+    inputs
         The nest by the profile of A and by that of B; the same object where there is one profile.
     a, b
         Plans or programs; what is None is planned within `limits`, see `SideAsked`.

@@ -66,7 +66,7 @@ def resequence(
         The plant; its dialect says which control the program is for.
     paths
         "keep" leaves every burn as it is, "new" makes leads and entries new.
-    asked
+    request
         What the program does not say.
     without_rules
         Go on by travel alone where the rules cannot be asked, since nobody can tell what the burns cut. With "new"

@@ -275,7 +275,7 @@ def reordered(
         The program.
     order
         The numbers of its pieces, from 0, in the new order.
-    told
+    texts
         Lines, comments of the control, for the program's top.
     headings
         Lines, comments of the control, before each piece, in the new order.

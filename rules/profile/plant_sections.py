@@ -286,9 +286,9 @@ class KeptOfThickness:
 
 
 def kept_of_thickness(base_mm: float, values: Mapping[str, Any], texts: Mapping[str, str]) -> KeptOfThickness | None:
-    """Which values are still those of another thickness, in a profile that `texts` these keys over one for `base_mm`.
+    """Which values are still those of another thickness, in a profile over one for `base_mm`.
 
-    What its chart gives it is for its thickness.
+    `texts` has the keys that it states itself. What its chart gives it is for its thickness.
     """
     thickness_mm, chart, before = values["material"].thickness_mm, values["chart"], values["kept"]
     made_for_mm = base_mm if before is None else before.made_for_mm
