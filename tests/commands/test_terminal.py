@@ -41,6 +41,7 @@ def at_terminal(folder: Path, words: Sequence[str], typed: Sequence[bytes]) -> t
         seen += data
         if left and seen.rstrip(b" ").endswith(b"):") and seen.count(b"Which (") > answered:
             answered = seen.count(b"Which (")
+            time.sleep(0.5)  # nobody is as quick as the process that has just printed its prompt
             os.write(terminal, left.pop(0))
     os.close(terminal)
     _, status = os.waitpid(pid, 0)
