@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pty
 import select
+import signal
 import subprocess
 import sys
 import time
@@ -26,6 +27,7 @@ def at_terminal(folder: Path, words: Sequence[str], typed: Sequence[bytes]) -> t
     """Run the command as a person does, who types each of these when a prompt is there: exit code, and what is seen."""
     pid, terminal = pty.fork()
     if pid == 0:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a suite in the background ignores it, and so would this
         os.chdir(folder)
         os.execv(sys.executable, [sys.executable, "-m", "kerfwise", *words])
     seen, answered, ends_s, left = b"", 0, time.monotonic() + WAIT_S, list(typed)
@@ -41,7 +43,6 @@ def at_terminal(folder: Path, words: Sequence[str], typed: Sequence[bytes]) -> t
         seen += data
         if left and seen.rstrip(b" ").endswith(b"):") and seen.count(b"Which (") > answered:
             answered = seen.count(b"Which (")
-            time.sleep(0.5)  # nobody is as quick as the process that has just printed its prompt
             os.write(terminal, left.pop(0))
     os.close(terminal)
     _, status = os.waitpid(pid, 0)
