@@ -88,7 +88,7 @@ def rows_of(
     [(['A', 'B', 'C'], 'ccw', ((90.0, 9.25), (100.0, 9.25)))]
     """
     outers = [(nest.index[part.outer.id], part.outer) for part in nest.parts if part.outer.id in {*left}]
-    if len(outers) < options.parts or kerf_mm <= 0:
+    if len(outers) < options.parts or kerf_mm <= 0 or not directions:
         return []
     apart = _Apart.of(nest, kerf_mm)
     within_mm = (options.gap_mm - kerf_mm) / 2 + _CHORD_MM
@@ -104,7 +104,7 @@ def rows_of(
             if (row := _row(nest, part, apart, kerf_mm, options.gap_mm, len(rows) + 1)) is not None:
                 rows.append(row)
                 taken |= row.members
-    return [row for row in rows if directions]
+    return rows
 
 
 def _by_direction(edges: Sequence[FacingEdge]) -> list[list[FacingEdge]]:
@@ -171,11 +171,12 @@ def _split(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Apart:
-    """Which contours stand within two kerfs of others, and what a link must keep off."""
+    """Which contours stand within two kerfs of others or lie in holes, and what a link must keep off."""
 
     nest: Nest
     kerf_mm: float
     near: Mapping[str, frozenset[str]]
+    hosted: frozenset[str]
     metal: shapely.Geometry
     sheet: shapely.Geometry
     rings: shapely.STRtree
@@ -189,19 +190,17 @@ class _Apart:
         for a, b in tree.query(lines, "dwithin", distance=reach_mm).T.tolist():
             if nest.contours[a].part != nest.contours[b].part:
                 near.setdefault(nest.contours[a].id, set()).add(nest.contours[b].id)
+        holes = [contour for contour in nest.contours if contour.kind == "hole"]
+        held = shapely.STRtree([hole.polygon for hole in holes]).query(lines, "within").T.tolist() if holes else []
+        hosted = frozenset(nest.contours[k].id for k, h in held if nest.contours[k].part != holes[h].part)
         metal = shapely.union_all([shapely.make_valid(part.polygon) for part in nest.parts])
         sheet = shapely.buffer(shapely.make_valid(nest.sheet.polygon), -kerf_mm / 2)
-        return _Apart(nest, kerf_mm, {k: frozenset(of) for k, of in near.items()}, metal, sheet, tree)
+        return _Apart(nest, kerf_mm, {k: frozenset(of) for k, of in near.items()}, hosted, metal, sheet, tree)
 
     def crowded(self, names: Collection[str]) -> bool:
         """Whether one of these contours lies within two kerfs of another part that is none of them, or in a hole."""
-        lines = [self.nest.contour(name).line for name in names]
-        holes = [contour.polygon for contour in self.nest.contours if contour.kind == "hole"]
-        own = [self.nest.contour(name).part for name in names]
-        parts = [contour.part for contour in self.nest.contours if contour.kind == "hole"]
-        inside = shapely.STRtree(holes).query(lines, "within").T.tolist() if holes else []
         near = frozenset[str]().union(*(self.near.get(name, frozenset()) for name in names))
-        return any(own[k] != parts[h] for k, h in inside) or not near <= {*names}
+        return not self.hosted.isdisjoint(names) or not near <= {*names}
 
     def free(self, link: tuple[Point, Point], joined: Collection[str]) -> bool:
         """Whether a link burns no part, stays on the sheet, and keeps off the contours that it does not join."""

@@ -52,6 +52,8 @@ def to_be_split(nest: Nest, kerf_mm: float, options: SplitOptions, left: Collect
     >>> to_be_split(plate, 1.5, SplitOptions(4.0, 20.0), [c.id for c in plate.contours])
     {'Strip.outer': True, 'A.outer': False}
     """
+    if options.half_ratio is None and options.last_mm is None:
+        return {}
     lines = [contour.line for contour in nest.contours]
     near = shapely.STRtree(lines).query(lines, "dwithin", distance=2 * kerf_mm + 2 * tolerance_mm(kerf_mm)).T.tolist()
     crowded = {nest.contours[a].id for a, b in near if nest.contours[a].part != nest.contours[b].part}
@@ -93,14 +95,15 @@ def split_ways(
     """
     edge = shapely.boundary(nest.sheet.polygon)
     meets = Counter[int]() if met is None else Counter([*met.rings[:, 0].tolist(), *met.leads.ravel().tolist()])
+    of_contour: dict[int, list[tuple[int, Candidate]]] = {nest.index[name]: [] for name in split}
+    for k, c in enumerate(candidates):
+        if c.contour in of_contour and c.span is None and not c.tabs:
+            of_contour[c.contour].append((k, c))
     for name, in_halves in split.items():
-        number, contour = nest.index[name], nest.contour(name)
-        leads, worth = [], []
-        for k, c in enumerate(candidates):
-            if c.contour == number and c.span is None and not c.tabs:
-                leads.append(c)
-                room_mm = min(float(edge.distance(shapely.Point(joined_at(c)))), _FAR_MM)
-                worth.append((meets[k], -round(room_mm, 3)))
+        contour, own = nest.contour(name), of_contour[nest.index[name]]
+        leads = [c for _, c in own]
+        rooms_mm = [min(float(edge.distance(shapely.Point(joined_at(c)))), _FAR_MM) for c in leads]
+        worth = [(meets[k], -round(room_mm, 3)) for (k, _), room_mm in zip(own, rooms_mm, strict=True)]
         if in_halves:
             stretch = _half(contour, leads, worth, kerf_mm)
         else:

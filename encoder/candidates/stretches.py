@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -138,20 +138,26 @@ def _runs(nest: Nest, number: int, begun: Mapping[str, Sequence[str]], kerf_mm: 
     return found
 
 
-def way_candidates(nest: Nest, number: int, leads: Iterable[Candidate], options: LeadOptions) -> Iterator[Candidate]:
-    """A way from either end, with the leads of candidates that join its first contour, or its last, right there."""
+def way_candidates(
+    nest: Nest, number: int, leads: Sequence[tuple[int, Candidate]], options: LeadOptions
+) -> list[tuple[int, Candidate]]:
+    """A way from either end, with the leads of candidates that join its first contour, or its last, right there.
+
+    Candidates have numbers: each way has that of its lead, and they come in this order.
+    """
     way = nest.contours[number]
     allowed = options.directions["outer"]
     backwards = tuple(stretch.reversed for stretch in reversed(way.along))
+    found: list[tuple[int, Candidate]] = []
     for onwards, along in ((True, way.along), (False, backwards)):
         if any(stretch.direction not in allowed for stretch in along):
             continue
         curve = way.curve if onwards else way.curve.reversed()
         begin, end = curve.point_at(0.0), curve.point_at(curve.length_mm)
-        for lead in leads:
+        for k, lead in leads:
             if lead.direction == along[0].direction and _joins(lead, nest.index[along[0].contour], begin):
                 lead_mm = 0.0 if lead.lead_in is None else lead.lead_in.length_mm
-                yield replace(
+                item = replace(
                     lead,
                     contour=number,
                     entry_mm=0.0 if onwards else way.curve.length_mm,
@@ -163,6 +169,8 @@ def way_candidates(nest: Nest, number: int, leads: Iterable[Candidate], options:
                     out=(),
                     still_in=(),
                 )
+                found.append((k, item))
+    return sorted(found, key=lambda row: row[0])
 
 
 def joined_at(candidate: Candidate) -> Point:
@@ -206,7 +214,7 @@ def with_stretches(
     items: list[tuple[int, Candidate]] = []  # with the number of the candidate that each has its lead of
     for way in ways:
         number, line = made.index[way.id], shapely.MultiLineString(links_in(way))
-        found = [(k, item) for k, c in leads for item in way_candidates(made, number, [c], options)]
+        found = way_candidates(made, number, leads, options)
         free = [(k, c) for k, c in others if not _in_the_way(c, line, options)]
         mine = {made.index[stretch.contour] for stretch in way.along}
         rest = {c.contour for c in along}
