@@ -44,7 +44,7 @@ FILES = {
     **dict.fromkeys(("check", "explain", "time", "heat", "plot", "sheet"), "results"),
     "facts": "read",
     "make": "nest",
-    "warm-up": "warm_up",
+    "warm-up": "engines",
 }
 """The file in `commands` that has a verb, where it is not called like the verb."""
 
@@ -78,7 +78,7 @@ class Verbs(click.Group):
         if cmd_name not in VERBS:
             return None
         module = importlib.import_module(f".commands.{FILES.get(cmd_name, cmd_name)}", __package__)
-        command: click.Command = getattr(module, f"{cmd_name}_command", None) or module.command
+        command: click.Command = getattr(module, f"{cmd_name.replace('-', '_')}_command", None) or module.command
         return command
 
     def resolve_command(

@@ -1,4 +1,4 @@
-"""kerfwise engines: what can be used to solve."""
+"""kerfwise engines: what can be used to solve; kerfwise warm-up: what of it is compiled, ahead."""
 
 from __future__ import annotations
 
@@ -21,3 +21,16 @@ def command() -> None:
         return
     for solver in solvers:
         click.echo(f"minizinc      --solver {solver.name:12} {solver.title} {solver.version}")
+
+
+@click.command()
+def warm_up_command() -> None:
+    """Compile what plans need, so that the first one is as quick as all others: in an image, or before a batch.
+
+    Once for each machine, version and processor; a second time it only says so. NUMBA_CACHE_DIR names the folder.
+    """
+    from kerfwise.jobs.warm_up import warm_up
+
+    done = warm_up()
+    where = f", kept in {done.folder}" if done.folder else ", and kept nowhere: NUMBA_CACHE_DIR names a folder"
+    click.echo(f"{done.kernels} kernels compiled in {done.seconds:.0f} s{where}")

@@ -205,8 +205,6 @@ def note_placing(inputs: Inputs) -> None:
 
 # What a person says of one nest on the command line, or has said in its job file.
 
-NestVerb = Callable[..., Any]
-
 JOB = click.option("--job", metavar="JOB", help="Use this job file instead of NEST.job.yaml beside the nest.")
 NO_JOB = click.option("--no-job", is_flag=True, help="Ignore the job file beside the nest.")
 SET = click.option("--set", "settings", multiple=True, metavar="KEY=VALUE",

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, cast
 from kerfwise.models import jit
 from kerfwise.models.engines import bounds, ideals
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
@@ -42,8 +43,7 @@ def warm_up() -> Warmed:
     jit.take_plainly(0)
     try:
         problem = _problem()
-        _search(problem)
-        _sweeps(problem)
+        _sweeps(problem, _search(problem))
     finally:
         jit.take_plainly(jit.PLAIN_STEPS)
     from kerfwise.models.numba_cache import compiled_and_kept
@@ -94,19 +94,16 @@ def _problem() -> Problem:
     return make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
 
 
-def _search(problem: Problem) -> None:
-    from kerfwise.models.engines.search import Searcher
-
-    Searcher(problem).run(Deadline(0.01))
-
-
-def _sweeps(problem: Problem) -> None:
+def _search(problem: Problem) -> Incumbent:
     from kerfwise.models.engines.search import Searcher
 
     searcher = Searcher(problem)
     searcher.run(Deadline(0.01))
-    plan = searcher.best
-    assert plan is not None
+    assert searcher.best is not None
+    return searcher.best
+
+
+def _sweeps(problem: Problem, plan: Incumbent) -> None:
     ideals.count_sets(problem, 1e4)
     ideals.prove(problem, plan, Deadline(0.2))
     ideals.widen(problem, plan, Deadline(0.01))
