@@ -21,10 +21,6 @@ from kerfwise.encoder.text import nearest
 
 # The columns that a table may have, and the words for them, without accents, blanks and capitals.
 
-PART_COLUMNS = (
-    "part", "quantity", "material", "thickness", "order", "due", "priority", "grain", "rotations", "mirror"
-)  # fmt: skip
-STOCK_COLUMNS = ("size", "width", "length", "file", "stock", "price", "remnant", "material", "thickness")
 TABLE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
 
 

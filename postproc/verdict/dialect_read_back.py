@@ -28,8 +28,6 @@ from kerfwise.rules.profile.profile import Profile
 
 _CUT = Curve.of([(20.0, 10.0, 0.0), (30.0, 10.0, 0.3), (40.0, 20.0, -0.4), (55.0, 25.0, 0.0)], closed=False)
 _MARK = Curve.of([(60.0, 5.0, 0.0), (70.0, 5.0, 0.0)], closed=False)
-_TO_THE_LEFT = Curve.of([(20.0, 40.0), (60.0, 40.0), (60.0, 80.0)], closed=False)
-_TO_THE_RIGHT = Curve.of([(20.0, 80.0), (60.0, 80.0), (60.0, 40.0)], closed=False)
 _FEED_MM_S, _DWELL_S = 12.5, 1.5
 _NEAR_MM, _SHARE = 0.02, 1e-3
 _INCH_MM = 25.4

@@ -54,11 +54,7 @@ class _Frame(HTMLParser):
     def handle_data(self, data: str) -> None:
         """Note a text that has letters."""
         bare = data.strip()
-        if (
-            re.search(r"[A-Za-z]{2}", bare)
-            and "@" not in bare
-            and self._inside[-1:] not in (["style"], ["script"], ["title"])
-        ):
+        if re.search(r"[A-Za-z]{2}", bare) and "@" not in bare and self._inside[-1:] not in _SILENT:
             self.found.append(bare)
 
 

@@ -32,7 +32,6 @@ _M98 = re.compile(r"M98(?![0-9])")
 _M99 = re.compile(r"M99(?![0-9])")
 _END = re.compile(r"M0*(?:2|30)(?![0-9])")
 _N = re.compile(r"N[0-9.]+")
-_ASSIGNED = re.compile(r"#(?P<name><[^>]+>|[0-9]+|(?=[\[#]))")
 _NO_BRACKETS = str.maketrans("()", "[]")
 _KEPT_BY_MACHINE = 5000
 
