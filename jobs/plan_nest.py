@@ -84,6 +84,7 @@ def plan_nest(
     found: Found | None = None,
     start: Plan | None = None,
     first: bool = False,
+    facts: Facts | None = None,
 ) -> FinishedPlan:
     """Plan a nest, or what is left of it, write the program, and judge both.
 
@@ -115,6 +116,8 @@ def plan_nest(
         A plan at hand, as of the nest before an edit: the new one costs no more than this does under what is asked now.
     first
         Give the first lawful plan and stop, but where temperature, or a price on what a simulation shows, decides.
+    facts
+        What `facts_of` finds of the same nest, profile and cuts, where it was asked before.
 
     Raises
     ------
@@ -139,7 +142,8 @@ def plan_nest(
         solver_named(solver)  # the same goes for a MiniZinc that is missing or broken
     limit, listener = whole or JobLimit(), listener or Listener()
     limit.begin(limits, tell)
-    facts = facts_of(nest, profile, already, limit)
+    if facts is None:
+        facts = facts_of(nest, profile, already, limit)
     try:
         request = make_request(facts, profile, relax, limit.facts_made())
         left = limit.stated()

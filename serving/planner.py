@@ -14,6 +14,7 @@ from typing import Any
 
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.text import escape_lines, escape_text
 from kerfwise.jobs.display import summary_lines
 from kerfwise.jobs.first_plan import FEW, FirstPlans, verified_plan
@@ -109,6 +110,7 @@ class Planner:
                     tell=notes.append,
                     planned_as=self._finishing,
                     found=None if shown.judged_slowly else shown.found,
+                    facts=shown.facts,
                 )
             except NoPlan as no_plan:
                 if no_plan.conflict is None and work < WORK and not listener.stopped:
@@ -244,6 +246,8 @@ def told_while_compiling(asking: Questions) -> Iterator[None]:
 class PlansShown:
     """Shows the first lawful plan, and then those that are better, each with its program and the verdict on both.
 
+    `facts` are those of the nest, once a first plan was looked for.
+
     Parameters
     ----------
     asking
@@ -265,6 +269,7 @@ class PlansShown:
         self._asking, self._given, self._already, self._limits, self._kept = asking, inputs, already, limits, kept
         self._profile = lock_broken_cut_first(inputs.profile, already)
         self._best_mm, self._next_s = math.inf, time.monotonic() + SHOWN_EACH_S  # it may be proven by then
+        self.facts: Facts | None = None
 
     @property
     def judged_slowly(self) -> bool:
@@ -283,6 +288,7 @@ class PlansShown:
             plans = FirstPlans(self._given, self._limits, self._already, lambda *_: self._asking.go_on())
         except (InputError, RulesConflict):  # the planning itself says what is wrong
             return
+        self.facts = plans.request.facts
         solution = plans.at_once(old)
         if solution is None or not self._shows(plans.verified(solution), "first"):
             return
