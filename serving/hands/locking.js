@@ -16,7 +16,12 @@ export function lockPanel(app, work, drawTab) {
   const form = make("form", { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); addLine(); } }, line, make("button", {}, tr("Lock")));
   const values = make("ul", { id: "hands-values" });
   panel.append(make("p", { class: "hint" }, tr("Drag a row or a part to lock its place. Click × to unlock.")), list, form, values);
-  const addLine = async () => { if (line.value && await work.edit([{ lock: line.value }])) line.value = ""; };
+  const addLine = async () => {
+    const said = line.value;
+    if (!said) return;
+    line.value = ""; // at once: the next lock may be typed while this one is on its way
+    if (!await work.edit([{ lock: said }]) && !line.value) line.value = said;
+  };
   const drawLocks = () => {
     const { locked, settings } = work.state;
     list.replaceChildren(...locked.map((/** @type {string} */ said) => make("li", {}, said,
