@@ -18,7 +18,7 @@ from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nesting.find_nests import Watching
 from kerfwise.rules.profile.load import DEFAULT
 
-from .shared_options import AMOUNT_OVER_ZERO, ANSWER, LANGUAGE, SET, TRUST, length_or_zero, print_note
+from .shared_options import AMOUNT_OVER_ZERO, ANSWER, DATE, LANGUAGE, SET, TRUST, length_or_zero, print_note
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
@@ -92,6 +92,7 @@ _OPTIONS = (
     SET,
     ANSWER,
     click.option("-o", "--output", metavar="DIR", help="Output folder of the nests."),
+    DATE,
     click.option("--skip-bad", is_flag=True, help="Leave out parts that cannot be read or cut, each with its reason."),
     click.option("--name-pattern", metavar="PATTERN",
                  help="What names of files say: {part}_{quantity}x, {order}, {material}, {thickness}, * for the rest."),
@@ -147,6 +148,7 @@ def read_list_request(
     purpose: Purpose,
     weigh: int,
     weigh_work: float,
+    date: str,
 ) -> tuple[ListRequest, Path]:
     """Read parts, sheets and profiles; what the readers have to say goes to standard error.
 
@@ -188,7 +190,7 @@ def read_list_request(
             print_note(text)
         return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
 
-    return request_list(order, plants, request, skip_bad=skip_bad, answers=chosen), out
+    return request_list(order, plants, request, skip_bad=skip_bad, answers=chosen, date=date), out
 
 
 def looked_for(request: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
@@ -322,7 +324,7 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
     for one, result in found:
         made = make_programs(
             result.nested,
-            partial(plant_of_sheet, one, out / request.folder(one)),
+            partial(plant_of_sheet, request, one, out),
             work,
             relax,
             lambda name: ProgressLine(),

@@ -42,10 +42,14 @@ class GroupRequest:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ListRequest:
-    """All groups of a list, and what of it cannot be nested: parts that nobody can read or cut, with the reason."""
+    """All groups of a list, and what of it cannot be nested: parts that nobody can read or cut, with the reason.
+
+    `date` is the day that every program says at its top, "" for none.
+    """
 
     groups: tuple[GroupRequest, ...]
     bad: tuple[BadRow, ...]
+    date: str = ""
 
     def folder(self, one: GroupRequest) -> str:
         """The folder of a group in that of the list; "" where there is one group only."""
@@ -64,6 +68,7 @@ def request_list(
     *,
     skip_bad: bool = False,
     answers: Answers = (),
+    date: str = "",
 ) -> ListRequest:
     """The groups of an order, each with its profile; what cannot be cut is found here, before anything is laid.
 
@@ -79,6 +84,8 @@ def request_list(
         Whether parts that cannot be cut are left out.
     answers
         To questions about material.
+    date
+        The day that every program says at its top, as 2026-12-24; "" for none.
 
     Raises
     ------
@@ -108,7 +115,7 @@ def request_list(
     bad += wrong
     if not found:
         raise InputError("no part can be nested", details=tuple(map(str, bad)))
-    return ListRequest(tuple(found), tuple(bad))
+    return ListRequest(tuple(found), tuple(bad), date)
 
 
 def nest_groups(
@@ -137,26 +144,34 @@ def nest_groups(
 # What is written: a folder a group, job files that name the profile, and a table of the whole list.
 
 
-def job_text(group: Group, cutting: Cutting, folder: Path, nested: Nested, number: int) -> str:
-    """The job file of a sheet: its profile, what is set in that for the group, the orders, and the first day."""
+def job_text(request: ListRequest, one: GroupRequest, folder: Path, nested: Nested, number: int) -> str:
+    """The job file of a sheet: its profile, what is set in that for the group, the orders, the first day, the date."""
+    cutting = one.cutting
     orders = dict.fromkeys(str(o) for part in nested.nests[number].parts if (o := part.attributes.get("order")))
     days = [str(day) for part in nested.nests[number].parts if (day := part.attributes.get("due"))]
     lines = [f"profile: {json.dumps(_profile_name(cutting.base, folder), ensure_ascii=False)}"]
     lines += [f"order: {json.dumps(', '.join(orders), ensure_ascii=False)}"] if orders else []
     lines += [f"due: {min(days)}"] if days else []
+    lines += [f"date: {request.date}"] if request.date else []
     if cutting.settings:
         lines.append("set:")
         lines += [f"  {key}: {value}" for key, _, value in (one.partition("=") for one in cutting.settings)]
     return "\n".join(lines) + "\n"
 
 
-def plant_of_sheet(one: GroupRequest, folder: Path, nested: Nested, number: int) -> Profile:
-    """The profile of a sheet, from 0 on, with its job file as it will be written laid over it."""
-    if not one.group.said:
+def plant_of_sheet(request: ListRequest, one: GroupRequest, out: Path, nested: Nested, number: int) -> Profile:
+    """The profile of a sheet, from 0 on, with its job file as it will be written in `out` laid over it."""
+    if not _has_job(request, one):
         return one.cutting.plant
-    text, file = job_text(one.group, one.cutting, folder, nested, number), f"{nested.names[number]}{ENDING}"
+    folder = out / request.folder(one)
+    text, file = job_text(request, one, folder, nested, number), f"{nested.names[number]}{ENDING}"
     job = replace(job_of(text, file), sha256=hashlib.sha256(text.encode()).hexdigest())
     return with_values(one.cutting.base, job, (), ())
+
+
+def _has_job(request: ListRequest, one: GroupRequest) -> bool:
+    """Whether a job file says more than the profile."""
+    return bool(one.group.said or request.date)
 
 
 def _profile_name(plant: Profile, folder: Path) -> str:
@@ -186,11 +201,8 @@ def write_list(
     written: list[Path] = []
     for one, nested, files in found:
         folder = out / request.folder(one)
-        if one.group.said:
-            jobs = {
-                f"{name}{ENDING}": job_text(one.group, one.cutting, folder, nested, k)
-                for k, name in enumerate(nested.names)
-            }
+        if _has_job(request, one):
+            jobs = {f"{name}{ENDING}": job_text(request, one, folder, nested, k) for k, name in enumerate(nested.names)}
             files = {**files, **jobs}
         more = {"left_out": left_out} if left_out and not request.folder(one) else {}
         written += write_nests(folder, nested, files, profile=one.cutting.plant.name, **about, **more)

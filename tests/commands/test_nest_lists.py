@@ -169,6 +169,19 @@ def test_the_price_of_a_sheet_counts_in_the_costs_of_make(shop: Path) -> None:
     assert Path("out/sheets.pdf").read_bytes().startswith(b"%PDF")
 
 
+def test_every_program_says_the_day(shop: Path) -> None:
+    words = ("plate.json=2", "--sheet", "400x300", "-p", "plant.yaml", "--rounds", 1, "-o", "out")
+    ended = kerfwise("make", *words, "--work", 0.2, "--date", "2026-12-01")
+    assert ended.code == 0, ended.err
+    made = Path("out/sheet1.nc").read_bytes()
+    assert b"2026-12-01" in made
+    assert "date: 2026-12-01" in Path("out/sheet1.job.yaml").read_text()
+    assert kerfwise("solve", "out/sheet1.json", "--work", 0.2, "-o", "again.nc").code == 0
+    assert Path("again.nc").read_bytes() == made
+    ended = kerfwise("make", *words, "--date", "tomorrow")
+    assert (ended.code, "expected a day such as 2026-12-24" in ended.err) == (2, True)
+
+
 def test_a_shipped_profile_takes_the_shipped_row_of_the_thickness(shop: Path) -> None:
     Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235;6\nplate;1;S355;8\n")
     code, _, err = nested("list.csv", "--sheet", "400x300")
