@@ -52,7 +52,7 @@ class WorkSheet:
     changed
         What is not as it was when the plan was made, a sentence each: the settings above may be others than its own.
     language
-        That the sheet speaks; sentences that the plan and its rules say stay English.
+        That the sheet speaks, the sentences of shipped rules included; what is said of single places stays English.
     """
 
     nest: Nest
@@ -78,8 +78,8 @@ class WorkSheet:
 
     @property
     def not_kept(self) -> tuple[str, ...]:
-        """Where to stand by, a sentence each: contours that are excused, and what was relaxed."""
-        return tuple(_not_kept(self.plan))
+        """Where to stand by: contours that are excused, and what was relaxed, each with the sentence of its rule."""
+        return tuple(_not_kept(self))
 
 
 def work_sheet(
@@ -142,14 +142,20 @@ def work_sheet(
     )
 
 
-def _not_kept(plan: Plan) -> Iterator[str]:
-    for rule in plan.rules:
+def _not_kept(sheet: WorkSheet) -> Iterator[str]:
+    tr, book = sheet.say.tr, sheet.profile.rulebook()
+    before, not_kept = tr(" before "), tr("not kept")
+
+    def asked(rule: str) -> str:
+        return f" – {escape_text(tr(book[rule].sentence))}" if rule in book else ""
+
+    for rule in sheet.plan.rules:
         for contours, why in rule.exceptions:
-            yield f"{', '.join(contours)}: {why}"
-    for dropped in plan.dropped:
-        named = f"{' before '.join(dropped.contours)}: " if dropped.contours else ""
+            yield f"{', '.join(contours)}: {why}{asked(rule.id)}"
+    for dropped in sheet.plan.dropped:
+        named = f"{before.join(dropped.contours)}: " if dropped.contours else ""
         if dropped.relaxed:
-            yield f"{named}not kept: {dropped.why}"
+            yield f"{named}{not_kept}: {dropped.why}{asked(dropped.rule)}"
 
 
 # The facts at the top of a work sheet, and what the operator ticks.

@@ -7,6 +7,7 @@ import os
 import re
 import threading
 import time
+import unicodedata
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -171,10 +172,11 @@ def natural(name: str) -> list[tuple[int, int, str]]:
 
     Examples
     --------
-    >>> sorted(["plate10.dxf", "Plate9.dxf", "a/1.dxf"], key=natural)
-    ['a/1.dxf', 'Plate9.dxf', 'plate10.dxf']
+    >>> sorted(["plate10.dxf", "Träger.dxf", "Plate9.dxf", "a/1.dxf", "Traverse.dxf"], key=natural)
+    ['a/1.dxf', 'Plate9.dxf', 'plate10.dxf', 'Träger.dxf', 'Traverse.dxf']
     """
-    parts = re.split(r"([0-9]+)", name.casefold())
+    bare = re.sub(r"[\u0300-\u036f]", "", unicodedata.normalize("NFKD", name.casefold()))
+    parts = re.split(r"([0-9]+)", bare)
     return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts if part]
 
 

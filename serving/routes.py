@@ -29,6 +29,9 @@ from .session import Item, Session, restore_plan
 
 LISTED_S, MOST_ROWS = 0.5, 500
 """A list of nests waits no longer for the last of them, and tells no more at a time."""
+SORTED = ("name", "changed", "size", "state")
+STATES = ("broken", "kept but for", "", "kept")
+"""What a list may be sorted by; and states of plans, "" for none, in the order in which they want to be looked at."""
 
 # The addresses that are asked with GET: pages, and what there is to know of a nest and its plans.
 
@@ -74,17 +77,24 @@ class Reading:
         return worked_page(session_of(self._server, request).name if session is None else session.name)
 
     async def nests(self, request: Request) -> Response:
-        """`?find=plate&from=500`: nests of the folder whose names have that text, some hundred from a place on.
+        """`?find=plate&sort=changed&from=500`: nests whose names have that text, some hundred from a place on.
 
-        `found` says how many there are so far, `complete` whether these are all, `left` how many come after these rows.
-        `unreadable` are names, as they can be shown, under which no nest can be opened.
+        They are sorted by `name`, by what was `changed` last, by `size`, the largest first, or by `state`. `found` says
+        how many there are so far, `complete` whether these are all, `left` how many come after these rows. `unreadable`
+        are names, as they can be shown, under which no nest can be opened.
         """
+        query = request.query_params
         found, complete = await to_thread.run_sync(self._server.nests.known, LISTED_S)
-        said, first = (
-            request.query_params.get("find", "").casefold(),
-            max(0, whole(request.query_params.get("from", 0))),
+        said, first, by = (
+            query.get("find", "").casefold(),
+            max(0, whole(query.get("from", 0))),
+            query.get("sort", "name"),
         )
         wanted = [one for one in found if is_readable(one.name) and said in one.name.casefold()]
+        if by not in SORTED:
+            raise InputError(f"sort: expected one of {', '.join(SORTED)}, got {escape_text(by)!r}")
+        if by != "name":
+            wanted = await to_thread.run_sync(self._sorted, wanted, by)
         rows = [self._row(one) for one in wanted[first : first + MOST_ROWS]]
         answer = {
             "nests": [row["name"] for row in rows],
@@ -97,14 +107,31 @@ class Reading:
         }
         return JSONResponse(answer)
 
+    def _sorted(self, nests: list[NestFile], by: str) -> list[NestFile]:
+        """By something else than their names, by which they come; of equals the first name comes first."""
+        if by == "state":
+            return sorted(nests, key=lambda one: STATES.index(self._state(key_of(one.name))))
+        return sorted(nests, key=lambda one: -(one.changed if by == "changed" else one.size))
+
+    def _state(self, key: str) -> str:
+        """The state of the plan that is shown of a nest; "" where there is none."""
+        session = self._server.sessions.get(key)
+        current = None if session is None else session.current
+        state = self._server.kept.state_of(key) if session is None else "" if current is None else current.state
+        return state if state in STATES else ""
+
     def _row(self, nest: NestFile) -> dict[str, Any]:
         """A nest of the list, with its plans: how many there are, and the state of the one that is shown."""
         key = key_of(nest.name)
         session = self._server.sessions.get(key)
-        current = None if session is None else session.current
         plans = self._server.kept.plans_kept(key) if session is None else len(session.alternatives)
-        state = self._server.kept.state_of(key) if session is None else "" if current is None else current.state
-        return {"name": nest.name, "size": nest.size, "changed": nest.changed, "plans": plans, "state": state}
+        return {
+            "name": nest.name,
+            "size": nest.size,
+            "changed": nest.changed,
+            "plans": plans,
+            "state": self._state(key),
+        }
 
     async def thumbnail(self, request: Request) -> Response:
         """`?nest=plate.dxf`: a small picture of it, as a data URL; "" for one that cannot be read as it is."""

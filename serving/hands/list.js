@@ -10,13 +10,13 @@ import { figure, language, languageChoice, speak, tr, trn } from "./say.js";
 
 const AGAIN_MS = 400, FILTER_MS = 200;
 
-/** How a nest's state looks, and what it says; the number by which it is sorted. */
-/** @type {Record<string, [string, () => string, number]>} */
+/** How the state of a nest's plan looks, and what it says. */
+/** @type {Record<string, [string, () => string]>} */
 const STATES = {
-  refused: ["bad", () => tr("the check refuses its plan"), 0],
-  amber: ["warn", () => tr("planned, places not kept"), 1],
-  kept: ["good", () => tr("planned, every hard rule holds"), 3],
-  "": ["", () => tr("not planned"), 2],
+  broken: ["bad", () => tr("the check refuses its plan")],
+  "kept but for": ["warn", () => tr("planned, places not kept")],
+  kept: ["good", () => tr("planned, every hard rule holds")],
+  "": ["", () => tr("not planned")],
 };
 
 /** Opens a nest, and shows what stands against it: `again` tries once more, `picture` how it would be understood. */
@@ -104,36 +104,47 @@ async function draw(place) {
   place.replaceChildren(told?.picture ? make("img", { alt: "", src: told.picture }) : make("small", {}, tr("no picture: open it to see why")));
 }
 
-/** @type {NestRow[]} */
-let rows = [];
+/** how often the list was asked for: what was asked before is of no use any more */
 let asked = 0;
 
-/** The rows in the order that is chosen: names as people count, so that 2 comes before 10. */
-function show() {
-  const by = /** @type {HTMLSelectElement} */ (byId("sort")).value, names = new Intl.Collator(language(), { numeric: true });
-  const weight = { name: () => 0, changed: (/** @type {NestRow} */ row) => -(row.changed ?? 0), size: (/** @type {NestRow} */ row) => -(row.size ?? 0),
-    state: (/** @type {NestRow} */ row) => (STATES[row.state ?? ""] ?? STATES[""])[2] }[by] ?? (() => 0);
-  byId("nests").replaceChildren(...[...rows].sort((a, b) => weight(a) - weight(b) || names.compare(a.name, b.name)).map(card));
+/** Some hundred nests from a place of the list on, as it is filtered and sorted now; null where something else is asked meanwhile. */
+/** @type {(from: number) => Promise<any>} */
+async function rowsFrom(from) {
+  const mine = asked, find = filter.value.trim(), sort = /** @type {HTMLSelectElement} */ (byId("sort")).value;
+  const told = await askServer(`/api/nests?${new URLSearchParams({ find, sort, from: String(from) })}`).catch(error => { if (mine === asked) tell(error.message, "bad"); return null; });
+  if (!told || mine !== asked) return null;
+  const left = [told.complete ? "" : tr("still looking …"), from || told.rows.length ? "" : find ? tr("no nest has this in its name") : tr("there is no nest in this folder yet"),
+    told.unreadable.length ? tr("Not to be opened, for their names are no UTF-8 (give them other names): {names}", { names: told.unreadable.join(", ") }) : ""];
+  const more = told.complete && told.left ? make("button", { type: "button", onclick: () => addRows(from + told.rows.length) }, trn("show more ({n} is left)", "show more ({n} are left)", told.left)) : "";
+  byId("more").replaceChildren(left.filter(Boolean).join(" · "), more);
+  return told;
 }
 
-/** Asks for the nests whose names have a text in them, until all are found. */
-/** @type {(find: string) => Promise<any>} */
-async function look(find) {
+/** Asks for the first nests, until all are found. */
+/** @type {() => Promise<any>} */
+async function look() {
   const mine = ++asked;
   for (;;) {
-    const told = await askServer(`/api/nests?${new URLSearchParams({ find })}`).catch(error => { tell(error.message, "bad"); return null; });
-    if (!told || mine !== asked) return null;
-    const names = /** @type {string[]} */ (told.nests).filter(name => name.toLowerCase().includes(find.toLowerCase()));
-    rows = told.rows ?? names.map(name => ({ name }));
-    show();
-    const left = [told.left ? trn("{n} more: filter by name to see it", "{n} more: filter by name to see them", told.left) : "",
-      told.complete === false ? tr("still looking …") : rows.length ? "" : find ? tr("no nest has this in its name") : tr("there is no nest in this folder yet"),
-      told.unreadable?.length ? tr("Not to be opened, for their names are no UTF-8 (give them other names): {names}", { names: told.unreadable.join(", ") }) : ""];
-    byId("more").textContent = left.filter(Boolean).join(" · ");
-    if (told.complete !== false) return told;
+    const told = await rowsFrom(0);
+    if (!told) return null;
+    byId("nests").replaceChildren(...told.rows.map(card));
+    if (told.complete) return told;
     await new Promise(done => setTimeout(done, AGAIN_MS));
     if (mine !== asked) return null;
   }
+}
+
+/** @type {(from: number) => Promise<void>} */
+async function addRows(from) {
+  byId("more").querySelector("button")?.toggleAttribute("disabled", true);
+  const told = await rowsFrom(from);
+  if (!told) {
+    byId("more").querySelector("button")?.toggleAttribute("disabled", false);
+    return;
+  }
+  const cards = /** @type {HTMLElement[]} */ (told.rows.map(card));
+  byId("nests").append(...cards);
+  cards[0]?.querySelector("button")?.focus();
 }
 
 speak(JSON.parse(byId("texts").textContent || "{}"));
@@ -151,8 +162,8 @@ file.addEventListener("change", () => { if (file.files?.[0]) void take(file.file
 let waits = 0;
 filter.addEventListener("input", () => {
   clearTimeout(waits);
-  waits = setTimeout(() => void look(filter.value.trim()), FILTER_MS);
+  waits = setTimeout(() => void look(), FILTER_MS);
 });
-byId("sort").addEventListener("change", show);
-const first = await look("");
+byId("sort").addEventListener("change", () => void look());
+const first = await look();
 if (first?.first && location.search !== "?list") void open(first.first);

@@ -28,7 +28,7 @@ export function ruleForm(work, rule, changes, open, put) {
   ];
   const whole = make("details", { "data-rule": rule.id, open, class: changed ? "changed" : null },
     make("summary", { title: rule.said_at || tr("nothing is said of it: the default") }, rule.id, make("small", {}, said)),
-    make("p", { class: "hint" }, rule.sentence, rule.brought ? ` ${tr("From {rule}.", { rule: rule.brought })}` : ""),
+    make("p", { class: "hint" }, tr(rule.sentence), rule.brought ? ` ${tr("From {rule}.", { rule: rule.brought })}` : ""),
     rule.settable ? make("div", {}, ...fields) : make("p", { class: "hint" }, tr("A rule of the plant's own: change it in the file, under own_rules.")),
     page);
   const fill = () => { if (/** @type {HTMLDetailsElement} */ (whole).open && !page.firstChild) fillPage(work, rule.id, page); };

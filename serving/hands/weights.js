@@ -29,7 +29,7 @@ export function weightSliders(app, work) {
 /** @type {(work: Work, rule: any) => HTMLElement} */
 function weightRow(work, rule) {
   const key = `rules.${rule.id}`, soft = rule.strength === "soft";
-  const strength = make("select", { "aria-label": tr("strength of {rule}", { rule: rule.id }), title: rule.sentence,
+  const strength = make("select", { "aria-label": tr("strength of {rule}", { rule: rule.id }), title: tr(rule.sentence),
     onchange: (/** @type {Event} */ event) => work.edit([{ set: `${key}.strength`, to: /** @type {HTMLSelectElement} */ (event.target).value }]) },
     ...rule.strengths.map((/** @type {string} */ one) => make("option", { value: one, selected: one === rule.strength }, strengthText(one))));
   const weight = rule.weight_mm ?? rule.default_weight_mm;
@@ -37,5 +37,5 @@ function weightRow(work, rule) {
   const slider = make("input", { type: "range", min: 0, max: STEPS.length - 1, value: at, disabled: !soft, "aria-label": tr("weight of {rule}", { rule: rule.id }),
     oninput: (/** @type {Event} */ event) => { told.textContent = `${STEPS[Number(/** @type {HTMLInputElement} */ (event.target).value)]} mm`; },
     onchange: (/** @type {Event} */ event) => work.edit([{ set: `${key}.weight`, to: `${STEPS[Number(/** @type {HTMLInputElement} */ (event.target).value)]} mm` }]) });
-  return make("label", {}, make("span", { title: rule.sentence }, rule.id), strength, slider, told);
+  return make("label", {}, make("span", { title: tr(rule.sentence) }, rule.id), strength, slider, told);
 }

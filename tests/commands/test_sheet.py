@@ -277,7 +277,7 @@ def test_the_program_of_a_list_names_sheet_orders_and_parts(listed: Path) -> Non
     ("ru", "До и после", "3 реза по порядку", "кг"),
 ])  # fmt: skip
 def test_it_speaks_other_languages(plan: Path, language: str, heading: str, cuts: str, weight: str) -> None:
-    """Work sheet and labels; sentences of plan and rules stay English."""
+    """Work sheet and labels; what is said of single places stays English."""
     words = ["--language", language, "-o", "b.pdf", "--labels", "l.pdf"]
     ended = kerfwise("sheet", "sheet.json", plan, *words)
     assert (ended.code, ended.out) == (0, "written: b.pdf, l.pdf\n"), ended.err

@@ -10,6 +10,7 @@ from babel.messages.catalog import Catalog
 from babel.messages.mofile import read_mo
 
 from kerfwise.languages.catalogue import ENGLISH, LANGUAGES, catalogue, page_texts, texts
+from kerfwise.rules.registry import RULES
 from kerfwise.tests.tools.catalogues import FOLDER, compiled, kept, renewed, template, wrong_in
 
 OTHERS = pytest.mark.parametrize("language", [name for name in LANGUAGES if name != ENGLISH])
@@ -49,6 +50,12 @@ def test_what_is_wrong_in_a_catalogue_is_found() -> None:
     made.add("{n} of {all}", "{n} von {all}")
     made.add(("{n} cut", "{n} cuts"), ("ein Schnitt", "{n} Schnitte"))
     assert wrong_in(made) == []
+
+
+@OTHERS
+def test_every_page_says_what_shipped_rules_ask(language: str) -> None:
+    said = page_texts()[language]
+    assert [name for name, rule in RULES.items() if said.get(rule.sentence, rule.sentence) == rule.sentence] == []
 
 
 def test_texts_are_collected_from_code_and_frames() -> None:

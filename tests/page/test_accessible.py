@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from kerfwise.languages.catalogue import texts
+from kerfwise.rules.registry import RULES
 from kerfwise.tests.page.conftest import Open
 from kerfwise.tests.page.seen import Seen
 from kerfwise.tests.tools.amount import few, rows
@@ -126,6 +128,9 @@ def test_it_speaks_the_browsers_language(page_file: Any, browser: Any, language:
     page.wait_for_selector("[data-ready=yes]", state="attached")
     assert said in page.locator("#verdict").inner_text()
     assert page.locator("html").get_attribute("lang") == language[:2]
+    page.click("#tab-rules")
+    sentence = texts(language[:2]).tr(RULES["inner-before-outer"].sentence)
+    assert page.locator("[data-rule=inner-before-outer] button").get_attribute("title") == sentence
     page.select_option("#language", "en")
     page.wait_for_selector("html[lang=en][data-ready=yes]", state="attached")
     assert page.locator("#verdict").inner_text().endswith("every hard rule holds")

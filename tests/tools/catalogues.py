@@ -2,10 +2,10 @@
 
 Usage: python -m kerfwise.tests.tools.catalogues
 
-A text stands in the code in English, as `tr("…")` or `trn("one", "many", n)`, and in the page's frame as it is. What
-has no translation yet is listed: write it into `languages/XX.po`, with an editor of catalogues or by
-hand, and run this again. Beside each catalogue stand its compiled forms: `XX.mo` for Python, and as JSON the texts of
-every page (`XX.page.json`) and those of the viewer besides (`XX.viewer.json`).
+A text stands in the code in English, as `tr("…")` or `trn("one", "many", n)`, and in the page's frame as it is; the
+sentences of shipped rules are texts, too. What has no translation yet is listed: write it into `languages/XX.po`, with
+an editor of catalogues or by hand, and run this again. Beside each catalogue stand its compiled forms: `XX.mo` for
+Python, and as JSON the texts of every page (`XX.page.json`) and those of the viewer besides (`XX.viewer.json`).
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ from babel.messages.pofile import read_po, write_po
 
 from kerfwise.languages.catalogue import ENGLISH, LANGUAGES
 from kerfwise.postproc import report
+from kerfwise.rules.registry import RULES
 
 ROOT = Path(report.__file__).parents[2]
 FOLDER = ROOT / "languages"
-PAGE, HANDS = "postproc/report/page_files", "serving/hands"
+PAGE, HANDS, SENTENCES = "postproc/report/page_files", "serving/hands", "rules/catalogue"
 PYTHON = ("jobs/work_sheet.py", "jobs/sheet_parts.py", "postproc/report/legend.py", "postproc/report/paper.py")
 KEYWORDS: dict[str, Any] = {"tr": None, "trn": (1, 2)}
 OPTIONS = {"parse_template_string": True}
@@ -78,6 +79,7 @@ def _said() -> Iterator[tuple[str, str | tuple[str, str]]]:
                 yield from ((name, text) for text in dict.fromkeys(frame.found))
     for name in PYTHON:
         yield from ((name, text) for text in _of_code(ROOT / name, "python"))
+    yield from ((f"{SENTENCES}/{name}", rule.sentence) for name, rule in RULES.items())
 
 
 def _of_code(path: Path, kind: str) -> Iterator[str | tuple[str, str]]:
@@ -110,8 +112,9 @@ def compiled(made: Catalog) -> dict[str, bytes]:
     po, mo = io.BytesIO(), io.BytesIO()
     write_po(po, made, width=120, sort_output=True)
     write_mo(mo, made)
-    page = {_key(m): m.string for m in made if m.id and _whole(m) and any(_in(m, PAGE))}
-    viewer = {_key(m): m.string for m in made if m.id and _whole(m) and any(_in(m, HANDS)) and not any(_in(m, PAGE))}
+    whole = [message for message in made if message.id and _whole(message)]
+    page = {_key(m): m.string for m in whole if any(_in(m, PAGE, SENTENCES))}
+    viewer = {_key(m): m.string for m in whole if any(_in(m, HANDS)) and _key(m) not in page}
     return {
         f"{language}.po": po.getvalue(),
         f"{language}.mo": mo.getvalue(),
@@ -128,8 +131,8 @@ def _key(message: Message) -> str:
     return message.id if isinstance(message.id, str) else message.id[0]
 
 
-def _in(message: Message, folder: str) -> Iterator[bool]:
-    return (name.startswith(folder) for name, _ in message.locations)
+def _in(message: Message, *folders: str) -> Iterator[bool]:
+    return (name.startswith(folders) for name, _ in message.locations)
 
 
 def _json(texts: dict[str, Any]) -> bytes:

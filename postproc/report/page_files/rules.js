@@ -60,7 +60,7 @@ function sorted(rules) {
 function lines(app, rule, open, toggle) {
   const bad = rule.breaches.length > 0, places = [...rule.breaches, ...rule.excused];
   const row = make("tr", { class: `${bad ? (rule.strength === "hard" ? "bad" : "soft") : ""}`, "data-rule": rule.id },
-    make("td", {}, make("button", { class: "link", type: "button", "aria-expanded": String(open), title: rule.sentence, onclick: toggle }, rule.id),
+    make("td", {}, make("button", { class: "link", type: "button", "aria-expanded": String(open), title: tr(rule.sentence), onclick: toggle }, rule.id),
       rule.unjudged ? make("small", {}, ` ${tr("not judged")}`) : null),
     make("td", {}, strengthText(rule.strength)),
     make("td", { class: "figure" }, rule.breaches.length ? String(rule.breaches.length) : "–",
@@ -68,7 +68,7 @@ function lines(app, rule, open, toggle) {
     make("td", { class: "figure" }, rule.cost_mm ? metres(rule.cost_mm) : "–"));
   if (!open) return [row];
   return [row, make("tr", { class: "places" }, make("td", { colspan: 4 },
-    rule.sentence ? make("p", {}, rule.sentence) : null, rule.unjudged ? make("p", {}, rule.unjudged) : null,
+    rule.sentence ? make("p", {}, tr(rule.sentence)) : null, rule.unjudged ? make("p", {}, rule.unjudged) : null,
     ...places.slice(0, 200).map(place => spot(app, place, place.text || place.contours.join(", "), place.why)),
     places.length ? (places.length > 200 ? make("p", { class: "hint" }, tr("and {n} more", { n: places.length - 200 })) : null)
       : make("p", { class: "hint" }, tr("0 breaches: it holds everywhere"))))];
