@@ -15,7 +15,16 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Scrap
 from kerfwise.rules.rule import Violation
 
-from .coverage import Tabs, burnt_rings, burnt_tabs, burnt_twice, coverage, first_cuts, open_contours
+from .coverage import (
+    Tabs,
+    burnt_rings,
+    burnt_tabs,
+    burnt_twice,
+    coverage,
+    finished_by_others,
+    first_cuts,
+    open_contours,
+)
 from .cuts_from_program import pierce_pass_violations, rebuild
 from .features_kept import Allowed, features_lost
 from .feeds import Thermometer, heatings_of_cuts, heatings_of_program, judge_running, measured
@@ -222,6 +231,8 @@ def _judge_paths(
     before = burnt_before(nest, cuts[: cuts.made], kerf_mm, cuts.begun)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(open_contours(several, cuts.positions()))
+    if comments is None:  # the cuts that are made of a program end with what finishes their contours
+        opened += finished_by_others(several, cuts.positions())
     lost = list(wrong_edge_losses(nest, kerf_mm, _accepted(profile)))
     skipped, allowed = _at_fault([*faults, *opened]), Allowed.by(profile)
     uncut = features_lost(runs, kerf_mm, skipped, slits_of_made(nest, cuts), tabs, before.lines, allowed)

@@ -183,6 +183,20 @@ def open_contours(found: BurntRings, positions: Mapping[str, int]) -> Iterator[V
         )
 
 
+def finished_by_others(found: BurntRings, positions: Mapping[str, int]) -> Iterator[Violation]:
+    """Contours of a plan that are out only with a later cut of another contour; `positions` are those of cuts."""
+    for contour, done in zip(found.contours, found.coverage, strict=True):
+        own = [k for k, b in enumerate(found.burnt) if b.run is not None and b.run.contour is contour]
+        if done.out is None or not own or done.out[0] <= own[-1] or contour.id not in positions:
+            continue
+        last = found.burnt[done.out[0]].run
+        assert last is not None  # what was burnt before a stop comes before every run
+        text = (
+            f"{contour.id} is not out with its own cut {positions[contour.id]}: {last.where} of {last.name} finishes it"
+        )
+        yield Violation(_RULE, (contour.id, last.name), text, (positions[contour.id],))
+
+
 def burnt_twice(found: BurntRings, allowed_mm: float) -> Iterator[Violation]:
     """Stretches of rings that are burnt again for more than overcuts and leads are long.
 

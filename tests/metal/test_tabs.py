@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
@@ -14,6 +15,7 @@ from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.hand_made import KERF_MM, around, sheet, with_cut
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.postproc.plans import with_tabs
@@ -47,6 +49,29 @@ def test_tabbed_parts_are_held_and_the_others_free(torch: str, choose: str) -> N
     assert {len(one.cut.tabs) for one in found.plan.cuts if one.cut.tabs} == {2 if "laser" in torch else 1}
     assert found.verdict.ok
     assert burnt(ROWS, profile, found.program, found) == []
+
+
+@pytest.mark.parametrize("out", ["line", "arc"])
+def test_the_lead_out_behind_the_last_tab_leaves_its_ring_as_any_does(out: LeadKind) -> None:
+    """The ring is lit in three stretches: the last one's lead-out leaves the kerf of the first at a low angle."""
+    profile = with_tabs("laser-st10kp-2mm", tabs="all", width_mm=0.5)
+    profile = replace(profile, leads=replace(profile.leads, lead="arc", lead_out=out))
+    found = made(ROWS, profile)
+    assert found.verdict.ok
+    assert burnt(ROWS, profile, found.program, found) == []
+
+
+def test_a_lead_out_that_comes_back_into_the_first_stretch_of_its_ring_is_found() -> None:
+    ring = around(20, 20, 50, 50, (14, 45))
+    first, second = [*ring[:5], "G1 X43 Y71", "M5 $0"], ["G1 X47 Y71", "M3 $0 S1", *ring[5:-1]]
+    tabs = {"A.outer": [(45.0, 70.0, 2.0)]}
+
+    def kinds(*out: str) -> dict[str, int]:
+        text = with_cut("A.outer", [*first, *second, *out, "M5 $0"])
+        return by_kind(simulate(sheet(), text, KERF_MM, tabs=tabs))
+
+    assert kinds() == kinds("G1 X16 Y48") == {}
+    assert kinds("G1 X16 Y48", "G1 X19 Y62") == {"lead-over-void": 1}
 
 
 def test_a_tab_that_is_cut_is_found_loose() -> None:

@@ -76,12 +76,31 @@ class OlderKerfs:
                 continue  # from one kerf to another, straight on past a corner
             if burn.linked and j == k - 1 and not self.burns[j].linked:
                 older = older.difference(self.burns[j].off_ring)  # a link may leave beside the lead, as a lead-out may
+            if self._one_round(j, k):  # lit again behind a tab: it leaves its ring as a round without tabs does
+                older = older.difference(self.burns[j].off_ring)
+                free = _once_out(free, older.buffer(half, quad_segs=16))
             over = free.intersection(older.buffer(half, quad_segs=16))
             if over.length <= NUMERIC_MM:
                 continue
             text = f"a lead crosses the kerf of cut {self.burns[j].cut} for"
             names = (burn.name, self.burns[j].name)
             yield Finding("lead-over-void", burn.cut, names, _place(over), float(over.length), "mm", text)
+
+    def _one_round(self, j: int, k: int) -> bool:
+        """Whether two burns are stretches of one round, between which nothing else is cut."""
+        own = self.burns[k].contour
+        stretches = self.burns[j : k + 1]
+        return own is not None and all(b.contour is own for b in stretches) and all(b.linked for b in stretches[1:])
+
+
+def _once_out(lead: shapely.Geometry, kerf: shapely.Geometry) -> shapely.Geometry:
+    """What follows of a lead once it has left the kerf that it begins in."""
+    begin = shapely.Point(lead.coords[0]) if isinstance(lead, shapely.LineString) and not lead.is_empty else None
+    if begin is None or begin.distance(kerf) > NUMERIC_MM:
+        return lead
+    runs = [run for run in shapely.get_parts(lead.intersection(kerf)) if run.distance(begin) <= NUMERIC_MM]
+    ends = [lead.project(shapely.Point(point)) for point in shapely.get_coordinates(runs)]
+    return substring(lead, max(ends, default=0.0), lead.length)
 
 
 def _leads(burn: Burn, end_mm: float) -> Iterator[tuple[shapely.LineString, float]]:

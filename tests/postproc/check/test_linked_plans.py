@@ -26,12 +26,18 @@ EDGE = 100 + HALF
 """The line that A and B share."""
 
 
-def common() -> list[Line]:
-    """A all round from the top of its right side on, and on from there round what is left of B."""
+def of_each() -> tuple[Line, Line]:
+    """A all round from the top of its right side on, and from there round what is left of B."""
     a = [(EDGE, 80), *corner(100, 30, 0), *corner(20, 30, 270), *corner(20, 80, 180), *corner(100, 80, 90)]
     x = 100 + KERF_MM
     b = [*corner(x, 80, 180), *corner(x + 80, 80, 90), *corner(x + 80, 30, 0), *corner(x, 30, 270)]
-    return [[(EDGE, 90), *a, *b]]
+    return [(EDGE, 90), *a], b
+
+
+def common() -> list[Line]:
+    """Both, with the torch on all the time."""
+    a, b = of_each()
+    return [[*a, *b]]
 
 
 def without_pierces(profile: Profile) -> Profile:
@@ -49,6 +55,20 @@ def judged(sheet: Nest, cuts: CutSequence) -> CheckResult:
 
 def changed(cuts: CutSequence, k: int, **fields: object) -> CutSequence:
     return replace(cuts, cuts=tuple(replace(c, **fields) if n == k else c for n, c in enumerate(cuts)))  # type: ignore[arg-type]
+
+
+def test_a_part_that_only_a_later_cut_of_its_neighbour_frees_is_not_out() -> None:
+    """B's three sides, then A all round, the edge between them with it: A and B come out in that order."""
+    a, b = of_each()
+    burns = [a, [a[-1], *b]]
+    cuts = cuts_of(TWO, burns)
+    assert [cut.contour for cut in cuts] == ["A.outer", "B.outer"]
+    assert "every-contour-once" not in judged(TWO, cuts).broken(), report(judged(TWO, cuts))
+    swapped = replace(cuts, cuts=tuple(reversed(cuts.cuts)))
+    result = judged(TWO, swapped)
+    assert "every-contour-once" in result.broken()
+    assert "B.outer is not out with its own cut 1: cut 2 of A.outer finishes it" in report(result)
+    assert "every-contour-once" not in check_program(TWO, program_of(burns[::-1], PROFILE), PROFILE).broken()
 
 
 @pytest.mark.parametrize(("sheet", "burns"), [(ROW, [CHAIN, REST]), (TWO, common())], ids=["chain", "common"])
