@@ -202,7 +202,7 @@ def plan_by_rungs(
     first, share = (TIMED_S, TIMED) if timed else (FIRST, SHARE)
     times = TIMES if solution is None else TIMES / 2  # that has taken some of it
     one = replace(asked.facts, zone=asked.facts.zone.clip(max=1))
-    unzoned = None if is_relaxed(asked) else restated(one, profile)
+    unzoned = None if is_relaxed(asked) else restated(one, profile, asked.stated)
     told_mm = inf if solution is None else solution.objective
 
     def hear(by: Request, better: Solution) -> None:

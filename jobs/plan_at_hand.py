@@ -61,7 +61,7 @@ def first_plan(
         asked = at_hand.asked
     elif movable(asked.facts) and zoned_by(asked, profile) and not is_relaxed(asked):
         one = replace(asked.facts, zone=asked.facts.zone.clip(max=1))
-        if (stated := restated(one, profile)) is not None:
+        if (stated := restated(one, profile, asked.stated)) is not None:
             asked = Request(one, stated, asked.seconds)
     work = min(limits.work, WORK + WORK_A_CONTOUR * asked.facts.n)
     limits = replace(limits, work=work, time_s=None)  # so little takes less time than a look at the clock is worth
@@ -91,7 +91,7 @@ def plan_at_hand(asked: Request, profile: Profile, limits: SolveOptions, plan: P
         return None
     if movable(facts) and zoned_by(asked, profile) and not is_relaxed(asked):
         facts = replace(facts, zone=zones_of(facts, cuts))
-        if (stated := restated(facts, profile)) is None:
+        if (stated := restated(facts, profile, asked.stated)) is None:
             return None
         asked = Request(facts, stated, asked.seconds)
     problem = make_problem(facts, asked.stated.statements, limits.home_mm, limits.feeds, going=lambda share: False)

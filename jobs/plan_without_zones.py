@@ -106,13 +106,13 @@ def without_zones(
     return searched(asked.facts, Stated(tuple(left), (), asked.stated.exempt), profile, start, limits, progress)
 
 
-def restated(facts: Facts, profile: Profile) -> Stated | None:
+def restated(facts: Facts, profile: Profile, known: Stated) -> Stated | None:
     """What is asked by other zones, which these facts have; None where hard orders contradict each other.
 
-    Stated anew: zones may have made orders of other rules give way.
+    What is `known` to be asked, nothing relaxed, is stated anew by rules that mind zones, or whose orders gave way.
     """
     try:
-        return state_rules(facts, profile)
+        return state_rules(facts, profile, known)
     except RulesConflict:
         return None
 

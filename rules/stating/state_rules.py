@@ -137,10 +137,11 @@ def every_statement(
 
 
 def _kept(stated: Stated, profile: Profile) -> dict[str, list[Statement]]:
-    """What rules that do not mind zones have stated, dropped or not, by rule."""
-    book = profile.rulebook()
-    kept: dict[str, list[Statement]] = {name: [] for name in profile.settings() if not book[name].minds_zones}
-    for s in (*stated.statements, *(dropped.statement for dropped in stated.dropped)):
+    """What rules that do not mind zones have stated, by rule, in order; none of rules whose statements were dropped."""
+    book, gave_way = profile.rulebook(), {dropped.rule for dropped in stated.dropped}
+    blind = [name for name in profile.settings() if name not in gave_way and not book[name].minds_zones]
+    kept: dict[str, list[Statement]] = {name: [] for name in blind}
+    for s in stated.statements:
         if s.about.rule in kept:
             kept[s.about.rule].append(s)
     return kept

@@ -389,24 +389,36 @@ class Hold:
     about: About
 
 
-def blocking_orders(setting: PlanContext, contour: int, earlier: bool) -> tuple[Hold, ...]:
-    """The orders that keep a contour from coming earlier (else later), the nearest in the plan first."""
-    place = {c: k for k, c in enumerate(setting.order, 1)}
+def blocking_orders(setting: PlanContext, contour: int, earlier: bool, most: int | None = None) -> tuple[Hold, ...]:
+    """The orders that keep a contour from coming earlier (else later), the `most` nearest in the plan or all of them.
+
+    The nearest comes first.
+    """
     mine, other = (1, 0) if earlier else (0, 1)
-    found = []
-    for k in np.flatnonzero(setting.pairs[:, mine] == contour).tolist():
-        rival = int(setting.pairs[k, other])
-        found.append(Hold(setting.name(rival), place[rival] + setting.made, setting.orders[k].about))
-    return tuple(sorted(found, key=lambda hold: abs(hold.place - setting.made - place[contour])))
+    rows = np.flatnonzero(setting.pairs[:, mine] == contour)
+    if not len(rows):
+        return ()
+    place = _places(setting)
+    rivals = setting.pairs[rows, other]
+    nearest = np.argsort(np.abs(place[rivals] - place[contour]), kind="stable")[:most].tolist()
+    return tuple(
+        Hold(setting.name(rival), int(place[rival]) + setting.made, setting.orders[rows[k]].about)
+        for k, rival in zip(nearest, rivals[nearest].tolist(), strict=True)
+    )
+
+
+def _places(setting: PlanContext) -> Ints:
+    """The place of each contour in the plan, (n,) from 1."""
+    place = np.empty(setting.problem.n, dtype=np.int64)
+    place[list(setting.order)] = np.arange(1, setting.problem.n + 1)
+    return place
 
 
 def chain(setting: PlanContext, contour: int, earlier: bool) -> tuple[Hold, ...]:
     """From the contour to an end of the plan: its nearest hold, the nearest hold of that, and so on."""
     found: list[Hold] = []
     mine, other = (1, 0) if earlier else (0, 1)
-    place = np.empty(setting.problem.n, dtype=np.int64)
-    place[list(setting.order)] = np.arange(1, setting.problem.n + 1)
-    at = contour
+    place, at = _places(setting), contour
     while len(rows := np.flatnonzero(setting.pairs[:, mine] == at)):
         away = place[at] - place[setting.pairs[rows, other]]
         nearest = int(np.abs(away).argmin())

@@ -43,7 +43,8 @@ MOST_NAMED = 8
 class PlanContext:
     """Everything that an explanation is made from.
 
-    `route` are sites in cutting order and `cost` what they cost, µm; `candidates` the candidates that the plan uses.
+    `route` are sites in cutting order, `order` their contours, and `cost` what they cost, µm; `candidates` are those
+    that the plan uses.
     `conditions` by contour; `orders` are the hard orders, `pairs` (k, 2) their contours. `over_parts` are the rules
     that forbid moves over parts that are out. `notes` say where the plan and what is stated now do not meet.
     """
@@ -53,6 +54,7 @@ class PlanContext:
     stated: Stated
     problem: Problem
     route: tuple[int, ...]
+    order: tuple[int, ...]
     candidates: tuple[int, ...]
     cost: int
     conditions: dict[int, tuple[Condition, ...]]
@@ -65,11 +67,6 @@ class PlanContext:
     def made(self) -> int:
         """How many cuts a stopped program had made before the first of the order."""
         return len(self.facts.already_cut)
-
-    @property
-    def order(self) -> tuple[int, ...]:
-        """Contour numbers in cutting order."""
-        return tuple(self.problem.site_contour[list(self.route)].tolist())
 
     def name(self, contour: int) -> str:
         """Id of a contour."""
@@ -112,6 +109,7 @@ def context_along(
         stated,
         problem,
         route,
+        tuple(problem.site_contour[list(route)].tolist()),
         tuple(candidates),
         route_cost(problem, route),
         {contour: tuple(of) for contour, of in conditions.items()},

@@ -73,6 +73,7 @@ class OtherPlaces:
         self.site = np.empty(n + 1, dtype=np.int64)
         self.site[self.order], self.site[n] = setting.route, problem.m
         self.leg = problem.travel(self.site, self.site) - problem.moves.price.between(self.site, self.site)
+        self._line = np.array([n, *self.order, n])
         self.at = np.empty(n + 1, dtype=np.int64)
         self.at[self.order], self.at[n] = np.arange(n), n
         self._orders()
@@ -96,16 +97,18 @@ class OtherPlaces:
 
     def slid(self, moved: tuple[int, ...], every: bool) -> Iterator[OtherPlace]:
         """Contours that follow each other, moved as one to other places within reach."""
-        start = int(self.at[moved[0]])
-        rest = [*self.order[:start], *self.order[start + len(moved) :]]
-        more = self._travel(moved, rest, start)
-        likely = np.ones(len(more), dtype=np.bool_) if every else more - self._paid.by_slot(moved, start) < -MATTERS_UM
-        for there in (range(start - 1, -1, -1), range(start + 1, len(rest) + 1)):
+        start, slots = int(self.at[moved[0]]), len(self.order) - len(moved) + 1
+        slots_near = range(max(0, start - self.reach), min(slots, start + self.reach + 1))
+        more = self._travel(moved, slots_near)
+        saved = more - self._paid.by_slot(moved, slots_near) < -MATTERS_UM
+        saved[start - slots_near.start] = False
+        if not every and not saved.any():
+            return
+        first, rest = slots_near.start, [*self.order[:start], *self.order[start + len(moved) :]]
+        for there in (range(start - 1, first - 1, -1), range(start + 1, slots_near.stop)):
             state, passed = _Slide(self), start
             for slot in there:
-                if abs(slot - start) > self.reach:
-                    break
-                if not likely[slot]:
+                if not every and not saved[slot - first]:
                     continue
                 for k in range(passed, slot, there.step):
                     state.passes(moved, rest[k - 1 if there.step < 0 else k], earlier=there.step < 0)
@@ -113,7 +116,7 @@ class OtherPlaces:
                 order = (*rest[:slot], *moved, *rest[slot:])
                 changes = [*self._near_changes(moved, rest, slot, start), *self._whole_changes(order)]
                 split = self._runs_split(moved, rest, slot)
-                yield self._judged(order, slot, int(more[slot]), state, split, changes)
+                yield self._judged(order, slot, int(more[slot - first]), state, split, changes)
 
     def turned(self) -> Iterator[tuple[frozenset[int], OtherPlace]]:
         """Stretches of the order turned round: what is in them, and the new order.
@@ -273,11 +276,16 @@ class OtherPlaces:
         after = rest[slot] if slot < len(rest) else self.home
         return before, moved[0], moved[-1], after
 
-    def _travel(self, moved: tuple[int, ...], rest: Sequence[int], start: int) -> Ints:
-        """What travel costs more, by slot."""
-        a, b = np.array([self.home, *rest]), np.array([*rest, self.home])
+    def _travel(self, moved: tuple[int, ...], slots: range) -> Ints:
+        """What travel costs more in some slots among the others, with their own among these."""
+        start, size = int(self.at[moved[0]]), len(moved)
+        a = self._line[slots.start : slots.stop].copy()
+        b = self._line[slots.start + size + 1 : slots.stop + size + 1].copy()
+        here = start - slots.start
+        a[here + 1 :] = self._line[start + size + 1 : slots.stop + size]
+        b[:here] = self._line[slots.start + 1 : start + 1]
         put = self.leg[a, moved[0]] + self.leg[moved[-1], b] - self.leg[a, b]
-        return np.asarray(put - put[start], dtype=np.int64)
+        return np.asarray(put - put[here], dtype=np.int64)
 
     def _runs_split(self, moved: tuple[int, ...], rest: Sequence[int], slot: int) -> Iterator[About]:
         """Hard runs that are not in one piece there."""
@@ -350,6 +358,7 @@ class _Paid:
                 self.of_contour[over] += cost * (over >= 0)
         for k, (a, b) in enumerate(pairwise((places.home, *order, places.home))):
             self.near[k] = sum(um or 0 for _, um in places.near(a, b))
+        self._moves = self.near + self.crossed
         self._unmet: list[tuple[int, int, int]] = []
         for k, condition in enumerate(places.asked):
             if condition.cost and places.sums[k] < condition.bound:
@@ -357,13 +366,14 @@ class _Paid:
                 self.of_contour[[condition.contour, *members]] += condition.cost
                 self._unmet += self._turned_by(k, condition.cost)
 
-    def by_slot(self, moved: tuple[int, ...], start: int) -> Ints:
-        """What can be saved at the most with contours that follow each other moved to each slot among the others."""
+    def by_slot(self, moved: tuple[int, ...], slots: range) -> Ints:
+        """What can be saved at the most with contours that follow each other moved to some slots among the others."""
+        start, paid = int(self._places.at[moved[0]]), self._moves
         end = start + len(moved)
-        paid = self.near + self.crossed
         fixed = self.whole + paid[start] + paid[end] + self.crossed[start + 1 : end].sum()
         fixed += self.of_contour[list(moved)].sum()
-        return np.asarray(fixed + np.concatenate([paid[:start], [0], paid[end + 1 :]]), dtype=np.int64)
+        later = paid[end + 1 : slots.stop + len(moved)]
+        return np.asarray(fixed + np.concatenate([paid[slots.start : start], [0], later]), dtype=np.int64)
 
     def by_turned(self, units: Sequence[tuple[int, ...]], first: int) -> list[int]:
         """What can be saved at the most with the units from one to each later one turned round."""

@@ -257,7 +257,7 @@ ENTRY = ("entered at ", LINKED)
 
 def kept_orders(setting: PlanContext, contour: int) -> tuple[str, ...]:
     """The nearest orders that a contour keeps, where nobody has looked what would be without them."""
-    nearest = [blocking_orders(setting, contour, earlier=earlier)[:1] for earlier in (True, False)]
+    nearest = [blocking_orders(setting, contour, earlier=earlier, most=1) for earlier in (True, False)]
     kept = tuple(f"kept: {hold.about.sentence}" for holds in nearest for hold in holds)
     name = setting.name(contour)
     return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from itertools import combinations
 
 import pytest
@@ -79,3 +80,28 @@ def test_large_tangles_are_broken_up_greedily(monkeypatch: pytest.MonkeyPatch) -
     exact = lightest_cut(links, [1] * 30)
     monkeypatch.setattr(graphs_encoder, "EXACT_LINKS", 10)
     assert len(exact) == len(lightest_cut(links, [1] * 30)) == 15
+
+
+def covers(cycles: list[frozenset[int]], weights: list[int]) -> list[set[int]]:
+    """All lightest sets of links that have one of each cycle, by trying all sets."""
+    sets = [set(out) for size in range(len(weights) + 1) for out in combinations(range(len(weights)), size)]
+    good = [out for out in sets if all(out & cycle for cycle in cycles)]
+    least = min(sum(weights[k] for k in out) for out in good)
+    return [out for out in good if sum(weights[k] for k in out) == least]
+
+
+@given(
+    st.lists(st.frozensets(st.integers(0, 4), min_size=1, max_size=3), max_size=5),
+    st.lists(st.integers(1, 3), min_size=5, max_size=5),
+)
+def test_what_is_sure_of_a_cover_lies_in_all_lightest_ones(cycles: list[frozenset[int]], weights: list[int]) -> None:
+    lightest = covers(cycles, weights)
+    taken, left = graphs_encoder._sure_cover(cycles, weights)
+    assert all(taken <= out <= taken.union(*left) for out in lightest)
+    assert left or lightest == [taken]
+
+
+def test_pairs_of_orders_of_two_rules_need_no_linear_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    links = [(0, 1), (1, 0), (2, 3), (3, 2), (3, 4)]
+    assert lightest_cut(links, [1, 2, 3, 1, 1]) == [0, 3]
