@@ -9,7 +9,6 @@ over all moves, so that it holds however good they are.
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections.abc import Callable
 from contextlib import suppress
@@ -17,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Bools, Floats
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import Crossings
@@ -26,7 +25,7 @@ from kerfwise.models.problem.problem import Links, Problem
 
 from .flow_program import FlowProgram
 from .flow_work import MOST_CONTOURS, MOST_SITES, SETTING_OUT, sets_out_s
-from .inequalities import DemandColumns, Inequalities, block_inequalities
+from .inequalities import Inequalities, block_inequalities
 from .move_costs import Stopped, size_without_inner, sure_crossings
 from .network import Multipliers, Network, network_of
 from .separation import Flow, Separation
@@ -40,12 +39,8 @@ CROWD = 3
 """Inequalities per contour, beyond which those are dropped that nothing is paid for."""
 RISEN = 1e-5
 """Share by which the bound has risen before inequalities are dropped again: else the same ones come back in turn."""
-BYTES_A_MOVE = 14.0
+BYTES_A_MOVE = 18.0
 """What is kept of every move, and needed while they are gone through."""
-ROUNDS, GAIN = 3, 3e-4
-"""A case is split again once so many rounds of cuts have gained less than this share."""
-MOST_BRANCHED, MOST_CASES = 1200, 1000
-"""Sites from which on cases take too long; and cases that are kept at the most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,8 +85,6 @@ def flow_bound(
     loop = CutLoop(network, plan, deadline, in_time)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)
-        if loop.stalled and network.problem.m <= MOST_BRANCHED:
-            loop.best = max(loop.best, branch(loop))
     return FlowBound(max(0, min(plan.cost, _whole(loop.best))), loop.flow.work)
 
 
@@ -99,8 +92,7 @@ class CutLoop:
     """A program that is solved, and cut where its flow does what no plan does, again and again.
 
     No move leaves the program that a plan of `most_um` may have, where that is given.
-    `best` is what every plan costs at least. `stalled` says that more rounds are not worth it, but that there is work
-    left; `proving` are multipliers that prove about as much of all moves.
+    `best` is what every plan costs at least; `proving` are multipliers that prove about as much of all moves.
     """
 
     def __init__(
@@ -113,59 +105,43 @@ class CutLoop:
     ) -> None:
         problem = network.problem
         self._plan, self._deadline = plan, deadline
-        demands = DemandColumns(problem)
-        self._separation = Separation(network, demands)
-        blocks = block_inequalities(problem, len(demands.cost))
+        self._separation = Separation(network)
+        blocks = block_inequalities(problem)
         most = plan.cost if most_um is None else most_um
-        self.flow = FlowProgram(network, blocks, demands.cost, most, in_time, deadline)
+        self.flow = FlowProgram(network, blocks, most, in_time, deadline)
         self._kept, self._most = len(blocks), CROWD * problem.n
-        self.best, self.stalled, self._dropped_at = 0.0, False, 0.0
+        self.best, self._dropped_at = 0.0, 0.0
         self.proving: Multipliers | None = None
 
-    def run(self, patience: int, least_gain: float) -> float:
-        """The bound of the moves that are open: until so many rounds gain less than a share, or no plan is left.
-
-        What holds of all moves is noted as the best.
-        """
-        flow, best, seen = self.flow, 0.0, [0.0] * patience
+    def run(self, patience: int, least_gain: float) -> None:
+        """Raise the best bound, until so many rounds gain less than a share, or no plan is left."""
+        flow, seen = self.flow, [0.0] * patience
         between = Between(self._separation)
-        self.stalled = False
         while flow.solve(self._deadline.work):
-            best = self._looked(best)
-            if self._loose(flow.value - flow.bound) and flow.solve(self._deadline.work):
-                best = self._looked(best)
-            if best > self._plan.cost - 1 or not self.go():
+            self._look()
+            loose = not flow.complete and flow.value - flow.bound > LOOSE * flow.value
+            if loose and flow.solve(self._deadline.work):  # with the moves that were missing, before it is cut
+                self._look()
+            if self.best > self._plan.cost - 1 or not self.go():
                 break
             before = self._separation.work
-            found = between.broken(flow.moves, flow.beside, self.go)
+            found = between.broken(flow.moves, self.go)
             flow.work += self._separation.work - before
-            seen.append(best)
-            if (flow.complete and not len(found)) or best < (1 + least_gain) * seen[-1 - patience]:
-                self.stalled = True
+            seen.append(self.best)
+            if (flow.complete and not len(found)) or self.best < (1 + least_gain) * seen[-1 - patience]:
                 break
             between.keep(flow.drop_dear(between.uses(len(flow.moves.leave))))
-            if (flow.complete or flow.inequalities > self._most) and best > (1 + RISEN) * self._dropped_at:
+            if (flow.complete or flow.inequalities > self._most) and self.best > (1 + RISEN) * self._dropped_at:
                 flow.drop_idle(self._kept)
-                self._dropped_at = best
+                self._dropped_at = self.best
             flow.ask(found)
-        return best
 
-    def _looked(self, best: float) -> float:
-        """This bound, or that of a look at all moves that are open, if it is higher.
-
-        It holds of all plans, and is noted as such, unless only some moves are open.
-        """
+    def _look(self) -> None:
+        """Look at all moves, and note the bound if it is the best."""
         self.flow.look_at_all()
-        best = max(best, self.flow.bound)
-        if not self.flow.restricted:
-            if self.proving is None or self.flow.bound > self.best:
-                self.proving = self.flow.multipliers
-            self.best = max(self.best, best)
-        return best
-
-    def _loose(self, missing: float) -> bool:
-        """Whether the program is worth solving once more with the moves that were missing, before it is cut."""
-        return not self.flow.complete and missing > LOOSE * self.flow.value
+        if self.proving is None or self.flow.bound > self.best:
+            self.proving = self.flow.multipliers
+        self.best = max(self.best, self.flow.bound)
 
     def go(self) -> bool:
         """Whether there is work left."""
@@ -175,66 +151,6 @@ class CutLoop:
 def _whole(bound: float) -> int:
     """Costs are whole; multipliers are sums of doubles, so a little less than the next whole number is not enough."""
     return int(np.ceil(bound - 1e-9 * abs(bound) - 1e-3))
-
-
-def branch(loop: CutLoop) -> float:
-    """What every plan costs at least by all cases together; the case with the lowest bound is split first."""
-    flow = loop.flow
-    goal, known = float(flow.plan_um - 1), float(flow.plan_um)
-    cases: list[tuple[float, int, Bools]] = []
-    number, reached, done = 0, loop.best, known
-    while True:
-        parts = (
-            branch_cases(flow.allowed, flow.contours_used(), flow.sites_used(), flow.owner) if reached <= goal else []
-        )
-        if reached <= goal and not parts:
-            done = min(done, reached)
-        for part in parts:
-            number += 1
-            heapq.heappush(cases, (reached, number, part))
-        if not cases:
-            return done
-        if cases[0][0] > goal or len(cases) > MOST_CASES or not loop.go():
-            return min(done, cases[0][0])
-        bound, _, allowed = heapq.heappop(cases)
-        flow.restrict(allowed)
-        reached = max(bound, loop.run(ROUNDS, GAIN))
-        if not loop.stalled and reached <= goal:  # not looked at to its end
-            return min(done, reached, *(case[0] for case in cases))
-
-
-# Branching on what a flow leaves open: which contour directly follows which, and by which site a contour is cut.
-#
-# Each case is the same linear program with fewer moves, solved on from the last basis; the cuts found in one hold in
-# all. Bounds are worked out from multipliers as everywhere, so a case is done with once its bound reaches the known
-# plan.
-
-WHOLE = 1e-3
-"""What is no further from a whole number is one."""
-
-
-def branch_cases(allowed: Bools, used: Floats, sites_used: Floats, owner: Ints) -> list[Bools]:
-    """Two cases that have every plan of the moves `allowed` (m + 1, m + 1) between them; none where all is whole.
-
-    `used` (n + 1, n + 1) goes from contour to contour, `sites_used` (m + 1,) to sites; `owner` is the contour of each.
-    """
-    open_ = np.minimum(used, 1.0 - used)
-    i, j = np.unravel_index(int(np.argmax(open_)), open_.shape)
-    without, only = allowed.copy(), allowed.copy()
-    if open_[i, j] > WHOLE:
-        leaves, reaches = owner == i, owner == j
-        without[np.ix_(leaves, reaches)] = False
-        only[np.ix_(leaves, ~reaches)] = False
-        only[np.ix_(~leaves, reaches)] = False
-        return [without, only]
-    open_sites = np.minimum(sites_used, 1.0 - sites_used)
-    site = int(np.argmax(open_sites))
-    if open_sites[site] <= WHOLE:
-        return []
-    without[site] = without[:, site] = False
-    others = (owner == owner[site]) & (np.arange(len(owner)) != site)
-    only[others] = only[:, others] = False
-    return [without, only]
 
 
 # Cuts for a flow between the cheapest one and those before it (Ben-Ameur and Neto 2007).
@@ -259,7 +175,6 @@ class Between:
     def __init__(self, separation: Separation) -> None:
         self._separation = separation
         self._amount: Floats | None = None
-        self._beside: Floats = np.zeros(0)
 
     def uses(self, moves: int) -> Bools:
         """Which of the first so many moves the flow inside has, (moves,)."""
@@ -273,23 +188,23 @@ class Between:
         if self._amount is not None:
             self._amount = self._amount[kept[: len(self._amount)]]
 
-    def broken(self, cheapest: Flow, beside: Floats, go: Callable[[], bool]) -> Inequalities:
-        """Inequalities that the cheapest flow breaks; `beside` are the columns beside its moves."""
+    def broken(self, cheapest: Flow, go: Callable[[], bool]) -> Inequalities:
+        """Inequalities that the cheapest flow breaks."""
         if self._amount is None:
-            self._amount, self._beside = cheapest.amount, beside
-            return self._separation.broken(cheapest, beside, go)
+            self._amount = cheapest.amount
+            return self._separation.broken(cheapest, go)
         amount = np.zeros_like(cheapest.amount)
         amount[: len(self._amount)] = (1 - STEP) * self._amount
-        self._amount, self._beside = amount + STEP * cheapest.amount, STEP * beside + (1 - STEP) * self._beside
+        self._amount = amount + STEP * cheapest.amount
         inside = Flow(cheapest.leave, cheapest.reach, np.where(self._amount < LITTLE, 0.0, self._amount))
-        found = self._separation.broken(inside, self._beside, go)
+        found = self._separation.broken(inside, go)
         some = np.flatnonzero(cheapest.amount)
         comes_to = found.across(cheapest.leave[some], cheapest.reach[some]) @ cheapest.amount[some]
-        cuts = found.only(comes_to + found.beside @ beside < found.least - LEAST)
+        cuts = found.only(comes_to < found.least - LEAST)
         if len(cuts) or not go():
             return cuts
         self._amount = None
-        return self.broken(cheapest, beside, go)
+        return self.broken(cheapest, go)
 
 
 # A smaller problem that bounds a large one: contours stand for all their sites.

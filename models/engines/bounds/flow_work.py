@@ -16,8 +16,6 @@ FREE = 0.2
 """Share of either which a round takes without cuts."""
 LOOKED_PER_S = 4e7
 """Moves that a look at all goes through."""
-PRODUCTS_PER_S = 2.5e10
-"""Multiplications of what inequalities pay for moves."""
 MADE_PER_S = 1e7
 """Moves whose costs are worked out, and that are gone through for the first ones."""
 
@@ -28,13 +26,8 @@ def round_s(contours: int, sites: int, cuts: int) -> float:
 
 
 def look_s(moves: int) -> float:
-    """What a look at so many moves takes, beside the multiplications."""
+    """What a look at so many moves takes."""
     return moves / LOOKED_PER_S
-
-
-def products_s(products: int) -> float:
-    """What so many multiplications take."""
-    return products / PRODUCTS_PER_S
 
 
 def made_s(moves: int) -> float:

@@ -3,54 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from kerfwise.arrays import Bools, Float32s, Floats, Int32s, Ints
+from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.models.jit import cores
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 
-# What every move of a network costs: a table that is worked out some rows at a time, narrow where it is large.
+# What every move of a network costs: a table that is worked out some rows at a time.
 
-WIDE = 2000
-"""With more sites what moves cost is kept in half the bytes, rounded down."""
 ROWS = 100
 """Sites from which all moves are worked out at once."""
-TURNS = 4
-"""Turns of every thread from one question whether to go on to the next."""
 
 
 def costs_of(
     problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools, inside: Inside, go: Callable[[], bool]
-) -> Floats | Float32s:  # fmt: skip
+) -> Floats:  # fmt: skip
     """What every move costs, as `Network` says.
 
     `sites` are those of the problem that the sites of the `split` one stand for. Where these are of the last contour of
     a block with ways `inside`, a move leads to some site of it. `go` is asked now and then.
+
+    Raises
+    ------
+    Stopped
+        If `go` says no before the end.
     """
     m, moves = split.m, Moves(problem)
-    cost = empty_costs(m)
+    cost = np.empty((m + 1, m + 1))
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
     lawful, kind = _lawful(split.site_contour, sooner, later)
-
-    def work_out(start: int) -> None:
+    for start in range(0, m + 1, ROWS):
+        if not go():
+            raise Stopped
         rows = np.arange(start, min(start + ROWS, m + 1))
         part = moves.between(ends[rows], ends) + charged
         inside.come_through(moves.between(ends[rows], inside.inner), part)
         part[~lawful[kind[rows]][:, kind]] = np.inf
         cost[rows] = part
-        if cost.dtype != part.dtype and (above := cost[rows] > part).any():
-            cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
-
-    by_threads(work_out, range(0, m + 1, ROWS), go)
     return cost
 
 
@@ -82,29 +78,6 @@ class Inside:
 
 class Stopped(Exception):
     """There is no time left for what was begun."""
-
-
-def by_threads(work_out: Callable[[int], None], starts: Sequence[int], go: Callable[[], bool]) -> None:
-    """Call it for all of these, on all cores.
-
-    Raises
-    ------
-    Stopped
-        If `go`, asked now and then, says no before the end.
-    """
-    at_once = TURNS * cores()
-    with ThreadPoolExecutor(cores()) as threads:
-        for first in range(0, len(starts), at_once):
-            if not go():
-                raise Stopped
-            list(threads.map(work_out, starts[first : first + at_once]))
-
-
-def empty_costs(m: int) -> Floats | Float32s:
-    """A table (m + 1, m + 1) to fill."""
-    if m > WIDE:
-        return np.empty((m + 1, m + 1), dtype=np.float32)
-    return np.empty((m + 1, m + 1), dtype=np.float64)
 
 
 def _lawful(contours: Ints, sooner: Bools, later: Bools) -> tuple[Bools, Ints]:

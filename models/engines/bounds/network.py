@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Float32s, Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .inequalities import Inequalities
-from .move_costs import Inside, by_threads, contract_condition, costs_of, passages_of, renumber_condition, stand_for
+from .move_costs import Inside, contract_condition, costs_of, passages_of, renumber_condition, stand_for
 
 # What a flow goes over: sites, split by what their conditions ask, each with what must be out before and after it.
 #
@@ -35,8 +35,7 @@ class Network:
 
     `contours` are those of the whole problem that its contours are: of some blocks the last one alone.
     `cost` (m + 1, m + 1) is that of every move with the site it leads to, and with the way through such a block to its
-    last contour, home last, infinite where no plan has it: no more than that where there are many sites, as narrow
-    numbers do not hold all that wide ones do.
+    last contour, home last, infinite where no plan has it.
     `sites` (m,) are those of the whole problem that its sites stand for, `inside` the ways through such blocks to them.
     `sooner[s, c]` says that contour c is out before site s is cut, `later[s, c]` that it is not; both (m + 1, n), all
     false for home. `plan` is the known plan on these sites.
@@ -46,7 +45,7 @@ class Network:
     contours: Ints
     sites: Ints
     inside: Inside
-    cost: Floats | Float32s
+    cost: Floats
     sooner: Bools
     later: Bools
     plan: tuple[int, ...]
@@ -74,17 +73,23 @@ def network_of(
     passages = passages_of(problem)
     kept, number, last_of = stand_for(problem, passages)
     conditions_of: list[list[Condition]] = [[] for _ in range(problem.m)]
+    wide = []
     for condition in problem.conditions:
+        if condition.cost is not None and condition.cost > most:
+            condition = replace(condition, cost=None)
         if condition.when is not None:
-            hard = condition.cost is not None and condition.cost > most
-            conditions_of[condition.when].append(replace(condition, cost=None) if hard else condition)
+            conditions_of[condition.when].append(condition)
+        elif _decides(problem, condition.contour, condition):
+            for site in problem.sites(condition.contour):
+                conditions_of[site].append(replace(condition, when=site))
+        else:
+            wide.append(condition)
     splits = _splits(problem, kept, conditions_of, MOST_SPLIT, most)
     if len(splits) > most_sites:
         splits = _splits(problem, kept, conditions_of, 0, most)
     sites = np.array([split.site for split in splits], dtype=np.int64)
     contours = number[problem.site_contour[sites]]
     paid = np.array([sum(c.cost or 0 for c in split.paid) for split in splits], dtype=np.int64)
-    wide = [condition for condition in problem.conditions if condition.when is None]
     left = (*wide, *(replace(c, when=k) for k, split in enumerate(splits) for c in split.left))
     split_problem = replace(
         problem,
@@ -204,9 +209,7 @@ def _on(splits: list[_Split], route: Sequence[int], problem: Problem) -> Iterato
 
 # What every move is worth by the multipliers of a linear program: the bound they prove, and what is missing.
 #
-# The program holds few moves; a bound must hold of all. What they cost stands in one table, gone through some rows at
-# a time. Where it is kept in narrow numbers, multipliers are rounded down to such as are summed in them exactly: a
-# bound holds whatever the multipliers are.
+# The program holds few moves; a bound must hold of all, and it does whatever the multipliers are.
 
 NEAREST = 3
 """Moves from and to every site that are looked at from the start."""
@@ -228,160 +231,79 @@ class Multipliers(NamedTuple):
     inequalities: Inequalities
 
 
-class AllMoves:
-    """Every move from site to site, home last: which are open, and which of those are in the program.
+def left_of(network: Network, by: Multipliers) -> tuple[float, Floats, Floats]:
+    """The bound that multipliers prove, what coming to every contour and home costs at least, and what they leave.
 
-    Attributes
-    ----------
-    open, used
-        Both (m + 1, m + 1).
-    products
-        Multiplications that the last look took.
+    That is of every move (m + 1, m + 1), with what coming to its contour costs at least in it.
+    """
+    paying = by.paid > 0.0
+    paid, some = by.paid[paying], by.inequalities.only(paying)
+    (tails, tail), (heads, head) = (kinds(side) for side in (some.tail, some.head))
+    worth = (some.tail[:, tails].T * paid) @ some.head[:, heads].astype(np.float64)
+    gain, left = by.price - paid @ some.into, np.empty_like(network.cost)
+    for rows in _blocks(len(left)):
+        left[rows] = network.cost[rows] - worth[tail[rows]][:, head] + by.price[rows, None] - gain
+    least = np.minimum.reduceat(left.min(axis=0), np.append(network.problem.first[:-1], network.problem.m))
+    return float(least.sum() + paid @ some.least), least, left
+
+
+class AllMoves:
+    """Every move from site to site, home last: what it costs, and which are in the program, both (m + 1, m + 1).
+
+    A move that is closed costs infinitely much, in the network as well.
     """
 
     def __init__(self, network: Network, plan_um: int) -> None:
-        m, self._cost, self._plan_um = network.problem.m, network.cost, plan_um
+        self._network, self.cost, self._plan_um = network, network.cost, plan_um
+        m = network.problem.m
         self._owner = np.append(network.problem.site_contour, network.problem.n)
-        self._first = np.append(network.problem.first[:-1], m)
-        self.open: Bools = np.isfinite(self._cost)
-        self.used: Bools = np.zeros_like(self.open)
+        self.used: Bools = np.zeros(self.cost.shape, dtype=np.bool_)
         self._own = (np.array([m, *network.plan]), np.array([*network.plan, m]))
-        self._forced = np.zeros(len(network.plan) + 1, dtype=np.bool_)
-        self._left: Floats | Float32s = np.zeros((0, 0))
-        self._enough = min(ENOUGH, ENOUGH_OF_PLAN * plan_um)
         self._at_once = max(MORE, MORE_EACH * network.problem.n)
-        self.products, self._most_um = 0, 0.0
-
-    @property
-    def narrow(self) -> bool:
-        """Whether costs are kept in half the bytes."""
-        return bool(self._cost.dtype == np.float32)
 
     def nearest(self) -> tuple[Ints, Ints]:
         """The cheapest moves from and to every site, and the known plan's own."""
-        everywhere, most = np.arange(len(self._owner)), min(NEAREST, len(self._owner)) - 1
-        wanted = np.zeros_like(self.open)
-        for start in range(0, len(everywhere), ROWS):
-            rows = everywhere[start : start + ROWS]
-            part = np.argpartition(self._cost[rows], most, axis=1)[:, : most + 1]
-            wanted[rows[:, None], part] = True
-            part = np.argpartition(self._cost[:, rows], most, axis=0)[: most + 1]
-            wanted[part, rows[None, :]] = True
-        wanted &= self.open
+        wanted, most = np.zeros_like(self.used), min(NEAREST, len(self._owner)) - 1
+        for axis in (0, 1):
+            nearest = np.argpartition(self.cost, most, axis=axis).take(range(most + 1), axis)
+            np.put_along_axis(wanted, nearest, True, axis)
+        wanted &= np.isfinite(self.cost)
         wanted[self._own] = True
         leave, reach = np.nonzero(wanted)
         return leave, reach
 
     def is_own(self, leave: Ints, reach: Ints) -> Bools:
         """Which of these moves are the known plan's."""
-        return self._are_of(self._own, leave, reach)
-
-    def costs(self, leave: Ints, reach: Ints) -> Floats:
-        """What moves cost: those of the known plan that are not allowed as much as a plan more."""
-        cost: Floats = self._cost[leave, reach].astype(np.float64)
-        if self._forced.any():
-            row, column = self._own
-            forced = self._are_of((row[self._forced], column[self._forced]), leave, reach)
-            cost[forced] += self._plan_um
-        return cost
-
-    def _are_of(self, known: tuple[Ints, Ints], leave: Ints, reach: Ints) -> Bools:
-        """Which of some moves are among the known ones."""
         wide = len(self._owner)
-        return np.asarray(np.isin(leave * wide + reach, known[0] * wide + known[1]))
+        return np.asarray(np.isin(leave * wide + reach, self._own[0] * wide + self._own[1]))
 
-    def look(
-        self, by: Multipliers, in_use: tuple[Ints, Ints], go: Callable[[], bool] = lambda: True
-    ) -> tuple[float, tuple[Ints, Ints] | None]:
-        """What coming to every contour costs at least by these multipliers, in sum; and the moves most missing.
+    def look(self, by: Multipliers, leave: Ints, reach: Ints) -> tuple[float, tuple[Ints, Ints], bool]:
+        """The bound that multipliers prove; the moves most missing beside these; and whether some are closed.
 
-        None where none is missing; `in_use` are the moves of the program, and `go` is asked now and then.
+        Moves are closed that no plan has that costs less than the known one: a plan with a move costs as much more as
+        the move is dearer than the cheapest one. The known plan's own stay, so that there is always a flow.
         """
-        owner, paying = self._owner, by.paid > 0.0
-        paid, some = by.paid[paying], by.inequalities.only(paying)
-        gain = by.price - paid @ some.into
-        kind: Any = self._cost.dtype
-        (tails, tail), (heads, head) = (kinds(side) for side in (some.tail, some.head))
-        worth = (some.tail[:, tails].T * paid.astype(kind)) @ some.head[:, heads].astype(kind)
-        self.products = worth.size * len(paid)
-        if not self._left.size:
-            self._left = np.empty_like(self._cost)
-        left, starts = self._left, range(0, len(owner), ROWS)
-        least_in, most_in = np.empty((len(starts), len(owner))), np.empty(len(starts))
-
-        def look_from(start: int) -> None:
-            rows = slice(start, start + ROWS)
-            part = self._cost[rows].astype(np.float64)
-            part -= worth[tail[rows]][:, head]
-            part += by.price[rows, None]
-            part -= gain[None, :]
-            for row, column in zip(*(ends[self._forced] for ends in self._own), strict=True):
-                if start <= row < start + ROWS:
-                    part[row - start, column] += self._plan_um
-            closed = ~self.open[rows]
-            part[closed] = -np.inf
-            most_in[start // ROWS] = part.max()
-            part[closed] = np.inf
-            least_in[start // ROWS] = part.min(axis=0)
-            left[rows] = part
-
-        by_threads(look_from, starts, go)
-        self._most_um = max(float(most_in.max()), -float(least_in.min()))
-        self._least: Floats = np.minimum.reduceat(least_in.min(axis=0), self._first)
-        return float(self._least.sum()), self._missing(*in_use)
-
-    def _missing(self, leave: Ints, reach: Ints) -> tuple[Ints, Ints] | None:
-        left, owner = self._left, self._owner
-        known = np.full(len(self._least), np.inf)
+        bound, least, left = left_of(self._network, by)
+        owner, known, closes = self._owner, np.full(len(least), np.inf), False
         np.minimum.at(known, owner[reach], left[leave, reach])
-        limit = (known - self._enough)[owner]
-        found, by = [], []
-        for start in range(0, len(owner), ROWS):
-            rows = slice(start, start + ROWS)
-            row, column = np.nonzero((left[rows] < limit[None, :]) & ~self.used[rows])
-            found.append(np.stack([row + start, column]))
-            by.append(left[row + start, column] - known[owner[column]])
-        moves, missing = np.concatenate(found, axis=1), np.concatenate(by)
-        if not len(missing):
-            return None
-        chosen = moves[:, np.argsort(missing, kind="stable")[: self._at_once]]
-        return chosen[0], chosen[1]
-
-    def close(self, bound: float) -> bool:
-        """Close the moves that no plan has that costs less than the known one, and answer whether there are any.
-
-        By the last look, which proves this bound: a plan with a move costs as much more as the move is dearer than the
-        cheapest one. The known plan's own stay, so that there is always a flow.
-        """
-        left, closes = self._left, False
-        wrong = 2.0**-23 * self._most_um
-        room = (self._plan_um - MARGIN_UM - bound + (wrong if self.narrow else 0.0) + self._least)[self._owner]
-        own = self.open[self._own]
-        for start in range(0, len(self._owner), ROWS):
-            rows = slice(start, start + ROWS)
-            dear = (left[rows] > room[None, :]) & self.open[rows]
-            self.open[rows] &= ~dear
+        limit = (known - min(ENOUGH, ENOUGH_OF_PLAN * self._plan_um))[owner]
+        room = (self._plan_um - MARGIN_UM - bound + least)[owner]
+        own, moves, by_much = self.cost[self._own], [], []
+        for rows in _blocks(len(left)):
+            row, column = np.nonzero((left[rows] < limit) & ~self.used[rows] & (left[rows] <= room))
+            moves.append(np.stack([row + rows.start, column]))
+            by_much.append((left[rows] - known[owner])[row, column])
+            dear = (left[rows] > room) & np.isfinite(self.cost[rows])
+            self.cost[rows][dear] = np.inf
             closes = closes or bool(dear.any())
-        self.open[self._own] = own
-        if closes:
-            stays = np.ones(len(self._owner), dtype=np.bool_)
-            stays[:-1] = self.open[:, :-1].any(axis=0) & self.open[:-1].any(axis=1)
-            self.open[~stays] = False
-            self.open[:, ~stays] = False
-        return closes
+        self.cost[self._own] = own
+        chosen = np.concatenate(moves, axis=1)[:, np.argsort(np.concatenate(by_much), kind="stable")[: self._at_once]]
+        return bound, (chosen[0], chosen[1]), closes
 
-    def restrict(self, allowed: Bools) -> None:
-        """Leave these moves alone open, (m + 1, m + 1), and the known plan's own."""
-        self.open = allowed.copy()
-        self._forced = ~allowed[self._own]
-        self.open[self._own] = True
 
-    @property
-    def allowed(self) -> Bools:
-        """The open moves, without those of the known plan that stay although they are not allowed."""
-        allowed = self.open.copy()
-        allowed[tuple(ends[self._forced] for ends in self._own)] = False
-        return allowed
+def _blocks(sites: int) -> Iterator[slice]:
+    """Some rows of a table after others, so that what is worked out meanwhile takes little memory."""
+    return (slice(start, start + ROWS) for start in range(0, sites, ROWS))
 
 
 def kinds(sides: Bools) -> tuple[Ints, Ints]:
@@ -395,13 +317,3 @@ def kinds(sides: Bools) -> tuple[Ints, Ints]:
     names = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()
     _, first, kind = np.unique(names, return_index=True, return_inverse=True)
     return first, kind
-
-
-def whole(by: Multipliers, width: int) -> Multipliers:
-    """The same with what is paid in multiples of a power of 2: no sum over a site is more than 2 ** `width` of them."""
-    paid = by.paid
-    most = float((paid @ by.inequalities.tail).max(initial=0.0))
-    if most <= 0.0:
-        return by
-    unit = 2.0 ** (np.ceil(np.log2(most)) - width)
-    return by._replace(paid=np.floor(paid / unit) * unit)

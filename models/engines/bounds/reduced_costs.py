@@ -20,11 +20,13 @@ from kerfwise.models.problem.problem import Problem
 
 from .flow import CutLoop
 from .flow_work import made_s
-from .move_costs import WIDE, Stopped
-from .network import Multipliers, Network, network_of
+from .move_costs import Stopped
+from .network import Multipliers, Network, left_of, network_of
 
 NEVER = 1 << 38
 """µm: what is unlawful in a table costs that, or more; any plan costs less."""
+MOST_SITES = 2000
+"""Of a network: with more its program takes too long."""
 MOST_UM = 1 << 50
 """No plan is so dear, so that no move leaves the program."""
 GRAIN = 64.0
@@ -36,11 +38,10 @@ PATIENCE, LEAST_GAIN = 8, 1e-3
 
 
 class Proving(NamedTuple):
-    """Multipliers of the program of a network, and what its columns `beside` the moves cost."""
+    """Multipliers of the program of a network."""
 
     network: Network
     multipliers: Multipliers
-    beside: Floats
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -88,8 +89,8 @@ def reduced_costs(
         return deadline("bound", plan.cost, None)
 
     try:
-        network = network_of(problem, plan.route, most_um, WIDE, in_time)
-        if network.problem.m > WIDE:
+        network = network_of(problem, plan.route, most_um, MOST_SITES, in_time)
+        if network.problem.m > MOST_SITES:
             return None
         network = replace(network, cost=np.where(network.cost < NEVER, network.cost, np.inf))
         if earlier is not None and _alike(network, earlier.network):
@@ -101,7 +102,7 @@ def reduced_costs(
         return None
     if loop.proving is None:
         return None
-    return _reduced(Proving(network, loop.proving, loop.flow.beside_cost), loop.flow.work)
+    return _reduced(Proving(network, loop.proving), loop.flow.work)
 
 
 def _alike(one: Network, other: Network) -> bool:
@@ -116,24 +117,14 @@ def _alike(one: Network, other: Network) -> bool:
 
 
 def _reduced(by: Proving, work: float) -> ReducedCosts:
-    bound, left = _left_of(by)
+    network, given = by
+    price, paid = np.rint(given.price * GRAIN) / GRAIN, np.floor(given.paid * GRAIN) / GRAIN
+    bound, least, left = left_of(network, given._replace(price=price, paid=paid))
+    left -= least[np.append(network.problem.site_contour, network.problem.n)]
     dear = np.full(left.shape, NEVER, dtype=np.int64)
     lawful = np.isfinite(left)
     dear[lawful] = np.floor(np.minimum(left[lawful], NEVER)).astype(np.int64)
     return ReducedCosts(int(np.floor(bound)), dear, work, by)
-
-
-def _left_of(proving: Proving) -> tuple[float, Floats]:
-    """The bound that multipliers prove over all moves, and what they leave of each, without it."""
-    network, by = proving.network, proving.multipliers
-    owner = np.append(network.problem.site_contour, network.problem.n)
-    price, paid = np.rint(by.price * GRAIN) / GRAIN, np.floor(by.paid * GRAIN) / GRAIN
-    left = network.cost - by.inequalities.worth(paid) + price[:, None] - price[None, :]
-    first = np.append(network.problem.first[:-1], network.problem.m)
-    least = np.minimum.reduceat(left.min(axis=0), first)
-    beside = proving.beside - by.inequalities.beside.T @ paid  # between 0 and 1 each
-    bound = float(least.sum() + paid @ by.inequalities.least + np.minimum(beside, 0.0).sum())
-    return bound, left - least[owner][None, :]
 
 
 def entering(network: Network, travel: Ints) -> Ints:

@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .model import CpsatOutcome
-    from .solve import solve_cpsat
+    from .model import CpsatOutcome, solve_cpsat
 
 __all__ = ["CpsatOutcome", "solve_cpsat"]
 
@@ -17,6 +16,6 @@ __all__ = ["CpsatOutcome", "solve_cpsat"]
 def __getattr__(name: str) -> object:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import model, solve
+    from . import model
 
-    return getattr(solve if name == "solve_cpsat" else model, name)
+    return getattr(model, name)

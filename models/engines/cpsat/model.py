@@ -24,25 +24,56 @@ from ortools.sat.python.cp_model import (
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.deadline import Deadline, Progress
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import MAX_ARCS, Incumbent, count_site_arcs
 from kerfwise.models.problem.evaluate import broken, general_holds, missing_ms, route_cost, times_ms
 from kerfwise.models.problem.problem import Problem
 
 from .constraints import add_constraints, inner
-from .variables import ArcLiterals, GoOn, OpenCrossing, Variables, always, make_variables
+from .variables import (
+    ArcLiterals,
+    GoOn,
+    OpenCrossing,
+    Stopped,
+    Variables,
+    always,
+    make_variables,
+    report_progress,
+    site_arcs,
+)
+
+MOST_CONTOURS = 3_000
+"""With more the model takes too long to be made."""
 
 
-def solve_whole(
+def solve_cpsat(
     problem: Problem,
-    arcs: ArcLiterals,
     deadline: Deadline,
     start: Incumbent | None,
-    bound_um: int,
-    seed: int,
-    go_on: GoOn,
+    bound_um: int = 0,
+    seed: int = 1,
+    max_arcs: int = MAX_ARCS,
 ) -> CpsatOutcome:
-    """Solve the model of the whole problem, given a lawful route and a proven lower bound."""
-    model, v = build_model(problem, arcs, go_on)
+    """Improve on `start`, a lawful route, and prove a bound, given one (µm) that is proven already.
+
+    Ends when proven, at the deadline, or on Ctrl-C; what was found until then comes back. A model of more than
+    `max_arcs` arcs between sites is not built.
+
+    Raises
+    ------
+    AssertionError
+        If the model and `models/problem/evaluate` disagree about a route: a bug in one of them.
+    """
+    if problem.n == 0:
+        return CpsatOutcome(Incumbent((), 0), 0, proven_optimal=True)
+    if problem.n > MOST_CONTOURS or count_site_arcs(problem) > max_arcs:
+        return CpsatOutcome(start)
+    go_on = report_progress(ENGINE, deadline, None if start is None else start.cost, bound_um)
+    try:
+        go_on()
+        arcs = site_arcs(problem, problem.successors(), go_on)
+        model, v = build_model(problem, arcs, go_on)
+    except Stopped:
+        return CpsatOutcome(start, bound_um)
     limit_objective(model, bound_um, None if start is None else start.cost)
     if start is not None:
         add_hint(model, problem, arcs, v, start.route)

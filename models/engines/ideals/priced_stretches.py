@@ -78,7 +78,7 @@ class Priced:
         """What its tables take."""
         apart, posed, relaxed, network = self.apart, self.posed, self.relaxed, self.relaxed.network
         problems = [(some.before, some.matrix, some.site_cost) for some in (apart, posed)]
-        programs = relaxed.dear, network.cost, network.sooner, network.later, relaxed.by.multipliers, relaxed.by.beside
+        programs = relaxed.dear, network.cost, network.sooner, network.later, relaxed.by.multipliers
         return nbytes((problems, programs, self.travel, self.entry, self.lows, self.onward, self.rest, self.over))
 
     def rests(self, depth: int) -> RestBound:
