@@ -24,7 +24,7 @@ class Contractor:
     Parameters
     ----------
     problem
-        One that is `regional`.
+        One that is `regional`, or `mergeable`.
     fields
         The same for kernels.
     """
@@ -41,8 +41,23 @@ class Contractor:
 
         `starts` keeps the first piece first, `ends` the last one last.
         """
+        loose = free[self._problem.site_contour[route]]
+        pieces = Pieces.of(self._problem, route, loose | np.append(True, loose[:-1]), loose)
+        return self._of(pieces, starts, ends)
+
+    def merged(self, route: Ints, other: Ints) -> Region:
+        """The region in which all arcs that two lawful routes share, from site to site, are taken for granted.
+
+        A good route shares most of its arcs with another one. Where they differ is what is left to find out, and a
+        search of that alone goes on faster and moves whole stretches at once (Cook and Seymour 2003).
+        """
+        following = np.full(self._problem.m, -1, dtype=np.int64)
+        following[other[:-1]] = other[1:]
+        begins = np.append(True, following[route[:-1]] != route[1:])
+        return self._of(Pieces.of(self._problem, route, begins, np.zeros_like(begins)), False, False)
+
+    def _of(self, pieces: Pieces, starts: bool, ends: bool) -> Region:
         problem = self._problem
-        pieces = Pieces.of(problem, route, free)
         before = self._orders(pieces, starts, ends)
         matrix = problem.travel(np.append(pieces.tails, problem.m), np.append(pieces.heads, problem.m))
         site_cost = np.where(pieces.alone[pieces.site_piece], problem.site_cost[pieces.heads], 0)
@@ -143,12 +158,10 @@ class Pieces:
     route: Ints
 
     @classmethod
-    def of(cls, problem: Problem, route: Ints, free: Bools) -> Pieces:
-        """The pieces of a route; `free` by contour."""
+    def of(cls, problem: Problem, route: Ints, begins: Bools, loose: Bools) -> Pieces:
+        """The pieces of a route, which begin where `begins` says; `loose` are free contours, both by place."""
         n, m = problem.n, problem.m
         order = problem.site_contour[route]
-        loose = free[order]
-        begins = loose | np.append(True, loose[:-1])
         starts = np.flatnonzero(begins)
         sites = tuple(np.split(route, starts[1:]))
         length = np.diff(np.append(starts, n))

@@ -57,7 +57,7 @@ class Searcher:
         self._problem = problem
         fields = make_tables(problem)
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
-        self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
+        self._merging = TourMerging(problem, fields, self._walkers, seed) if mergeable(problem) else None
         self._regions = Regions(problem, fields, seed) if regional(problem) else None
         self._heat = HOTTER if problem.n <= FEW else 1.0
         self._longest = 0  # annealing of the whole route, in operations

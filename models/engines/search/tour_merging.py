@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from kerfwise.arrays import Ints
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.moves import MovePrices
-from kerfwise.models.problem.precedence import transitive
-from kerfwise.models.problem.problem import Links, Problem
+from kerfwise.models.problem.problem import Problem
 
 from .anneal import AnnealingWalker
 from .jit_tools import kernel_argument
 from .lin_kernighan import ChainedWalker
 from .lin_kernighan_tables import chained
+from .region_problem import Contractor
 from .route_state import SearchTables, make_tables
 from .travel import MATRIX_SITES
 from .walker import CoolingPart, Elite, Pool, Walker
@@ -36,14 +33,17 @@ class TourMerging:
     ----------
     problem
         One that is `mergeable`.
+    fields
+        The same for kernels.
     walkers
         Who anneals; each makes a child at a time.
     seed
         Equal seeds give equal children.
     """
 
-    def __init__(self, problem: Problem, walkers: list[Walker], seed: int) -> None:
+    def __init__(self, problem: Problem, fields: SearchTables, walkers: list[Walker], seed: int) -> None:
         self._problem, self._walkers, self._seed = problem, walkers, seed
+        self._contractor = Contractor(problem, fields)
         self._pool = Pool(seed)
         self._children = 0
         self._at = (-1, -1)  # the turn of the generation, and which of its annealings goes on
@@ -80,7 +80,9 @@ class TourMerging:
         numbers = range(self._children, self._children + len(parents))
         self._children += len(parents)
         seeds = [(self._seed, len(self._walkers) + number) for number in numbers]
-        children = list(threads.map(partial(merge_tours, self._problem, most=most), self._walkers, parents, seeds))
+        children = list(
+            threads.map(partial(merge_tours, self._problem, self._contractor, most=most), self._walkers, parents, seeds)
+        )
         for walker, (_, elder), (child, _) in zip(self._walkers, parents, children, strict=True):
             self._pool.succeed(elder, child)
             if walker.cost is None or child.cost < walker.cost:
@@ -95,7 +97,12 @@ EACH = 400_000  # operations for each of its contours
 
 
 def merge_tours(
-    problem: Problem, walker: Walker, parents: tuple[Elite, Elite], seed: tuple[int, ...], most: int
+    problem: Problem,
+    contractor: Contractor,
+    walker: Walker,
+    parents: tuple[Elite, Elite],
+    seed: tuple[int, ...],
+    most: int,
 ) -> tuple[Elite, int]:
     """The best route found between two, in about `most` operations at the most, and how many it took.
 
@@ -104,7 +111,7 @@ def merge_tours(
     The walker's temperatures are taken; equal seeds and parents give equal children.
     """
     better, other = parents
-    merged = merge(problem, better.route, other.route)
+    merged = contractor.merged(better.route, other.route)
     if merged.problem.n < LEAST:
         walker.stand_on(better.route)
         walker.forget()
@@ -124,31 +131,6 @@ def merge_tours(
     return Elite(route_cost(problem, route.tolist()), route), operations
 
 
-# Two routes become a smaller problem: what follows each other in both is one contour of it.
-#
-# A good route shares most of its arcs with another one. Where they differ is what is left to find out, and a search
-# of that alone goes on faster and moves whole stretches at once (Cook and Seymour 2003 merge tours of salesmen so).
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class MergedProblem:
-    """`problem` has a contour for each stretch of sites that is kept; one contour alone keeps all its sites.
-
-    `head[s]` is the site that site s of the smaller problem stands for, the first of its stretch if it has one, by
-    which `stretches` are found. `route` is the one that all were cut from, in sites of the smaller problem. What
-    stretches cost in themselves is left out of the smaller problem.
-    """
-
-    problem: Problem
-    stretches: dict[int, Ints]
-    head: Ints
-    route: Ints
-
-    def whole(self, route: Ints) -> Ints:
-        """A route through the smaller problem as one through the problem it was made from."""
-        return np.concatenate([self.stretches.get(int(s), s[None]) for s in self.head[route]])
-
-
 def mergeable(problem: Problem) -> bool:
     """Whether nothing but orders says which contour may stand where, and a table of travel fits into memory."""
     return (
@@ -157,61 +139,6 @@ def mergeable(problem: Problem) -> bool:
         and len(np.unique(problem.block)) == problem.n
         and not (problem.conditions or problem.soft_groups or problem.lags or problem.general)
         and not len(problem.crossings)
-    )
-
-
-def merge(problem: Problem, route: Ints, other: Ints) -> MergedProblem:
-    """The smaller problem in which all arcs that two lawful routes share, from site to site, are taken for granted."""
-    following = np.full(problem.m, -1, dtype=np.int64)
-    following[other[:-1]] = other[1:]
-    begins = np.flatnonzero(np.append(True, following[route[:-1]] != route[1:]))
-    pieces = np.split(route, begins[1:])
-    single = [len(piece) == 1 for piece in pieces]
-    contours = problem.site_contour[[int(piece[0]) for piece in pieces]]
-    rows = [
-        np.arange(problem.first[c], problem.first[c + 1]) if alone else piece[:1]
-        for piece, c, alone in zip(pieces, contours, single, strict=True)
-    ]
-    heads = np.concatenate(rows)
-    last = {int(piece[0]): int(piece[-1]) for piece in pieces}
-    tails = np.array([s if alone else last[int(s)] for row, alone in zip(rows, single, strict=True) for s in row])
-    first = np.concatenate([[0], np.cumsum([len(row) for row in rows])]).astype(np.int64)
-    stretches = {int(piece[0]): piece for piece in pieces if len(piece) > 1}
-    taken = {int(s): k for k, s in enumerate(heads)}
-    smaller = _smaller(problem, pieces, first, heads, tails)
-    return MergedProblem(
-        smaller, stretches, heads, np.array([taken[int(piece[0])] for piece in pieces], dtype=np.int64)
-    )
-
-
-def _smaller(problem: Problem, pieces: list[Ints], first: Ints, heads: Ints, tails: Ints) -> Problem:
-    """The problem of stretches that begin at `heads` and end at `tails`; those of stretch k are from `first[k]` on."""
-    n, m = len(pieces), len(heads)
-    piece_of = np.empty(problem.n, dtype=np.int64)
-    for k, piece in enumerate(pieces):
-        piece_of[problem.site_contour[piece]] = k
-    sooner, later = (piece_of[side] for side in np.nonzero(problem.before))
-    direct = np.zeros((n, n), dtype=np.bool_)
-    direct[sooner, later] = sooner != later
-    site_piece = np.repeat(np.arange(n, dtype=np.int64), np.diff(first))
-    many = np.array([len(piece) > 1 for piece in pieces])[site_piece]
-    nowhere = np.zeros((m, 2), dtype=np.int64)
-    return replace(
-        problem,
-        n=n,
-        first=first,
-        site_contour=site_piece,
-        site_candidate=np.arange(m, dtype=np.int64),
-        candidate_site=np.arange(m, dtype=np.int64),
-        pierce_um=nowhere,
-        end_um=nowhere,
-        site_cost=np.where(many, 0, problem.site_cost[heads]),
-        before=transitive(direct),
-        block=np.arange(n, dtype=np.int64),
-        ids=tuple(problem.ids[problem.site_contour[piece[0]]] for piece in pieces),
-        matrix=problem.travel(np.append(tails, problem.m), np.append(heads, problem.m)),
-        links=Links(),
-        moves=MovePrices(),
     )
 
 

@@ -5,12 +5,18 @@ import pytest
 
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.search.tour_merging import merge, mergeable
+from kerfwise.models.engines.search.region_problem import Contractor, Region
+from kerfwise.models.engines.search.route_state import make_tables
+from kerfwise.models.engines.search.tour_merging import mergeable
 from kerfwise.models.engines.search.walker import SIZE, Elite, Pool
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.problems import ABOUT, problem, scattered
+
+
+def merge(problem: Problem, route: np.ndarray, other: np.ndarray) -> Region:
+    return Contractor(problem, make_tables(problem)).merged(route, other)
 
 
 def test_what_follows_each_other_in_both_is_one_contour() -> None:
