@@ -16,19 +16,19 @@ two threads by itself: to plan many nests at once, use processes rather than thr
 
 from __future__ import annotations
 
+from kerfwise.apps.edit.edited_nest import EditedNest
+from kerfwise.apps.nesting.result import Nests
+from kerfwise.apps.pareto.pareto import Offer
+from kerfwise.apps.resequence.result import Resequenced
+from kerfwise.apps.viewer.compare import Comparison
 from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
-from kerfwise.jobs.compare import Comparison
 from kerfwise.jobs.display import Picture
-from kerfwise.jobs.edit.edited_nest import EditedNest
 from kerfwise.jobs.nest_job import Job
-from kerfwise.jobs.nesting.result import Nests
-from kerfwise.jobs.pareto import Offer
 from kerfwise.jobs.programs import Times
 from kerfwise.jobs.progress import Reached
 from kerfwise.jobs.request import NoPlan
-from kerfwise.jobs.resequence.result import Resequenced
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.simulation import Simulation
 from kerfwise.models.plan.conflict import Conflict

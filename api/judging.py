@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kerfwise.jobs.compare import Comparison, SideAsked, expect_two, pair_of, side_of
-from kerfwise.jobs.compare import compare as compared
-from kerfwise.jobs.compare.sides import Side
+from kerfwise.apps.viewer.compare import Comparison, SideAsked, expect_two, pair_of, side_of
+from kerfwise.apps.viewer.compare import compare as compared
+from kerfwise.apps.viewer.compare.sides import Side
 from kerfwise.jobs.display import Picture, PictureKind
 from kerfwise.jobs.explainer import Explainer
 from kerfwise.jobs.inputs import NestLike, ProfileLike
@@ -27,7 +27,7 @@ from kerfwise.postproc.report.picture import Spot
 from .reading import LockLike, PlanOrResult, Settings, nest_request, plan_of, plan_or_path
 
 if TYPE_CHECKING:
-    from kerfwise.distortion.predict import Distortion
+    from kerfwise.apps.distortion.predict import Distortion
     from kerfwise.rules.profile.plant_sections import HeatModel
 
 
@@ -184,7 +184,7 @@ def distort(
     >>> 0 < found.mean_mm <= found.max_mm < 0.2
     True
     """
-    from kerfwise.distortion.predict import distort_made  # scipy: only those who ask pay for it
+    from kerfwise.apps.distortion.predict import distort_made  # scipy: only those who ask pay for it
 
     inputs = inputs_for(nest, nest_request(profile, job, last=made))
     return distort_made(inputs, plan_or_path(made), grid_mm=grid_mm, yields=yields)
@@ -275,7 +275,7 @@ def draw(
     named = frozenset([contours] if isinstance(contours, str) else contours)
     spot = Spot(named, caption) if named else None
     if kind == "html" and plan is not None and spot is None:
-        from kerfwise.jobs.page import page_bytes, page_data
+        from kerfwise.apps.viewer.page.page_data import page_bytes, page_data
 
         return Picture(page_bytes(page_data(inputs, plan)), kind)
     return Picture(drawn(inputs.nest, plan, f".{kind}", plant.home_on(inputs.nest), spot), kind)

@@ -6,12 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import unknown
-from kerfwise.jobs.edit.edited_nest import EditedNest, editing
-from kerfwise.jobs.inputs import NestLike, ProfileLike, plant_of, reading
-from kerfwise.jobs.nest_job.request import JobLike, answered, inputs_for, last_plan
-from kerfwise.jobs.nesting.find_nests import (
+from kerfwise.apps.edit.edited_nest import EditedNest, editing
+from kerfwise.apps.nesting.find_nests import (
     PURPOSES,
     WEIGH_WORK,
     WEIGHED,
@@ -23,16 +19,20 @@ from kerfwise.jobs.nesting.find_nests import (
     spacing_of,
     spacing_warning,
 )
-from kerfwise.jobs.nesting.nest_list import ListRequest, nest_groups, request_list
-from kerfwise.jobs.nesting.programs import make_programs
-from kerfwise.jobs.nesting.request import order_of
-from kerfwise.jobs.nesting.result import Done, Nests, nests_of_job
+from kerfwise.apps.nesting.nest_list import ListRequest, nest_groups, request_list
+from kerfwise.apps.nesting.placement.demand import Demand
+from kerfwise.apps.nesting.placement.layout import Layout
+from kerfwise.apps.nesting.placement.rounds import Effort
+from kerfwise.apps.nesting.programs import make_programs
+from kerfwise.apps.nesting.request import order_of
+from kerfwise.apps.nesting.result import Done, Nests, nests_of_job
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.text import unknown
+from kerfwise.jobs.inputs import NestLike, ProfileLike, plant_of, reading
+from kerfwise.jobs.nest_job.request import JobLike, answered, inputs_for, last_plan
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import WORK
 from kerfwise.models.plan.plan import Plan
-from kerfwise.nesting.demand import Demand
-from kerfwise.nesting.layout import Layout
-from kerfwise.nesting.rounds import Effort
 from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.profile import Profile
 

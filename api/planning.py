@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from kerfwise.apps.pareto.pareto import Offer
+from kerfwise.apps.pareto.pareto import trade_off as made_trade_off
+from kerfwise.apps.resequence.resequence import resequence as resequenced
+from kerfwise.apps.resequence.result import Paths, Resequenced
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
-from kerfwise.jobs.pareto import Offer
-from kerfwise.jobs.pareto import trade_off as made_trade_off
 from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.programs import ProgramRequest
 from kerfwise.jobs.progress import Listener, OnProgress
 from kerfwise.jobs.request import NOT_SHOWN, WORK, NoPlan, facts_of, options_for
-from kerfwise.jobs.resequence.resequence import resequence as resequenced
-from kerfwise.jobs.resequence.result import Paths, Resequenced
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.resume import already_cut
 from kerfwise.models.engines import OLD_NAMES, STRATEGIES, Engine, Strategy
@@ -153,7 +153,7 @@ def solve(
     listener = Listener(on_progress)
     orders = None
     if inputs.profile.objective.distortion:
-        from kerfwise.distortion.straighter import straighter_for
+        from kerfwise.apps.distortion.straighter import straighter_for
 
         orders = straighter_for(inputs.profile)
     try:

@@ -33,7 +33,7 @@ HEAD = """\
 CHILD = """
 import atexit, sys, time
 def told():
-    from kerfwise.jobs.bench_child import peak_mb
+    from kerfwise.apps.bench.bench_child import peak_mb
     sys.__stderr__.write(f"\\nused {time.process_time():.1f} {peak_mb():.0f}\\n")
 atexit.register(told)
 from kerfwise.cli import main

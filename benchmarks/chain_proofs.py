@@ -6,9 +6,9 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.solve import solve
 from kerfwise.rules.profile.sections import Cuts, Links

@@ -20,14 +20,14 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise import solve
+from kerfwise.apps.bench.bench_child import peak_mb
+from kerfwise.apps.distortion.predict import distort_path
+from kerfwise.apps.distortion.yielding import METALS, yielded
 from kerfwise.benchmarks.distortion_rules import made_nest
-from kerfwise.distortion.predict import distort_path
-from kerfwise.distortion.yielding import METALS, yielded
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.bench_child import peak_mb
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import TimedPath

@@ -16,9 +16,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from kerfwise.apps.distortion.predict import Distortion, distort_path
+from kerfwise.apps.distortion.straighter import StraighterOrders
 from kerfwise.benchmarks.distortion_rules import PROCESSES, made_nest
-from kerfwise.distortion.predict import Distortion, distort_path
-from kerfwise.distortion.straighter import StraighterOrders
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for

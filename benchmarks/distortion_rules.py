@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kerfwise import solve
-from kerfwise.distortion.predict import distort_path
+from kerfwise.apps.distortion.predict import distort_path
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json

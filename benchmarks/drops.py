@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from kerfwise.apps.viewer.serve.nest_folder import Folder
+from kerfwise.apps.viewer.serve.server import Server
+from kerfwise.apps.viewer.serve.session import Alternative, Session
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.serving.nest_folder import Folder
-from kerfwise.serving.server import Server
-from kerfwise.serving.session import Alternative, Session
 
 AT_HAND_WORK = 2.0
 """Work for the plan that the drop is made in."""

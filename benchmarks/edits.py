@@ -18,10 +18,10 @@ from functools import partial
 from typing import TypeVar
 
 import kerfwise
+from kerfwise.apps.bench.bench_child import load_kernels
+from kerfwise.apps.edit.edited_nest import EditedNest
 from kerfwise.benchmarks.plates import cost, made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.bench_child import load_kernels
-from kerfwise.jobs.edit.edited_nest import EditedNest
 
 T = TypeVar("T")
 HEAD = """\

@@ -24,11 +24,11 @@ from pathlib import Path
 from typing import Any, cast
 
 import kerfwise
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.bounds import FlowBound
 from kerfwise.models.engines.portfolio import run_portfolio

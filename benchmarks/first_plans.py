@@ -23,11 +23,11 @@ from pathlib import Path
 import numpy as np
 
 import kerfwise
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.benchmarks.plates import cost, made_plate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.progress import Listener, Reached

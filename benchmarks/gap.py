@@ -26,8 +26,8 @@ from pathlib import Path
 import numpy as np
 
 import kerfwise
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.benchmarks.plates import default_without, made_plate
-from kerfwise.jobs.bench_child import load_kernels
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.bounds import MOST_SITES, flow_bound
 from kerfwise.models.engines.bounds.flow import CROWD

@@ -67,7 +67,7 @@ CommandLimit.over = told
 try:
     main(sys.argv[1:])
 finally:
-    from kerfwise.jobs.bench_child import peak_mb
+    from kerfwise.apps.bench.bench_child import peak_mb
     compiled_s = kernels.time.monotonic() - kernels.counted_s()
     print(*planned, time.process_time(), compiled_s, f"{peak_mb():.0f}")
 """

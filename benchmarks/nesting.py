@@ -15,9 +15,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import kerfwise
-from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.bench_child import peak_mb
-from kerfwise.jobs.nesting.find_nests import (
+from kerfwise.apps.bench.bench_child import peak_mb
+from kerfwise.apps.nesting.find_nests import (
     ALONE,
     Watching,
     cheapest,
@@ -26,12 +25,13 @@ from kerfwise.jobs.nesting.find_nests import (
     varied_layouts,
     weigh,
 )
+from kerfwise.apps.nesting.placement.blocks import usable_area_mm2
+from kerfwise.apps.nesting.placement.demand import Demand, Spacing, Stock
+from kerfwise.apps.nesting.placement.fill import largest_rectangle
+from kerfwise.apps.nesting.placement.layout import Layout
+from kerfwise.apps.nesting.placement.rounds import METHODS, Effort, best_layout, least_worth
+from kerfwise.encoder.nest import Sheet
 from kerfwise.jobs.progress import Listener
-from kerfwise.nesting.blocks import usable_area_mm2
-from kerfwise.nesting.demand import Demand, Spacing, Stock
-from kerfwise.nesting.fill import largest_rectangle
-from kerfwise.nesting.layout import Layout
-from kerfwise.nesting.rounds import METHODS, Effort, best_layout, least_worth
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.plant_sections import Consumables, Prices
 from kerfwise.rules.profile.profile import Profile

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import random
 
+from kerfwise.apps.nesting.placement.demand import Demand, PartType, Stock
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.nesting.demand import Demand, PartType, Stock
 from kerfwise.rules.case import Rows, circle, part, rect
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 import textwrap
 
-from kerfwise.jobs.nesting.nests import Nested, nests_from
-from kerfwise.nesting.layout import Layout
+from kerfwise.apps.nesting.nests import Nested, nests_from
+from kerfwise.apps.nesting.placement.layout import Layout
 
 
 def sound(layout: Layout) -> Nested:

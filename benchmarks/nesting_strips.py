@@ -14,15 +14,15 @@ from pathlib import Path
 
 import shapely
 
+from kerfwise.apps.nesting.nests import Nested, nests_from
+from kerfwise.apps.nesting.placement import sparrow
+from kerfwise.apps.nesting.placement.demand import Demand, PartType, Spacing, Stock
+from kerfwise.apps.nesting.placement.fill import LEFT, largest_first
+from kerfwise.apps.nesting.placement.layout import Layout, allot
+from kerfwise.apps.nesting.placement.rounds import Effort, layouts
+from kerfwise.apps.nesting.placement.shapes import Shapes
+from kerfwise.apps.nesting.placement.sparrow import compact_layout
 from kerfwise.encoder.nest import Sheet
-from kerfwise.jobs.nesting.nests import Nested, nests_from
-from kerfwise.nesting import sparrow
-from kerfwise.nesting.demand import Demand, PartType, Spacing, Stock
-from kerfwise.nesting.fill import LEFT, largest_first
-from kerfwise.nesting.layout import Layout, allot
-from kerfwise.nesting.rounds import Effort, layouts
-from kerfwise.nesting.shapes import Shapes
-from kerfwise.nesting.sparrow import compact_layout
 from kerfwise.rules.case import part
 
 from .nesting_sound import paragraph, sound

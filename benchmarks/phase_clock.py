@@ -97,8 +97,8 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
     After `most_s` of the processor that is told and the process ended; `running` and `missing` are then the phases that
     it was in, and those that it never began.
     """
+    from kerfwise.apps.bench.bench_child import peak_mb
     from kerfwise.encoder.readers import ReadOptions
-    from kerfwise.jobs.bench_child import peak_mb
     from kerfwise.jobs.inputs import Inputs
     from kerfwise.jobs.plan_nest import plan_nest
     from kerfwise.jobs.request import options_for

@@ -31,8 +31,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import kerfwise
-from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown, gap_to, measure, read_best_known, results_in_all
-from kerfwise.jobs.bench_child import run_in_child
+from kerfwise.apps.bench.bench import BenchJob, BenchResult, BestKnown, gap_to, measure, read_best_known, results_in_all
+from kerfwise.apps.bench.bench_child import run_in_child
 from kerfwise.models.routing import is_instance
 
 PAGE = """\

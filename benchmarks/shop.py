@@ -18,12 +18,12 @@ from pathlib import Path
 
 from ezdxf.addons.r12writer import r12writer
 
+from kerfwise.apps.bench.bench_child import peak_mb
+from kerfwise.apps.nesting.find_nests import spacing_of
+from kerfwise.apps.nesting.placement.rounds import least_worth
+from kerfwise.apps.nesting.request import order_of
 from kerfwise.cli import program
-from kerfwise.jobs.bench_child import peak_mb
 from kerfwise.jobs.inputs import plant_of, reading
-from kerfwise.jobs.nesting.find_nests import spacing_of
-from kerfwise.jobs.nesting.request import order_of
-from kerfwise.nesting.rounds import least_worth
 
 Point = tuple[float, float]
 SHEET = (3000.0, 1500.0)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.routing import Instance

@@ -29,9 +29,9 @@ from typing import Any
 import numpy as np
 
 import kerfwise
+from kerfwise.apps.bench.bench_child import load_kernels, peak_mb
 from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
 from kerfwise.jobs.adaptive_zones import planned_by_zones
-from kerfwise.jobs.bench_child import load_kernels, peak_mb
 from kerfwise.jobs.plan_without_zones import FEW, LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS, MOST_MOVES, zoned_by
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions

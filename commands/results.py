@@ -205,9 +205,9 @@ def plot_command(
     raises questions, with what these are about (exit 3). An NC program in the place of NEST is drawn as it burns:
     paths, order and travel.
     """
+    from kerfwise.apps.viewer.page.page_data import page_bytes, page_data
     from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.inputs import differences
-    from kerfwise.jobs.page import page_bytes, page_data
     from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.output_files import expect_outputs, write_files
     from kerfwise.postproc.report import PAGE, expect_picture, plot
@@ -293,8 +293,8 @@ def sheet_command(
 
     A4, on more pages if there are many cuts. The same plan gives the same bytes.
     """
-    from kerfwise.jobs.sheet_parts import labels_pdf, sheet_number
-    from kerfwise.jobs.work_sheet import about_of_job, sheets_pdf, work_sheet
+    from kerfwise.apps.work_sheets.sheet_parts import labels_pdf, sheet_number
+    from kerfwise.apps.work_sheets.work_sheet import about_of_job, sheets_pdf, work_sheet
     from kerfwise.languages.catalogue import texts
     from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.output_files import expect_outputs, write_files

@@ -233,7 +233,7 @@ def command(
     verified = done.made
     found = None
     if foretold and verified.verdict.ok:
-        from kerfwise.distortion.predict import distort_made
+        from kerfwise.apps.distortion.predict import distort_made
 
         found = distort_made(done.given, verified.plan)
     if found is not None and inputs.profile.distortion.keep_tolerance and found.beyond:
@@ -275,12 +275,12 @@ def command(
 
 def _distortion(inputs: Inputs) -> tuple[OrdersOf | None, bool]:
     """What finds straighter orders, if there is a price on distortion, and whether the parts' errors are asked for."""
-    from kerfwise.distortion.tolerances import is_asked
+    from kerfwise.apps.distortion.tolerances import is_asked
 
     if not is_asked(inputs.nest, inputs.profile):
         return None, False
-    from kerfwise.distortion.straighter import straighter_for  # scipy: only those who ask pay for it
-    from kerfwise.distortion.yielding import metal_of
+    from kerfwise.apps.distortion.straighter import straighter_for  # scipy: only those who ask pay for it
+    from kerfwise.apps.distortion.yielding import metal_of
     from kerfwise.jobs.inputs import expect_one_torch
 
     expect_one_torch(inputs.profile, "the simulation of distortion")

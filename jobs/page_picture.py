@@ -158,7 +158,10 @@ def planned_picture(inputs: Inputs, verified: VerifiedPlan, suffix: str, beside:
         If it is none of a picture.
     """
     if suffix.lower() == PAGE:
-        from .page import page_bytes, page_data  # asks for most of the package, which a drawing does without
+        from kerfwise.apps.viewer.page.page_data import (  # asks for most of the package, which a drawing does without
+            page_bytes,
+            page_data,
+        )
 
         return page_bytes(page_data(inputs, verified.plan, verified.verdict, verified.program))
     if (picture := beside.end(verified.plan)) is not None:

@@ -118,7 +118,7 @@ class Result:
             For another kind of picture.
         """
         if kind == "html":
-            from .page import page_bytes, page_data
+            from kerfwise.apps.viewer.page.page_data import page_bytes, page_data
 
             inputs = Inputs(self.nest, self.profile)
             return Picture(page_bytes(page_data(inputs, self.plan, self.verdict, self.program)), kind)

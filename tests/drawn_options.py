@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kerfwise.jobs.trials.agreement import TRIES, drawn_value
+from kerfwise.apps.authoring.trials.agreement import TRIES, drawn_value
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import resolve_defaults

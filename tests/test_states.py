@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.jobs.batch.result import row_of
-from kerfwise.jobs.compare.comparison import proofs
+from kerfwise.apps.batch.result import row_of
+from kerfwise.apps.viewer.compare.comparison import proofs
+from kerfwise.apps.viewer.page.page_data import page_data
+from kerfwise.apps.work_sheets.work_sheet import facts_of_sheet, work_sheet
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.page import page_data
-from kerfwise.jobs.work_sheet import facts_of_sheet, work_sheet
 from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from kerfwise.apps.viewer.page.page_html import page_html, plain_page
 from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
@@ -18,7 +19,6 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.output_files import write_files
 
-from .page import page_html, plain_page
 from .picture import Spot, expect_known, make_scene
 from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, TextLine
 

@@ -208,7 +208,7 @@ _BOM = "\ufeff"
 def with_rule_values(text: str, values: Sequence[RuleValue]) -> str:
     """The text with values of rules set; a weight goes where its rule is no longer soft.
 
-    Whether a profile may have these values is not looked at: see `expect_usable` in `jobs/new_profile.py`.
+    Whether a profile may have these values is not looked at: see `expect_usable` in `apps/authoring/new_profile.py`.
 
     Raises
     ------

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import kerfwise
+from kerfwise.apps.bench.bench import BenchJob, BenchResult, BestKnown
 from kerfwise.benchmarks import routing
 from kerfwise.benchmarks.routing import Kept, Limits, Run, page, run_set, with_proven
-from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown
 
 ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import signal
 
-from kerfwise.jobs.batch import run
-from kerfwise.jobs.batch.run import TaskOutput
+from kerfwise.apps.batch import run
+from kerfwise.apps.batch.run import TaskOutput
 
 
 def dies_at_one(task: run.Task) -> TaskOutput:

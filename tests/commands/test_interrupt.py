@@ -46,8 +46,8 @@ _PRESSED_AFTER_NESTING = """
 import signal
 from kerfwise.rules.case import part, rect
 from kerfwise.encoder.nest import Sheet
-from kerfwise.nesting.rounds import Effort, best_layout
-from kerfwise.nesting.demand import PartType, Spacing, Stock, Demand as Wanted
+from kerfwise.apps.nesting.placement.rounds import Effort, best_layout
+from kerfwise.apps.nesting.placement.demand import PartType, Spacing, Stock, Demand as Wanted
 
 heard = []
 signal.signal(signal.SIGINT, lambda *pressed: heard.append(pressed))

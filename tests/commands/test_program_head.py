@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.apps.nesting.placement.layout import nest_dxf
 from kerfwise.encoder.readers import read_nest
-from kerfwise.nesting.layout import nest_dxf
 from kerfwise.rules.plan_state import Place, PlanState
 from kerfwise.tests.commands.run_cli import kerfwise
 

@@ -11,7 +11,7 @@ from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.tests.docs.stopwatch import INSTALLING, ROOT, Command, follow, steps
 
 IN_A_CHECKOUT = "\n## A rule of the catalogue\n"
-"""From here on a page is for people who have one: `tests/commands/test_writing_a_rule.py` follows it."""
+"""From here on a page is for people who have one: `tests/apps/authoring/test_writing_a_rule.py` follows it."""
 
 
 def page(name: str) -> str:

@@ -58,7 +58,7 @@ FACTS = {
     "does not bring the pierce": "a profile's reader refuses it before, with its place",
     "shorten {IN_PROFILE['lead_in_mm']}": "tried in tests/encoder/candidates/test_common_edges.py",
     "say cuts.common.shortest: off": "only after a stop within a group that is cut with common edges",
-    "those named with --also": "an option of kerfwise serve, tried in tests/serving/test_hostile.py",
+    "those named with --also": "an option of kerfwise serve, tried in tests/apps/viewer/serve/test_hostile.py",
     "opens {": "half of the sentence of cuts.narrow, tried there",
 }
 """Strings that name an option and advise nothing, or whose advice is tried elsewhere, and why."""

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.apps.resequence.resequence import resequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.programs import ProgramRequest
-from kerfwise.jobs.resequence.resequence import resequence
 from kerfwise.tests.postproc.old.programs import READ
 
 WORDS = (

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import kerfwise
+from kerfwise.apps.resequence.burn_order import _with_chains
 from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.facts.facts import Copies
 from kerfwise.jobs.plan_without_zones import without_moves
-from kerfwise.jobs.resequence.burn_order import _with_chains
 from kerfwise.models.engines.baselines import solve_by
 from kerfwise.models.engines.minizinc_model import condition_arrays, conditions, data_text
 from kerfwise.models.engines.solution import SolveOptions
@@ -170,7 +170,7 @@ REFUSES: dict[str, list[Refuses]] = {
         lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False),
     ],
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
-    "jobs/resequence/burn_order.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
+    "apps/resequence/burn_order.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
     "jobs/plan_without_zones.py": [lambda _: without_moves([INVENTED])],
     "models/engines/baselines.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }

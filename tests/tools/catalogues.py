@@ -31,8 +31,13 @@ from kerfwise.rules.registry import RULES
 
 ROOT = Path(report.__file__).parents[2]
 FOLDER = ROOT / "languages"
-PAGE, HANDS, SENTENCES = "postproc/report/page_files", "serving/hands", "rules/catalogue"
-PYTHON = ("jobs/work_sheet.py", "jobs/sheet_parts.py", "postproc/report/legend.py", "postproc/report/paper.py")
+PAGE, HANDS, SENTENCES = "apps/viewer/page/page_files", "apps/viewer/serve/hands", "rules/catalogue"
+PYTHON = (
+    "apps/work_sheets/work_sheet.py",
+    "apps/work_sheets/sheet_parts.py",
+    "postproc/report/legend.py",
+    "postproc/report/paper.py",
+)
 KEYWORDS: dict[str, Any] = {"tr": None, "trn": (1, 2)}
 OPTIONS = {"parse_template_string": True}
 _SILENT = (["style"], ["script"], ["title"])

@@ -6,7 +6,7 @@ of it; so it is done once before they start.
 
 from __future__ import annotations
 
-from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.models.physics.heat.simulate import simulate
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.plant_sections import Heat

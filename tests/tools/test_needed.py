@@ -8,7 +8,7 @@ from pathlib import Path
 import minizinc
 import pytest
 
-from kerfwise.jobs.batch import run
+from kerfwise.apps.batch import run
 from kerfwise.tests.tools import browser, canon, typescript
 from kerfwise.tests.tools.needed import WITHOUT, keep_from, without_linuxcnc, without_minizinc
 from kerfwise.tests.tools.outside import gcode_toolpath

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.jobs import bench, bench_child
+from kerfwise.apps.bench import bench, bench_child
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.fuzz.inputs.case import Case
 

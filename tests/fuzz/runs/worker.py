@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import kerfwise
-from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.tests.fuzz.inputs.case import Case
 
 from .judge import OWN_FAULT, differences, findings

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kerfwise.apps.authoring.trials.trial import random_nest
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.nest import KINDS, Nest
-from kerfwise.jobs.trials.trial import random_nest
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.physics.time_and_cost import feeds_of

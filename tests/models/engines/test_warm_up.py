@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from kerfwise.jobs.bench_child import load_kernels
+from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.models.engines.ideals import kernels
 
 

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.apps.authoring.trials.agreement import compare_with_violations
+from kerfwise.apps.authoring.trials.trial import profile_with_rule_alone, trial_of
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.export import CONTOURS_MAX
 from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.jobs.trials.agreement import compare_with_violations
-from kerfwise.jobs.trials.trial import profile_with_rule_alone, trial_of
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
 from kerfwise.rules.case import in_order, nest, part, rect

@@ -27,7 +27,7 @@ KEPT_TESTS = (
     "tests/rules/test_no_rule_by_name.py",
     "tests/test_drawn_options.py",
     "tests/models/engines/test_rule_files.py",
-    "tests/commands/test_rules_verb.py",
+    "tests/apps/authoring/test_rules_verb.py",
 )
 """Tests over all rules there are, and of what is made from them."""
 BETWEEN = "\n=== the next command ===\n"

@@ -1,0 +1,71 @@
+"""kerfwise distort: how far each part of a plan or a program will be off when it is cold."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kerfwise.commands.shared_options import (
+    FEED,
+    KERF,
+    input_options,
+    length_of,
+    print_note,
+    program_alone,
+    protect,
+    read_inputs,
+    read_program_alone,
+    trusted_if,
+)
+from kerfwise.encoder.errors import InputError
+
+
+@click.command()
+@input_options
+@click.option("--grid", metavar="LENGTH", help="Width of a cell of the mesh. Default: some 7000 cells to the sheet.")
+@click.option("--elastic", is_flag=True, help="Let no metal yield beside the cut.")
+@click.option("--json", "as_json", is_flag=True, help="Print grid_mm and each part's errors, as JSON.")
+@click.option("-o", "--output", metavar="OUT.svg", help="Write a picture of the parts as they will be, exaggerated.")
+@FEED
+@KERF
+@click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
+def command(
+    made: str | None,
+    grid: str | None,
+    elastic: bool,
+    as_json: bool,
+    output: str | None,
+    feed: float | None,
+    kerf: float | None,
+    **given: Any,
+) -> None:
+    """Predict how far each part of a plan or an NC program of NEST will be off, in mm, and where.
+
+    The sheet warms and moves while it is cut: an error is how far the metal under the torch then is from where it lies
+    when all is cold, the best rigid fit of the part taken off. Without NEST, derive the parts and holes from the
+    program's burns.
+    """
+    if output and Path(output).suffix.lower() != ".svg":
+        kind = Path(output).suffix or output
+        raise InputError(f"cannot draw the parts as {kind!r}: give a name ending in .svg", file=output)
+    from kerfwise.postproc.output_files import expect_folders, write_files
+
+    from .predict import distort_made, distort_old
+
+    if output:
+        expect_folders([Path(output)])
+    grid_mm = length_of("--grid", grid) if grid else None
+    if program_alone(given["nest"], made):
+        job = read_program_alone(feed, kerf, given)
+        protect(job.given, given["nest"], [output])
+        found = distort_old(job, grid_mm, not elastic)
+    else:
+        inputs = read_inputs(**given, last=made)
+        protect(inputs, given["nest"], [output], made)
+        found = distort_made(inputs, str(made), print_note, grid_mm, not elastic, trusted_if(feed))
+    if output:
+        write_files({Path(output): found.picture().content})
+    click.echo(json.dumps(found.as_json()) if as_json else found)

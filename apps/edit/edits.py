@@ -1,0 +1,159 @@
+"""Changes of a nest, each a thing that a planner says in a line, and what of files belongs to them."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from kerfwise.apps.nesting.placement.demand import PartType
+from kerfwise.apps.nesting.request import part_types
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.jobs.inputs import Tell, silent
+from kerfwise.jobs.nest_job import Job
+from kerfwise.jobs.nest_job.request import Names
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """Parts are left out."""
+
+    parts: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Keep:
+    """All other parts are left out; where they are cut already, their metal is out, and the sheet has holes there."""
+
+    parts: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A part is moved, mm."""
+
+    part: str
+    dx_mm: float
+    dy_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A part is turned counter-clockwise about its middle, degrees."""
+
+    part: str
+    turn_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mirror:
+    """A part is turned over, left to right, about its middle."""
+
+    part: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OtherSheet:
+    """Another sheet lies under the nest, its lower left corner where that of the old one is."""
+
+    sheet: Sheet
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Add:
+    """Parts are laid into free room, as many of each as its type says."""
+
+    types: tuple[PartType, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NestAnew:
+    """All parts but those that are fixed are laid anew around these."""
+
+    fixed: tuple[str, ...] = ()
+
+
+Edit = Drop | Keep | Move | Turn | Mirror | OtherSheet | Add | NestAnew
+
+
+def edit_of(line: str, reading: ReadOptions = ReadOptions()) -> Edit:  # noqa: B008 - frozen
+    """The change that a line says: `drop P1 P2`, `keep P1`, `move P1 10 -5`, `turn P1 90`, `mirror P1`, `nest-anew P1`.
+
+    Names with blanks stand in quotes. A sheet is given as `sheet 400x300`; `add FILE=N` adds parts of a file, which is
+    read as `reading` says.
+
+    Raises
+    ------
+    InputError
+        With what was expected.
+
+    Examples
+    --------
+    >>> edit_of("move P1 10 -5.5"), edit_of('drop "a part" P2')
+    (Move(part='P1', dx_mm=10.0, dy_mm=-5.5), Drop(parts=('a part', 'P2')))
+    """
+    try:
+        verb, *words = shlex.split(line)
+        match verb, words:
+            case "drop", [_, *_]:
+                return Drop(tuple(words))
+            case "keep", [_, *_]:
+                return Keep(tuple(words))
+            case "move", [part, dx, dy]:
+                return Move(part, _amount(dx), _amount(dy))
+            case "turn", [part, turn]:
+                return Turn(part, _amount(turn) % 360.0)
+            case "mirror", [part]:
+                return Mirror(part)
+            case "add", [file]:
+                return added(file, reading)
+            case "nest-anew", _:
+                return NestAnew(tuple(words))
+            case "sheet", [size]:
+                width, _, height = size.lower().partition("x")
+                wide, high = _amount(width), _amount(height)
+                if wide > 0 and high > 0:
+                    return OtherSheet(Sheet.rectangle(wide, high))
+    except ValueError:
+        pass
+    known = (
+        "drop PART…, keep PART…, move PART DX DY, turn PART DEG, mirror PART, nest-anew [PART…], sheet WxH, add FILE=N"
+    )
+    raise InputError(f"{line!r} is no change of a nest: expected {known}")
+
+
+def _amount(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value) or abs(value) > _FARTHEST:
+        raise ValueError(text)
+    return value
+
+
+_FARTHEST = 1e6
+
+
+def added(text: str, reading: ReadOptions, tell: Tell = silent) -> Add:
+    """Parts to be added, from a file with its quantity behind it: `bracket.dxf=2`."""
+    return Add(part_types([text], reading, tell))
+
+
+def job_text_for(job: Job, nest: Nest, beside: Path) -> str:
+    """The text of a job file for an edited nest in its own file.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have any more, or the profile is named from another folder.
+    """
+    old = Path(job.file)
+    if job.profile_path != job.profile and old.resolve().parent != beside.resolve().parent:
+        raise InputError(f"it names its profile {job.profile} from its own folder")
+    names = Names(nest, lambda number: number)
+    for lock in job.locks:
+        for _ in names.on_nest(lock):
+            pass
+    return read_limited(old).decode("utf-8-sig")

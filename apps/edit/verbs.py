@@ -1,0 +1,135 @@
+"""kerfwise edit: a nest with parts dropped, moved, turned, added or laid anew, or on another sheet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kerfwise.commands.shared_options import (
+    input_options,
+    length_or_zero,
+    print_note,
+    protect,
+    read_inputs,
+    reading_of,
+    size_of,
+)
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import is_file
+from kerfwise.encoder.text import escape_text
+from kerfwise.postproc.report.legend import counted
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.inputs import Inputs
+
+    from .edited_nest import EditedNest
+
+
+@click.command()
+@input_options
+@click.option("--keep", multiple=True, metavar="PART", help="Leave out all parts but these; repeatable.")
+@click.option("--drop", multiple=True, metavar="PART", help="Leave out a part; repeatable.")
+@click.option("--turn", type=(str, float), multiple=True, metavar="PART DEG",
+              help="Turn a part counter-clockwise about its middle; repeatable.")  # fmt: skip
+@click.option("--mirror", multiple=True, metavar="PART", help="Turn a part over, left to right; repeatable.")
+@click.option("--move", type=(str, float, float), multiple=True, metavar="PART DX DY", help="Move a part; repeatable.")
+@click.option("--add", multiple=True, metavar="FILE[=N]", help="Lay parts into free room; repeatable.")
+@click.option("--nest-anew", is_flag=True, help="Lay all parts anew, but those of --fix.")
+@click.option("--fix", multiple=True, metavar="PART", help="With --nest-anew, a part that stays; repeatable.")
+@click.option("--gap", metavar="LENGTH", help="Gap between parts. Default: a kerf and the profile's nesting.web.")
+@click.option("--edge", metavar="LENGTH", help="Distance to the sheet's edge. Default: the profile's nesting.edge.")
+@click.option("--lock-from", metavar="OLD", help="A plan or program of the nest that is cut already: its parts stay.")
+@click.option("--upto", type=click.IntRange(min=1), metavar="N", help="With --lock-from, its last finished cut.")
+@click.option("-o", "--output", metavar="NEW.json", required=True, help="Output file.")
+def command(
+    keep: tuple[str, ...],
+    drop: tuple[str, ...],
+    turn: tuple[tuple[str, float], ...],
+    mirror: tuple[str, ...],
+    move: tuple[tuple[str, float, float], ...],
+    add: tuple[str, ...],
+    nest_anew: bool,
+    fix: tuple[str, ...],
+    gap: str | None,
+    edge: str | None,
+    lock_from: str | None,
+    upto: int | None,
+    output: str,
+    **options: Any,
+) -> int:
+    """Change NEST: leave parts out, turn, mirror and move them, put another --sheet under it, add parts, in this order.
+
+    Parts keep the profile's gap; collisions are named, and nothing is written then. What is cut already stays. Parts
+    off another sheet are left out and named; exit code 1.
+    """
+    from kerfwise.encoder.nest import Sheet
+
+    from .edited_nest import editing
+    from .edits import Drop, Edit, Keep, Mirror, Move, NestAnew, OtherSheet, Turn, added
+
+    if fix and not nest_anew:
+        raise click.UsageError("--fix is for --nest-anew")
+    path = Path(output)
+    if path.suffix.lower() != ".json":
+        raise InputError("an edited nest is JSON: give a name ending in .json", file=path)
+    sheet, options["sheet"] = options["sheet"], None
+    inputs = read_inputs(**options, last=lock_from)
+    protect(inputs, options["nest"], [path], lock_from)
+    reading = reading_of(inputs, options)
+    edits: list[Edit] = [Keep(keep)] if keep else []
+    edits += [Drop(drop)] if drop else []
+    edits += [Turn(part, degrees % 360.0) for part, degrees in turn]
+    edits += [Mirror(part) for part in mirror]
+    edits += [Move(part, dx, dy) for part, dx, dy in move]
+    edits += [OtherSheet(Sheet.rectangle(*size_of(sheet)))] if sheet else []
+    edits += [added(text, reading, print_note) for text in add]
+    edits += [NestAnew(fix)] if nest_anew else []
+    if not edits:
+        raise click.UsageError(
+            "say what changes: --drop, --keep, --turn, --mirror, --move, --sheet, --add, --nest-anew"
+        )
+    gap_mm = None if gap is None else length_or_zero("--gap", gap)
+    edge_mm = None if edge is None else length_or_zero("--edge", edge)
+    cut = _cut_by(inputs, options["nest"], lock_from, upto)
+    edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=cut).do(*edits)
+    return _write(edited, inputs, path)
+
+
+def _cut_by(inputs: Inputs, nest: str, old: str | None, upto: int | None) -> set[str]:
+    """The contours that a plan or program has cut, all of them where no number is given."""
+    from kerfwise.jobs.nest_job.request import last_plan
+
+    if old is None:
+        if upto is not None:
+            raise click.UsageError("--upto is for --lock-from")
+        return set()
+    cuts = last_plan(old, inputs.nest, nest, inputs.profile).cuts
+    if upto is not None and upto > len(cuts):
+        raise InputError(f"--upto {upto}: {old} has {len(cuts)} cuts only")
+    return {contour for number, contour in cuts.items() if upto is None or number <= upto}
+
+
+def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
+    """Write the nest, and its job file where the old nest has one that fits; say what it has."""
+    from kerfwise.jobs.nest_job.job import beside_name
+    from kerfwise.postproc.output_files import write_files
+
+    from .edits import job_text_for
+
+    files: dict[Path, str | bytes] = {path: edited.text()}
+    beside = path.with_name(beside_name(path))
+    if inputs.job is not None and not is_file(beside):
+        try:
+            files[beside] = job_text_for(inputs.job, edited.nest, beside)
+        except InputError as error:
+            print_note(f"the job file {inputs.job.name} is not copied: {error.message}")
+    write_files(files)
+    x0, y0, x1, y1 = edited.nest.sheet.bounds
+    count = counted(len(edited.nest.parts), "part")
+    click.echo(f"{count} of {len(edited.base.parts)} before, on a sheet of {x1 - x0:g} × {y1 - y0:g} mm")
+    if edited.off:
+        click.echo(f"off the sheet, left out: {escape_text(', '.join(edited.off))}")
+    click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
+    return 1 if edited.off else 0

@@ -1,0 +1,223 @@
+"""A whole list: its groups laid one after the other, with what is left of the stock, and written beside each other."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Answers
+from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.inputs import Tell
+from kerfwise.jobs.nest_job.job import ENDING, job_of
+from kerfwise.jobs.nest_job.request import with_values
+from kerfwise.jobs.progress import Listener
+from kerfwise.postproc.output_files import make_folder, write_files
+from kerfwise.rules.profile.load import shipped_profiles
+from kerfwise.rules.profile.profile import Profile
+
+from .by_material import SHIPPED, Cutting, Group, cuttings_of, groups_of, left_of, uncuttable, without
+from .find_nests import NestingRequest, NestingResult, Watching, find_nests
+from .nests import FORMAT, TABLE, Nested, part_uses, remove_earlier, write_nests
+from .part_list import BadRow
+from .placement.demand import Demand
+from .request import Order
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GroupRequest:
+    """One group, how it is cut, and what is to be laid."""
+
+    group: Group
+    cutting: Cutting
+    asked: NestingRequest
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ListRequest:
+    """All groups of a list, and what of it cannot be nested: parts that nobody can read or cut, with the reason.
+
+    `date` is the day that every program says at its top, "" for none.
+    """
+
+    groups: tuple[GroupRequest, ...]
+    bad: tuple[BadRow, ...]
+    date: str = ""
+
+    def folder(self, one: GroupRequest) -> str:
+        """The folder of a group in that of the list; "" where there is one group only."""
+        return one.group.name if len(self.groups) > 1 else ""
+
+    def head(self, one: GroupRequest) -> str:
+        """A line that says which group the next lines are about; "" where there is one only."""
+        folder = self.folder(one)
+        return escape_text(f"{folder}: {one.group.said}, profile {one.cutting.plant.name}") if folder else ""
+
+
+def request_list(
+    order: Order,
+    plants: Sequence[Profile],
+    request: Callable[[Profile, Demand], NestingRequest],
+    *,
+    skip_bad: bool = False,
+    answers: Answers = (),
+    date: str = "",
+) -> ListRequest:
+    """The groups of an order, each with its profile; what cannot be cut is found here, before anything is laid.
+
+    Parameters
+    ----------
+    order
+        Parts and stock.
+    plants
+        The profiles that there are, the first for parts of which nothing is said.
+    request
+        What is to be laid of a group under its profile.
+    skip_bad
+        Whether parts that cannot be cut are left out.
+    answers
+        To questions about material.
+    date
+        The day that every program says at its top, as 2026-12-24; "" for none.
+
+    Raises
+    ------
+    ListQuestions
+        If no profile or row is for some material.
+    InputError
+        If parts cannot be cut, or there is no sheet for some, and they may not be left out: all of them, with reasons.
+    """
+    bad: list[BadRow] = list(order.bad)
+    cuttings, left_out = cuttings_of(plants, groups_of(order.wanted), answers)
+    bad += left_out
+    wrong: list[BadRow] = []
+    found: list[GroupRequest] = []
+    for group, cutting in cuttings:
+        if not group.wanted.stocks:
+            wrong += (BadRow(kind.name, None, f"there is no sheet of {group.said}") for kind in group.wanted.types)
+            continue
+        one_request = request(cutting.plant, group.wanted)
+        cannot = uncuttable(group.wanted, cutting.plant, one_request.spacing)
+        wrong += (BadRow(group.wanted.types[kind].name, None, why) for kind, why in sorted(cannot.items()))
+        if len(cannot) < len(group.wanted.types):
+            wanted = without(group.wanted, cannot)
+            found.append(GroupRequest(replace(group, wanted=wanted), cutting, replace(one_request, wanted=wanted)))
+    if wrong and not skip_bad:
+        head = f"{len(wrong)} of {len(order.wanted.types)} parts cannot be nested or cut (--skip-bad leaves them out)"
+        raise InputError(head, details=tuple(map(str, wrong)))
+    bad += wrong
+    if not found:
+        raise InputError("no part can be nested", details=tuple(map(str, bad)))
+    return ListRequest(tuple(found), tuple(bad), date)
+
+
+def nest_groups(
+    request: ListRequest, watching: Callable[[], Watching], listener: Callable[[str], Listener], tell: Tell
+) -> list[tuple[GroupRequest, NestingResult]]:
+    """Lay group after group; sheets that serve several are there once. Ctrl-C keeps what is laid so far."""
+    used: Counter[int] = Counter()
+    found: list[tuple[GroupRequest, NestingResult]] = []
+    for one in request.groups:
+        wanted = left_of(one.asked.wanted, used)
+        if not wanted.stocks:
+            raise InputError(f"no sheet is left for {one.group.said}: other parts of the list take them all")
+        try:
+            result = find_nests(replace(one.asked, wanted=wanted), watching(), listener, tell)
+        except KeyboardInterrupt:
+            if not found:
+                raise
+            break
+        found.append((one, result))
+        used.update(id(sheet.stock.sheet) for sheet in result.nested.layout.sheets)
+        if result.interrupted:
+            break
+    return found
+
+
+# What is written: a folder a group, job files that name the profile, and a table of the whole list.
+
+
+def job_text(request: ListRequest, one: GroupRequest, folder: Path, nested: Nested, number: int) -> str:
+    """The job file of a sheet: its profile, what is set in that for the group, the orders, the first day, the date."""
+    cutting = one.cutting
+    orders = dict.fromkeys(str(o) for part in nested.nests[number].parts if (o := part.attributes.get("order")))
+    days = [str(day) for part in nested.nests[number].parts if (day := part.attributes.get("due"))]
+    lines = [f"profile: {json.dumps(_profile_name(cutting.base, folder), ensure_ascii=False)}"]
+    lines += [f"order: {json.dumps(', '.join(orders), ensure_ascii=False)}"] if orders else []
+    lines += [f"due: {min(days)}"] if days else []
+    lines += [f"date: {request.date}"] if request.date else []
+    if cutting.settings:
+        lines.append("set:")
+        lines += [f"  {key}: {value}" for key, _, value in (one.partition("=") for one in cutting.settings)]
+    return "\n".join(lines) + "\n"
+
+
+def plant_of_sheet(request: ListRequest, one: GroupRequest, out: Path, nested: Nested, number: int) -> Profile:
+    """The profile of a sheet, from 0 on, with its job file as it will be written in `out` laid over it."""
+    if not _has_job(request, one):
+        return one.cutting.plant
+    folder = out / request.folder(one)
+    text, file = job_text(request, one, folder, nested, number), f"{nested.names[number]}{ENDING}"
+    job = replace(job_of(text, file), sha256=hashlib.sha256(text.encode()).hexdigest())
+    return with_values(one.cutting.base, job, (), ())
+
+
+def _has_job(request: ListRequest, one: GroupRequest) -> bool:
+    """Whether a job file says more than the profile."""
+    return bool(one.group.said or request.date)
+
+
+def _profile_name(plant: Profile, folder: Path) -> str:
+    """A profile as a job file in that folder names it."""
+    shipped = Path(plant.file).stem
+    if plant.file.startswith(SHIPPED) and shipped in shipped_profiles():
+        return shipped
+    if not plant.file:
+        return plant.name
+    with suppress(ValueError):  # no way from one drive to another
+        return Path(os.path.relpath(plant.file, folder)).as_posix()
+    return Path(plant.file).resolve().as_posix()
+
+
+def write_list(
+    out: Path,
+    request: ListRequest,
+    found: Sequence[tuple[GroupRequest, Nested, Mapping[str, str | bytes]]],
+    **about: Any,
+) -> list[Path]:
+    """Write the files of every group, and of a list of several groups the table of all.
+
+    Files of an earlier run that are not made again are removed, folders of groups with them.
+    """
+    left_out = [{"part": one.name, "at": str(one.place or ""), "why": one.why} for one in request.bad]
+    make_folder(out)
+    written: list[Path] = []
+    for one, nested, files in found:
+        folder = out / request.folder(one)
+        if _has_job(request, one):
+            jobs = {f"{name}{ENDING}": job_text(request, one, folder, nested, k) for k, name in enumerate(nested.names)}
+            files = {**files, **jobs}
+        more = {"left_out": left_out} if left_out and not request.folder(one) else {}
+        written += write_nests(folder, nested, files, profile=one.cutting.plant.name, **about, **more)
+    if len(request.groups) > 1:
+        folders = [request.folder(one) for one, _, _ in found]
+        parts = [
+            {"folder": request.folder(one), **asdict(row)} for one, nested, _ in found for row in part_uses(nested)
+        ]
+        data = {"format": FORMAT, **about, "groups": folders, "parts": parts, "left_out": left_out}
+        remove_earlier(out, {TABLE}, folders)
+        write_files({out / TABLE: json.dumps(data, indent=1, ensure_ascii=False) + "\n"})
+        written.append(out / TABLE)
+    return written
+
+
+def left_out_text(bad: Sequence[BadRow]) -> str:
+    """What of a list is not nested, a line each."""
+    return "\n".join(f"left out: {escape_text(str(one))}" for one in bad)

@@ -1,0 +1,121 @@
+"""kerfwise pareto: idle travel against overheats, each point a plan."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kerfwise.commands.shared_options import (
+    AMOUNT,
+    AMOUNT_OVER_ZERO,
+    input_options,
+    note_placing,
+    print_note,
+    protect,
+    read_inputs,
+)
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.profile.plant_sections import PRICES_MM
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.inputs import Inputs
+
+    from .pareto import Offer
+
+
+@click.command()
+@input_options
+@click.option("--price", "prices", type=AMOUNT, multiple=True, default=PRICES_MM, show_default=True,
+              help="Price of an overheat in mm of idle travel; repeatable.")  # fmt: skip
+@click.option(
+    "--work",
+    type=AMOUNT_OVER_ZERO,
+    default=10.0,
+    show_default=True,
+    help="Deterministic limit of each plan.",
+)
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
+@click.option(
+    "--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan in seconds, instead of --work."
+)
+@click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
+              help="Resume after a stop: plan only what this plan or program has not cut.")  # fmt: skip
+@click.option(
+    "--upto", type=click.IntRange(min=1), metavar="N", help="Number of its last finished cut; with --lock-from."
+)
+@click.option("--redo-last", is_flag=True, help="Repeat cut N, which broke off, from its start; with --lock-from.")
+@click.option(
+    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plans."
+)
+@click.option("-o", "--output", metavar="FRONT.png", help="Output of the plot. Default: NEST.pareto.png.")
+@click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point. Default: NEST.pareto.")
+@click.option("--distortion", is_flag=True, help="Simulate how far the parts of each plan will be off, too.")
+@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
+def command(
+    prices: tuple[float, ...],
+    work: float,
+    seed: int,
+    time_limit: float | None,
+    lock_from: str | None,
+    upto: int | None,
+    redo_last: bool,
+    relax: bool,
+    output: str | None,
+    plans: str | None,
+    distortion: bool,
+    as_json: bool,
+    **options: Any,
+) -> int:
+    """Plan NEST at several prices per overheat, simulate every plan, and print the Pareto front."""
+    if output and Path(output).suffix.lower() != ".png":
+        raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png", file=output)
+    if output is plans is None:
+        stem = Path(options["nest"]).stem
+        output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
+    from kerfwise.commands.progress import ProgressLine
+    from kerfwise.jobs.request import options_for
+    from kerfwise.jobs.resume import already_cut
+    from kerfwise.postproc.output_files import expect_folders, expect_place, make_folder, write_files
+
+    from .pareto import trade_off
+
+    if output:
+        expect_folders([Path(output)])
+    if plans:
+        expect_place(Path(plans))
+    inputs = read_inputs(**options, last=lock_from)
+    protect(inputs, options["nest"], [output], lock_from)
+    note_placing(inputs)
+    already = already_cut(inputs, lock_from, upto, redo_last, print_note)
+    limits = options_for(inputs.nest, inputs.profile, work=work, seed=seed, time_s=time_limit)
+    name = Path(options["nest"]).name
+    offer = trade_off(inputs, prices, limits, ProgressLine, name, already=already, relax=relax)
+    if offer.refused is not None:
+        click.echo(f"kerfwise: {offer.refused}", err=True)
+    if distortion:
+        offer = _with_distortion(inputs, offer)
+    files: dict[Path, str | bytes] = {}
+    if plans:
+        make_folder(Path(plans))
+        files |= {Path(plans) / name: content for name, content in offer.files().items()}
+    if output:
+        files[Path(output)] = offer.picture().content
+    protect(inputs, options["nest"], files, lock_from)
+    write_files(files)
+    click.echo(json.dumps(offer.rows()) if as_json else offer)
+    if not as_json:
+        click.echo(f"written: {', '.join(([output] if output else []) + ([f'{plans}/price-*'] if plans else []))}")
+    if offer.interrupted:
+        return 130
+    return 0 if offer.refused is None and all(trade.lawful for trade in offer.trades) else 1
+
+
+def _with_distortion(inputs: Inputs, offer: Offer) -> Offer:
+    """The same with how far the parts of each plan will be off, mean of their worst places, mm."""
+    from kerfwise.apps.distortion.predict import distort_made
+
+    return replace(offer, off_mm=tuple(distort_made(inputs, trade.plan).mean_mm for trade in offer.trades))

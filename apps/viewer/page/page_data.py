@@ -1,0 +1,267 @@
+"""The page of a plan, or of two: nest, plan, verdict and program as data for the browser."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+from kerfwise.apps.viewer.compare.comparison import Compared, figure_rows, proofs, rule_rows, sides, summary_of
+from kerfwise.apps.viewer.compare.sides import Side
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.torch_path import paced
+from kerfwise.jobs.display import proof_of, summary_lines
+from kerfwise.jobs.inputs import Inputs, expect_one_torch
+from kerfwise.jobs.programs import check_made
+from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.postproc.check.result import Judgement
+from kerfwise.postproc.clock import read_program
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.nc.toolpaths import Toolpath, toolpaths
+from kerfwise.postproc.report.legend import nest_name
+from kerfwise.rules.profile.profile import Profile
+
+from .page_html import Data, cut_data, page_html, page_of, plain_page, rows_of, short, side_data, state_data
+from .page_reasons import Detail, heat_data, reasons
+
+
+def page_data(
+    inputs: Inputs,
+    plan: Plan | None,
+    verdict: CheckResult | None = None,
+    program: str | None = None,
+    heat: bool | None = None,
+    detail: Detail | None = None,
+) -> Data:
+    """All that the page of a plan shows, as JSON can hold it; of a nest alone where there is no plan.
+
+    Parameters
+    ----------
+    inputs
+        Nest and profile.
+    plan
+        Of that nest.
+    verdict, program
+        Of the plan, where they are known; else they are made.
+    heat
+        Whether to simulate the heat; None simulates it where that takes seconds.
+    detail
+        How much is worked out of why each contour is cut where it is; None for all in plans of up to `FULL` contours,
+        and for what holds each in larger ones.
+
+    Raises
+    ------
+    InputError
+        If the plan is one of another nest, or of several torches.
+    """
+    home = inputs.profile.home_on(inputs.nest)
+    expect_one_torch(inputs.profile, "the page for the browser", plan)
+    if plan is None:
+        return plain_page(inputs.nest, None, home)
+    profile = inputs.profile.at_origin(plan.origin)
+    side = plan_side(inputs, plan, verdict or check_made(inputs, plan))
+    side["why"] = reasons(inputs, plan, detail)
+    side["heat"] = heat_data(inputs, plan, heat)
+    side["nc"] = program_data(program or write_program(plan, inputs.nest, profile), inputs.nest, profile)
+    return page_of(inputs.nest, [side], nest_name(inputs.nest, plan))
+
+
+def compared_data(compared: Compared) -> Data:
+    """The page of two plans or programs, with what differs."""
+    sides = [
+        _compared(side) | {"name": f"{letter}: {escape_text(side.name)}"}
+        for letter, side in (("A", compared.a), ("B", compared.b))
+    ]
+    nest = compared.a.given.nest
+    title = f"{escape_text(Path(nest.file or 'nest').name)} compared"
+    return page_of(nest, sides, title) | {"comparison": comparison_data(compared)}
+
+
+def _compared(side: Side) -> Data:
+    expect_one_torch(side.given.profile, "the page for the browser", side.plan)
+    if side.plan is None:
+        return program_side(side)
+    nest, profile = side.given.nest, side.profile.at_origin(side.plan.origin)
+    data = plan_side(side.given, side.plan, side.verdict)
+    data["nc"] = program_data(write_program(side.plan, nest, profile), nest, profile)
+    data["heat"] = heat_data(side.given, side.plan, side.heat is not None)
+    return data
+
+
+def page_bytes(data: Data) -> bytes:
+    """The page as the content of a file."""
+    return page_html(data).encode("utf-8")
+
+
+# One way to cut a nest as data: where the torch is at every moment, and what the check says of it.
+
+
+def plan_side(inputs: Inputs, plan: Plan, verdict: CheckResult) -> Data:
+    """A plan on its machine: the torch's own paths, with the kerf beside them.
+
+    Raises
+    ------
+    InputError
+        If the plan is one of another nest.
+    """
+    profile = inputs.profile.at_origin(plan.origin)
+    nest = inputs.nest
+    side = side_data(nest, plan, profile.home_on(nest))
+    side |= {
+        "profile": profile.name,
+        "kerf_mm": short(profile.material.kerf_mm),
+        "said": summary_lines(plan),
+        "ok": verdict.ok,
+        "state": state_data(verdict.state),
+        "cuts": [_cut(nest, toolpath, profile) for toolpath in toolpaths(plan, nest, profile)],
+        "rules": rules_data(verdict, profile),
+        "warnings": list(verdict.warnings),
+    }
+    side["figures"] |= {"proof": proof_of(plan), "cost": None if plan.cost is None else str(plan.cost)}
+    return side
+
+
+def program_side(side: Side) -> Data:
+    """A program on its machine: its own burns, and what the check says of it."""
+    nest, job = side.given.nest, side.times.timed.job
+    begun = {round(burn.start_s, 3): burn for burn in side.burns}
+    cuts = []
+    for cut in side.cuts.new:
+        contour = nest.contour(cut.contour)
+        burn = begun.get(round(cut.start_s, 3))
+        length_mm = contour.curve.length_mm if burn is None else burn.path.length_mm
+        planned = PlannedCut(cut, contour.part, contour.kind, length_mm)
+        data = cut_data(nest, planned, None if burn is None else burn.path)
+        if burn is not None:
+            data |= {"stand_s": short(burn.held_s + burn.pierce_s), "wait_s": short(burn.wait_s)}
+        cuts.append(data)
+    return {
+        "name": side.name,
+        "profile": side.profile.name,
+        "kerf_mm": short(side.profile.material.kerf_mm),
+        "home": [short(v) for v in side.home],
+        "made": side.cuts.made,
+        "end_s": short(max([side.times.total_s, *(cut["to_s"] for cut in cuts)])),
+        "figures": {
+            "cut_mm": short(job.on_mm), "idle_mm": short(job.idle_mm), "pierces": job.pierces, "status": "",
+            "gap": None, "light_gap": None, "proof": side.proof, "cost": None,
+        },
+        "said": [],
+        "ok": side.verdict.ok,
+        "state": state_data(side.verdict.state),
+        "cuts": cuts,
+        "pierces": [],
+        "already": [nest.index[cut.contour] for cut in side.cuts.cuts[: side.cuts.made]],
+        "rules": rules_data(side.verdict, side.profile),
+        "warnings": list(side.verdict.warnings),
+        "dropped": [],
+        "left_out": [],
+        "why": {},
+        "heat": None,
+        "nc": None,
+    }  # fmt: skip
+
+
+def _cut(nest: Nest, toolpath: Toolpath, profile: Profile) -> Data:
+    """A cut with its torch's way; where corners are slower, the way is in stretches, each so many times slower."""
+    data = cut_data(nest, toolpath.planned, toolpath.path)
+    data["stand_s"] = short(_stands_s(toolpath, profile))
+    data["unlit"] = [[short(low), short(high)] for low, high in toolpath.unlit]
+    law = profile.corner_feed()
+    if law is not None and not toolpath.marks:
+        pieces = [(segment, share) for segment, share in paced(toolpath.path, law) if segment.length_mm > 0]
+        if len({share for _, share in pieces}) > 1:
+            rows = [(*segment.start, segment.bulge) for segment, _ in pieces]
+            data["path"] = rows_of(Curve.of([*rows, (*pieces[-1][0].end, 0.0)], closed=False))
+            data["slow"] = [short(1 / share) for _, share in pieces]
+    return data
+
+
+def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
+    """How long the torch stands where a cut begins; a mark is begun without a pierce."""
+    if toolpath.linked or toolpath.marks:
+        return 0.0
+    if toolpath.pierced:
+        return profile.machine.at_hole_s
+    return profile.machine.unpierced_s if toolpath.edge_start else profile.machine.pierce_time_s
+
+
+# What differs between two ways to cut a nest, as data.
+
+
+def comparison_data(compared: Compared) -> Data:
+    """Figures, rules and cuts of both sides, in the words that `kerfwise compare` prints."""
+    index = compared.a.given.nest.index
+    return {
+        "sides": sides(compared),
+        "figures": [list(row) for row in figure_rows(compared)],
+        "rules": [list(row) for row in rule_rows(compared)],
+        "proofs": proofs(compared),
+        "summary": summary_of(compared.changed, len(compared.cuts)),
+        "changed": [
+            {"contour": index.get(pair.contour, -1), "a": pair.a, "b": pair.b, "told": pair.told}
+            for pair in compared.changed
+        ],
+    }
+
+
+# What the check says of every rule, as data.
+
+
+def rules_data(verdict: CheckResult, profile: Profile) -> list[Data]:
+    """Every rule that is on: its strength, its verdict, where it is broken or excused, and what that costs, mm."""
+    settings = profile.settings()
+    weights = {name: setting.weight for name, setting in settings.items()}
+    return [_rule(judged, weights.get(judged.id)) for judged in verdict.rules if judged.strength != "off"]
+
+
+def _rule(judged: Judgement, weight_mm: float | None) -> Data:
+    return {
+        "id": judged.id,
+        "sentence": judged.sentence,
+        "strength": judged.strength,
+        "verdict": judged.verdict,
+        "cost_mm": short(len(judged.violations) * (weight_mm or 0.0), 1),
+        "unjudged": judged.unjudged or "",
+        "breaches": [{"contours": list(v.contours), "text": v.text} for v in judged.violations],
+        "excused": [
+            {"contours": list(e.violation.contours), "text": e.violation.text, "why": e.why} for e in judged.excused
+        ],
+    }
+
+
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
+_MOVES = re.compile(r"[XYxy]\s*[-+.\d]")
+
+
+def program_data(text: str, nest: Nest, profile: Profile) -> Data | None:
+    """The text, and for each burn, from 0 on, its lines: where it begins, then one for each line or arc of its path.
+
+    Where the lines of a burn cannot be told apart, as in a control's own language, it has the first and the last only.
+    None for a program that cannot be read.
+    """
+    try:
+        burns = read_program(text, nest, profile).burns
+    except InputError:
+        return None
+    lines = text.splitlines()
+    return {"text": text, "lines": [_lines(burn, after, lines) for burn, after in _with_next(burns, len(lines) + 1)]}
+
+
+def _with_next(burns: Sequence[Burn], end: int) -> list[tuple[Burn, int]]:
+    return list(zip(burns, [*(b.line for b in burns[1:]), end][: len(burns)], strict=True))
+
+
+def _lines(burn: Burn, after: int, lines: Sequence[str]) -> list[int]:
+    """Line numbers, from 1."""
+    moves = [k for k in range(burn.line, after) if _MOVES.search(_COMMENT.sub("", lines[k - 1]))]
+    count = len(burn.path.segments)
+    if count and len(moves) >= count and all(a < b for a, b in pairwise(moves)):
+        return [burn.line, *moves[:count]]
+    return [burn.line, max(burn.line, after - 1)]

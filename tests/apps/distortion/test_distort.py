@@ -1,0 +1,124 @@
+"""kerfwise distort: the table, the JSON, the picture, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+import kerfwise as package
+from kerfwise.apps.distortion.predict import distort_made
+from kerfwise.apps.distortion.yielding import yielded
+from kerfwise.jobs.inputs import drawn_nest, plant_of
+from kerfwise.tests.commands.run_cli import kerfwise
+
+NESTS = Path(package.__file__).parent / "examples" / "nests"
+NEST = NESTS / "e1x_6.json"
+COARSE = ("--grid", "16 mm")
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("plan")
+    done = kerfwise("solve", NEST, "--work", 1, "-o", folder / "e.nc", "--plan", folder / "e.json")
+    assert done.code == 0, done.err
+    return folder / "e.json"
+
+
+def test_the_json_has_every_part_and_no_more(plan: Path) -> None:
+    done = kerfwise("distort", NEST, plan, *COARSE, "--json")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert list(found) == ["grid_mm", "parts"]
+    assert found["grid_mm"] == 16
+    nest = json.loads(NEST.read_text())
+    assert [row["part"] for row in found["parts"]] == [p["id"] for p in nest["parts"]]
+    for row in found["parts"]:
+        assert list(row) == ["part", "max_mm", "rms_mm", "at"]
+        assert 0 < row["rms_mm"] < row["max_mm"] < 0.5
+        assert 0 <= row["at"][0] <= nest["sheet"]["width"]
+
+
+def test_a_program_is_off_as_its_plan_is(plan: Path) -> None:
+    by_plan = json.loads(kerfwise("distort", NEST, plan, *COARSE, "--json").out)
+    by_program = json.loads(kerfwise("distort", NEST, plan.with_suffix(".nc"), *COARSE, "--json").out)
+    for one, other in zip(by_plan["parts"], by_program["parts"], strict=True):
+        assert other["max_mm"] == pytest.approx(one["max_mm"], rel=0.1, abs=0.004)
+
+
+def test_the_table_begins_with_the_worst_part(plan: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "parts.svg"
+    done = kerfwise("distort", NEST, plan, *COARSE, "-o", picture)
+    assert done.code == 0, done.err
+    lines = done.out.splitlines()
+    assert lines[0] == "model      plane stress, metal yields beside the cut, grid 16 mm"
+    worst = float(lines[1].split()[1])
+    assert float(lines[5].split()[1]) == worst
+    drawn = ElementTree.fromstring(picture.read_bytes())
+    words = [text.text or "" for text in drawn.iter("{http://www.w3.org/2000/svg}text")]
+    assert any("times as far off as they are" in text for text in words)
+    assert sum(text.startswith(("part#", "NC20")) for text in words) == 8
+
+
+def test_elastic_metal_does_not_yield(plan: Path) -> None:
+    done = kerfwise("distort", NEST, plan, *COARSE, "--elastic")
+    assert done.out.startswith("model      plane stress, elastic, grid 16 mm\n")
+
+
+def test_what_is_wrong_is_told_in_one_line(plan: Path, tmp_path: Path) -> None:
+    for argv, told in (
+        ((NESTS / "plate40.json", plan), "another nest"),
+        ((NEST, plan, "--grid", "0.01 mm"), "60000 is the most: give 1.9 mm or more"),
+        ((NEST, plan, "--grid", "400 mm"), "give 75 mm or less"),
+        ((NEST, plan, "--grid", "wide"), "--grid 'wide'"),
+        ((NEST, plan, "-o", tmp_path / "parts.png"), "give a name ending in .svg"),
+        ((NEST, plan, "-p", "laser-wood"), "plywood has no modulus"),
+        ((NEST,), "Missing argument 'PLAN.json|OUT.nc'"),
+        ((NEST, tmp_path / "none.json"), "none.json"),
+    ):
+        done = kerfwise("distort", *argv)
+        assert (done.code, done.out) == (2, ""), argv
+        assert told in done.err
+        assert "Traceback" not in done.err
+
+
+def test_water_bends_nothing(plan: Path) -> None:
+    given = kerfwise("distort", NEST, plan, *COARSE, "-p", "water-jet", "--json")
+    assert all(row["max_mm"] == 0 for row in json.loads(given.out)["parts"])
+
+
+def test_a_plan_in_memory(plan: Path) -> None:
+    from kerfwise.jobs.inputs import Inputs
+    from kerfwise.models.plan.read_plan import read_plan
+
+    profile = plant_of()
+    found = distort_made(Inputs(profile.as_cut(drawn_nest(NEST, profile)), profile), read_plan(plan), grid_mm=16.0)
+    assert 0 < found.mean_mm <= found.max_mm < 0.5
+
+
+def test_a_band_never_pulls_with_more_than_the_metal_bears() -> None:
+    """The metal is at its yield stress to half the width at most, and less beyond: Okerblom's triangle and more."""
+    for material, thickness_mm, watts, feed in (
+        ("carbon-steel", 20.0, 3300.0, 355 / 60),
+        ("stainless-steel", 6.0, 1300.0, 30.0),
+        ("aluminium-amg3m", 1.0, 300.0, 100.0),
+    ):
+        band = yielded(material, thickness_mm, watts, feed)
+        most = {"carbon-steel": 235, "stainless-steel": 210, "aluminium-amg3m": 80}[material]
+        assert 0.3 < -band.at_last_n / (most * thickness_mm * band.width_mm) < 1.0
+        assert band.pull_n.max() <= 0.0
+        assert 0 < band.depth_mm < band.width_mm
+
+
+def test_twice_the_heat_makes_the_band_twice_as_wide() -> None:
+    one, two = (yielded("carbon-steel", 10.0, watts, 10.0) for watts in (1000.0, 2000.0))
+    assert two.width_mm == pytest.approx(2 * one.width_mm, rel=1e-6)
+    assert two.at_last_n == pytest.approx(2 * one.at_last_n, rel=1e-6)
+
+
+def test_python_asks_as_the_command_line_does(plan: Path) -> None:
+    found = package.distort(NEST, plan, grid_mm=16.0)
+    assert found.as_json() == json.loads(kerfwise("distort", NEST, plan, *COARSE, "--json").out)
+    assert repr(found).startswith("<Distortion: worst 0.")

@@ -1,0 +1,46 @@
+"""Which plans no other beats."""
+
+from __future__ import annotations
+
+from typing import cast
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kerfwise.apps.pareto.pareto import Trade, front
+from kerfwise.jobs.plan_nest import VerifiedPlan
+from kerfwise.models.plan.plan import Totals
+
+
+class _Made:
+    def __init__(self, idle_mm: float, ok: bool = True) -> None:
+        self.verdict, self.ok = self, ok
+        self.plan = self
+        self.totals = Totals(0.0, idle_mm, 0, 0.0, 0.0)
+
+
+def trade(price_mm: float, overheats: int, idle_mm: float, ok: bool = True) -> Trade:
+    return Trade(price_mm, cast(VerifiedPlan, _Made(idle_mm, ok)), overheats, 0.0)
+
+
+def test_beaten_plans_and_the_second_of_equals_are_not_on_the_front() -> None:
+    cheap, even, dear, beaten, twin = (
+        trade(0, 90, 1000), trade(10, 60, 1200), trade(30, 50, 2000), trade(100, 70, 1500), trade(300, 60, 1200),
+    )  # fmt: skip
+    assert front([dear, twin, beaten, even, cheap]) == [cheap, even, dear]
+    assert front([]) == []
+
+
+def test_a_plan_that_the_check_refuses_is_not_on_the_front() -> None:
+    lawful, unlawful = trade(0, 90, 1000), trade(10, 1, 500, ok=False)
+    assert front([unlawful, lawful]) == [lawful]
+
+
+@given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), max_size=12))
+def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
+    trades = [trade(k, hot, float(idle)) for k, (hot, idle) in enumerate(points)]
+    kept = front(trades)
+    for one in trades:
+        beaten = any(other.beats(one) for other in trades)
+        same = any((k.overheats, k.idle_mm) == (one.overheats, one.idle_mm) for k in kept)
+        assert same is not beaten

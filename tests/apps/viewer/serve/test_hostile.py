@@ -1,0 +1,210 @@
+"""What a drawing's neighbours may hold and a stranger may send: nothing of it hangs the server or shows other files."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import socket
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+
+from kerfwise.apps.viewer.serve import guard, run_server
+from kerfwise.apps.viewer.serve.nest_folder import Folder, NestList
+from kerfwise.tests.apps.viewer.serve.served import SMALL, TOKEN, Open, Served, Tab
+from kerfwise.tests.tools.amount import few
+
+SECRET = "root-of-all-secrets"
+LIKE_A_RULE = f"constraint {SECRET};\n"
+
+
+@pytest.fixture
+def outside(served: Served, tmp_path: Path) -> Path:
+    """A folder that is not served, with files that hold a secret."""
+    folder = tmp_path / "outside"
+    folder.mkdir()
+    for name in ("secret", "secret.yaml", "secret.job.yaml"):
+        (folder / name).write_text(f"{SECRET}: [unclosed\n", encoding="utf-8")
+    (folder / "secret.mzn").write_text(LIKE_A_RULE, encoding="utf-8")
+    (folder / "secret.csv").write_text(f"{SECRET};{SECRET}\n", encoding="utf-8")
+    return folder
+
+
+def write(folder: Path, name: str, text: str) -> None:
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_text(text, encoding="utf-8")
+
+
+FILES = {
+    "a profile": ("profile: {to}/secret.yaml\n", {}),
+    "a profile of no suffix": ("profile: {to}/secret\n", {}),
+    "a profile by a link": ("profile: link/secret.yaml\n", {}),
+    "a profile in a folder above": ("profile: ../../outside/secret.yaml\n", {}),
+    "a profile that is not there": ("profile: {to}/nothing.yaml\n", {}),
+    "what a profile is based on": ("profile: ours.yaml\n", {"ours.yaml": "based_on: {to}/secret.yaml\n"}),
+    "a dialect": ("set:\n  machine.dialect: {to}/secret.yaml\n", {}),
+    "a dialect of a profile": ("profile: ours.yaml\n", {"ours.yaml": "machine:\n  dialect: {to}/secret.yaml\n"}),
+    "a model": ("profile: ours.yaml\n", {"ours.yaml": "models: [{to}/secret.mzn]\n"}),
+    "what a model includes": (
+        "profile: ours.yaml\n",
+        {"ours.yaml": "models: [rule.mzn]\n", "rule.mzn": 'include "{to}/secret.mzn";\n% Ours.\nconstraint true;\n'},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_other_files_are_neither_read_nor_shown(
+    served: Served, client: httpx.Client, tmp_path: Path, outside: Path, case: str
+) -> None:
+    job, beside = FILES[case]
+    folder = served.server.folder.path / tmp_path.name
+    write(folder, "small.json", SMALL)
+    write(folder, "small.job.yaml", job.replace("{to}", str(outside)))
+    for name, text in beside.items():
+        write(folder, name, text.replace("{to}", str(outside)))
+    (folder / "link").symlink_to(outside)
+    told = refusal(client, f"{tmp_path.name}/small.json")
+    assert SECRET not in json.dumps(told)
+    assert "it lies outside of the folder that is served" in told
+
+
+def refusal(client: httpx.Client, nest: str) -> str:
+    """Why a nest is not opened, or, as some files are read for the program alone, not planned."""
+    answer = client.post("/api/open", json={"nest": nest})
+    told = answer.json()
+    if answer.status_code == 422:
+        return str(told["message"])
+    tab = Tab(client, told["id"], told["version"], Path(nest))
+    assert SECRET not in answer.text
+    return str(tab.solved()["problem"])
+
+
+def test_a_job_file_that_is_a_link_is_not_read(
+    served: Served, client: httpx.Client, tmp_path: Path, outside: Path
+) -> None:
+    folder = served.server.folder.path / tmp_path.name
+    write(folder, "small.json", SMALL)
+    (folder / "small.job.yaml").symlink_to(outside / "secret.job.yaml")
+    answer = client.post("/api/open", json={"nest": f"{tmp_path.name}/small.json"})
+    assert answer.status_code == 422
+    assert SECRET not in answer.text
+    assert "a link that leads out of the folder" in answer.json()["message"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such files")
+@pytest.mark.parametrize(
+    ("job", "beside"),
+    [
+        ("profile: pipe.yaml\n", ""),
+        ("profile: ours.yaml\n", "based_on: pipe.yaml\n"),
+        ("profile: ours.yaml\n", "machine:\n  dialect: pipe.yaml\n"),
+        ("profile: ours.yaml\n", "models: [pipe.mzn]\n"),
+        ("profile: /dev/zero\n", ""),
+        ("profile: folder.yaml\n", ""),
+    ],
+)
+def test_a_pipe_holds_nobody_up(served: Served, client: httpx.Client, tmp_path: Path, job: str, beside: str) -> None:
+    folder = served.server.folder.path / tmp_path.name
+    write(folder, "small.json", SMALL)
+    write(folder, "small.job.yaml", job)
+    write(folder, "ours.yaml", beside)
+    (folder / "folder.yaml").mkdir()
+    for name in ("pipe.yaml", "pipe.mzn", "pipe.json"):
+        os.mkfifo(folder / name)
+    began_s = time.monotonic()
+    told = refusal(client, f"{tmp_path.name}/small.json")
+    assert "not read: it" in told or "there is no file" in told
+    assert client.post("/api/open", json={"nest": f"{tmp_path.name}/pipe.json"}).status_code == 422
+    assert time.monotonic() - began_s < 20
+    (folder / "small.job.yaml").unlink()
+    os.mkfifo(folder / "small.job.yaml")
+    answer = client.post("/api/open", json={"nest": f"{tmp_path.name}/small.json"})
+    assert answer.status_code == 200  # a job file is a file
+
+
+def test_a_question_has_a_limit_of_time(opened: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is given up, and the next one is answered by another process."""
+    tab = opened()
+    tab.solved()
+    monkeypatch.setattr("kerfwise.apps.viewer.serve.server.ANSWERED_S", 1e-4)
+    answer = tab.client.post("/api/open", json={"nest": f"{tab.nest.parent.name}/{tab.nest.name}", "repair": True})
+    assert (answer.status_code, answer.json()["kind"]) == (422, "slow")
+    monkeypatch.undo()
+    assert tab.get("why", contour="C.outer")["text"]
+
+
+@pytest.mark.parametrize("files", few([3_000, 60_000]))
+def test_a_folder_of_many_files_is_listed_at_once_and_whole(tmp_path: Path, files: int) -> None:
+    for k in range(files):
+        (tmp_path / f"plate{k}.dxf").touch()
+    (tmp_path / "below" / ".hidden").mkdir(parents=True)
+    for name in ("below/a.json", "below/.hidden/b.json", "below/plate.plan.json", "below/other.json"):
+        (tmp_path / name).write_text("{}" if "other" in name else SMALL, encoding="utf-8")
+    nests = NestList(Folder(tmp_path.resolve()))
+    began_s = time.monotonic()
+    found, complete = nests.known(0.2)
+    assert time.monotonic() - began_s < 2.0
+    while not complete:
+        found, complete = nests.known(0.2)
+    names = [one.name for one in found]
+    assert names == ["below/a.json", *(f"plate{k}.dxf" for k in range(files))]  # as people count
+
+
+def test_a_list_says_how_many_it_leaves_out(served: Served, client: httpx.Client, tmp_path: Path) -> None:
+    folder = served.server.folder.path / tmp_path.name
+    folder.mkdir()
+    for k in range(700):
+        (folder / f"many{k}.dxf").touch()
+    time.sleep(0.3)
+    seen: list[str] = []
+    while True:
+        told = client.get("/api/nests", params={"find": f"{tmp_path.name}/MANY", "from": len(seen)}).json()
+        if not told["complete"]:
+            continue
+        seen += told["nests"]
+        if told["left"] == 0:
+            break
+    assert told["found"] == 700
+    assert seen == [f"{tmp_path.name}/many{k}.dxf" for k in range(700)]
+    assert all(row["size"] == 0 and row["plans"] == 0 for row in told["rows"])
+
+
+@pytest.mark.parametrize("sent", ["", "GET / HTTP/1.1\r\nhost: 127", "GET / HTTP/1.1\r\n", "body", "second"])
+def test_half_a_request_is_not_waited_for(served: Served, monkeypatch: pytest.MonkeyPatch, sent: str) -> None:
+    monkeypatch.setattr(run_server, "HEAD_S", 0.3)
+    monkeypatch.setattr(guard, "BODY_S", 0.3)
+    whole = f"GET /api/nests HTTP/1.1\r\nhost: 127.0.0.1:{served.port}\r\nx-kerfwise-token: {TOKEN}\r\n\r\n"
+    if sent == "body":
+        sent = whole.replace("GET /api/nests", "POST /api/open").replace("\r\n\r\n", "\r\ncontent-length: 9\r\n\r\n{")
+    if sent == "second":
+        sent = whole + whole[:20]
+    with socket.create_connection(("127.0.0.1", served.port), timeout=20) as way:
+        way.sendall(sent.encode())
+        said = b""
+        while part := way.recv(65536):
+            said += part
+    assert said[:12] in (b"", b"HTTP/1.1 408", b"HTTP/1.1 200")
+
+
+def test_who_does_not_take_what_is_sent_is_left(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_server, "TAKEN_S", 0.3)
+    ask = f"GET /files/page.css HTTP/1.1\r\nhost: 127.0.0.1:{served.port}\r\nx-kerfwise-token: {TOKEN}\r\n\r\n"
+    with socket.socket() as way:
+        way.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        way.settimeout(20)
+        way.connect(("127.0.0.1", served.port))
+        with contextlib.suppress(OSError):
+            for _ in range(4000):
+                way.sendall(ask.encode())
+                time.sleep(0.0005)
+            raise AssertionError("it still listens")
+
+
+def test_what_is_answered_names_no_other_drawing(opened: Open) -> None:
+    """A name that looks like an option is none on the command line that the viewer shows."""
+    tab = opened(SMALL, "-x.json")
+    assert tab.solved()["alternatives"][0]["command"].startswith("kerfwise solve ./-x.json")
+    assert json.loads(tab.client.get(f"/api/{tab.id}/state").text)["nest"].endswith("/-x.json")

@@ -1,0 +1,56 @@
+"""News for all tabs: two see the same, whoever is slow hears each thing once, one stream has them all."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+import httpx
+import pytest
+
+from kerfwise.apps.viewer.serve.session import News
+from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab
+
+pytestmark = pytest.mark.slow
+
+
+def test_two_tabs_see_the_same_and_neither_writes_over_the_other(opened: Open, client: httpx.Client) -> None:
+    one = opened()
+    two = Tab(client, one.id, one.version, one.nest)
+    one.edit({"lock": "C.outer last"})
+    refused = two.edit({"lock": "B.outer first"}, expected=409)
+    assert (refused["kind"], refused["locked"]) == ("stale", ["C.outer last"])
+    assert two.version == one.version
+    assert two.edit({"lock": "B.outer cw"})["locked"] == ["C.outer last", "B.outer cw"]
+    for what, said in (("solve", {}), ("back", {"to": 1}), ("save", {}), ("cut", {"upto": 1})):
+        assert one.client.post(f"/api/{one.id}/{what}", json={"version": one.version, **said}).status_code == 409
+        assert one.client.post(f"/api/{one.id}/{what}", json=said).status_code == 409
+
+
+def test_whoever_is_slow_to_listen_hears_each_thing_once() -> None:
+    news = News()
+    all_nests, one = news.listen(), news.listen("a")
+    for _ in range(50):
+        news.tell("progress", "a")
+    news.tell("state", "b")
+    news.tell("planner")
+    assert asyncio.run(all_nests.next()) == [("progress", "a"), ("state", "b"), ("planner", "")]
+    assert asyncio.run(one.next()) == [("progress", "a"), ("planner", "")]
+    news.leave(one)
+    assert news.listeners == 1
+    assert news.server != News().server  # so that a tab sees that another server answers
+
+
+def test_one_stream_has_the_news_of_all_nests(opened: Open, client: httpx.Client) -> None:
+    first, found = opened(), []
+    with client.stream("GET", "/api/events") as answer:
+        lines = answer.iter_lines()
+        told = (json.loads(line.removeprefix("data: ")) for line in lines if line.startswith("data: "))
+        found.append(next(one for one in told if one.get("id") == first.id))
+        first.edit({"lock": "C.outer last"})
+        found.append(next(one for one in told if one.get("id") == first.id))
+        other = opened(SMALL, "other.json")  # it was not open when the stream began
+        other.solved()
+        names = next(one for one in told if one.get("alternatives"))
+    assert [one["locked"] for one in found] == [[], ["C.outer last"]]
+    assert (names["nest"], len(names["alternatives"])) == (other.state()["nest"], 1)
