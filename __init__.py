@@ -14,48 +14,47 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .api import (
         CheckResult,
-        Comparison,
         Conflict,
-        EditedNest,
         Explanation,
         InputError,
         Job,
         KerfwiseError,
         Lock,
         Nest,
-        Nests,
         NoPlan,
-        Offer,
         Picture,
         Plan,
         Profile,
         Questions,
         Reached,
-        Resequenced,
         Result,
         RulesConflict,
         Simulation,
         Times,
         check,
-        compare,
         conflict,
-        distort,
         draw,
-        edit,
         explain,
         facts,
         load_profile,
-        make,
-        nest,
         read_job,
         read_nest,
         read_plan,
-        resequence,
         simulate,
         solve,
         times,
-        trade_off,
     )
+    from .apps.distortion.api import distort
+    from .apps.edit.api import edit
+    from .apps.edit.edited_nest import EditedNest
+    from .apps.nesting.api import make, nest
+    from .apps.nesting.result import Nests
+    from .apps.pareto.api import trade_off
+    from .apps.pareto.pareto import Offer
+    from .apps.resequence.api import resequence
+    from .apps.resequence.result import Resequenced
+    from .apps.viewer.compare.api import compare
+    from .apps.viewer.compare.output import Comparison
 
 __version__ = "0.1.0"
 __all__ = [
@@ -109,9 +108,11 @@ def __getattr__(name: str) -> object:
     """A name of the Python interface, imported when it is first used."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import api
+    from importlib import import_module
 
-    found = globals()[name] = getattr(api, name)
+    from .app_modules import interface_names
+
+    found = globals()[name] = getattr(import_module(interface_names().get(name, "kerfwise.api")), name)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The command line: the verbs are in `commands`, whose files are imported only when one of their verbs is called."""
+"""The command line: the verbs are in `commands` and in apps, whose files are imported only when a verb is called."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from . import __version__
+from .app_modules import verbs
 
 VERBS = {
     "solve": "Turn a nest into a checked cutting program.",
@@ -18,32 +19,17 @@ VERBS = {
     "explain": "Say why a contour is cut where it is, then, and so.",
     "time": "Say how long a plan or a program takes, and what it costs.",
     "heat": "Simulate how hot a plan or a program makes the sheet.",
-    "distort": "Predict how far each part will be off, in mm.",
-    "pareto": "Trade idle travel against overheats: a front of plans.",
-    "compare": "Put two plans, programs, profiles or sets of rules side by side.",
-    "nest": "Lay parts with quantities on sheets and remnants.",
-    "make": "Turn a list of parts into checked programs: nest, plan, check.",
-    "edit": "Change a nest: drop, move, turn, add parts, another sheet.",
-    "batch": "Plan folders of nests on every machine, and say which is cheaper.",
-    "resequence": "Put old programs into a better order, or plan them afresh.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
-    "serve": "Show a nest in the browser: ask why, move, plan again, save.",
-    "sheet": "Print a plan as a work sheet for the operator (PDF).",
     "plot": "Draw a nest or a plan (SVG, PNG, PDF or HTML).",
     "job": "Check a job file, which says what belongs to one nest.",
-    "profile": "Check a profile, or show it with every default filled in.",
-    "dialects": "List the languages of controls, or begin one of a plant's own.",
-    "rules": "List the rules, print one rule's page, begin a new one, run the cases.",
-    "bench": "Measure engines on nests and on the field's routing instances.",
     "engines": "List the engines and solvers that can be used.",
     "warm-up": "Compile ahead what plans need, for images and batches.",
 }
 
 
 FILES = {
-    **dict.fromkeys(("check", "explain", "time", "heat", "plot", "sheet"), "results"),
+    **dict.fromkeys(("check", "explain", "time", "heat", "plot"), "results"),
     "facts": "read",
-    "make": "nest",
     "warm-up": "engines",
 }
 """The file in `commands` that has a verb, where it is not called like the verb."""
@@ -71,13 +57,17 @@ class Verbs(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The verbs, in the order a new user needs them."""
-        return list(VERBS)
+        return [*VERBS, *verbs()]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The verb's command, imported now; None for an unknown verb."""
-        if cmd_name not in VERBS:
+        apps = verbs()
+        if cmd_name in VERBS:
+            module = importlib.import_module(f".commands.{FILES.get(cmd_name, cmd_name)}", __package__)
+        elif cmd_name in apps:
+            module = importlib.import_module(apps[cmd_name][0])
+        else:
             return None
-        module = importlib.import_module(f".commands.{FILES.get(cmd_name, cmd_name)}", __package__)
         command: click.Command = getattr(module, f"{cmd_name.replace('-', '_')}_command", None) or module.command
         return command
 
@@ -85,16 +75,19 @@ class Verbs(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The verb that was asked for; a mistyped one is answered with the nearest."""
-        if args[0] not in VERBS and not args[0].startswith("-"):
+        if args[0] not in (known := self.list_commands(ctx)) and not args[0].startswith("-"):
             from kerfwise.encoder.text import unknown
 
-            raise click.UsageError(unknown("verb", args[0], VERBS), ctx)
+            raise click.UsageError(unknown("verb", args[0], known), ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The verbs with a line each, without importing any."""
         with formatter.section("Verbs"):
             formatter.write_dl(list(VERBS.items()))
+        if apps := verbs():
+            with formatter.section("Verbs of apps"):
+                formatter.write_dl([(name, does) for name, (_, does) in apps.items()])
 
 
 @click.command(

@@ -1,4 +1,4 @@
-"""The Python interface: everything that `import kerfwise` gives.
+"""The Python interface: what `import kerfwise` gives. Apps add their own functions to it.
 
 A nest is planned in three lines:
 
@@ -16,11 +16,6 @@ two threads by itself: to plan many nests at once, use processes rather than thr
 
 from __future__ import annotations
 
-from kerfwise.apps.edit.edited_nest import EditedNest
-from kerfwise.apps.nesting.result import Nests
-from kerfwise.apps.pareto.pareto import Offer
-from kerfwise.apps.resequence.result import Resequenced
-from kerfwise.apps.viewer.compare import Comparison
 from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
@@ -38,52 +33,39 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
-from .judging import check, compare, distort, draw, explain, simulate, times
-from .nesting import edit, make, nest
-from .planning import conflict, facts, resequence, solve, trade_off
+from .judging import check, draw, explain, simulate, times
+from .planning import conflict, facts, solve
 from .reading import load_profile, read_job, read_nest, read_plan
 
 __all__ = [
     "CheckResult",
-    "Comparison",
     "Conflict",
-    "EditedNest",
     "Explanation",
     "InputError",
     "Job",
     "KerfwiseError",
     "Lock",
     "Nest",
-    "Nests",
     "NoPlan",
-    "Offer",
     "Picture",
     "Plan",
     "Profile",
     "Questions",
     "Reached",
-    "Resequenced",
     "Result",
     "RulesConflict",
     "Simulation",
     "Times",
     "check",
-    "compare",
     "conflict",
-    "distort",
     "draw",
-    "edit",
     "explain",
     "facts",
     "load_profile",
-    "make",
-    "nest",
     "read_job",
     "read_nest",
     "read_plan",
-    "resequence",
     "simulate",
     "solve",
     "times",
-    "trade_off",
 ]

@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from kerfwise.apps.pareto.pareto import Offer
-from kerfwise.apps.pareto.pareto import trade_off as made_trade_off
-from kerfwise.apps.resequence.resequence import resequence as resequenced
-from kerfwise.apps.resequence.result import Paths, Resequenced
+from kerfwise.app_modules import app_module
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
-from kerfwise.jobs.plan_nest import plan_nest
-from kerfwise.jobs.programs import ProgramRequest
+from kerfwise.jobs.plan_nest import OrdersOf, plan_nest
 from kerfwise.jobs.progress import Listener, OnProgress
 from kerfwise.jobs.request import NOT_SHOWN, WORK, NoPlan, facts_of, options_for
 from kerfwise.jobs.result import Result
@@ -26,8 +22,6 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
-from kerfwise.rules.profile.load import DEFAULT
-from kerfwise.rules.profile.plant_sections import PRICES_MM
 
 from .reading import LockLike, Settings, nest_request, plan_of, plan_or_path
 
@@ -151,15 +145,13 @@ def solve(
     if strategy not in STRATEGIES:
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))
     listener = Listener(on_progress)
-    orders = None
+    orders: OrdersOf | None = None
     if inputs.profile.objective.distortion:
-        from kerfwise.apps.distortion.straighter import straighter_for
-
-        orders = straighter_for(inputs.profile)
+        orders = app_module("distortion.straighter").straighter_for(inputs.profile)
     try:
         done = plan_nest(
             inputs, limits,
-            already=_stopped(inputs, resume_from, upto, redo_last, notes),
+            already=already_cut_by(inputs, resume_from, upto, redo_last, notes),
             relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
             orders=orders, start=None if start is None else plan_of(start), first=first,
         )  # fmt: skip
@@ -260,72 +252,7 @@ def facts(nest: NestLike, profile: ProfileLike | None = None, *, job: JobLike = 
     return facts_of(inputs.nest, inputs.profile)
 
 
-def trade_off(
-    nest: NestLike,
-    profile: ProfileLike | None = None,
-    *,
-    prices_mm: Iterable[float] = PRICES_MM,
-    locks: Iterable[LockLike] | LockLike = (),
-    job: JobLike = None,
-    settings: Settings = (),
-    time_s: float | None = None,
-    work: float = 10.0,
-    seed: int = 1,
-    gap: float | None = None,
-    no_improvement_s: float | None = None,
-    relax: bool = False,
-    resume_from: Plan | Result | str | Path | None = None,
-    upto: int | None = None,
-    redo_last: bool = False,
-    on_progress: OnProgress | None = None,
-) -> Offer:
-    """Plan a nest at several prices of an overheat, and simulate every plan: idle travel against overheats.
-
-    Parameters
-    ----------
-    nest, profile, locks, job, settings, relax, resume_from, upto, redo_last
-        As for `solve`.
-    prices_mm
-        Prices of one overheat, each in mm of idle travel.
-    time_s, work, seed, gap, no_improvement_s
-        Limits and seed of each plan, as for `solve`.
-    on_progress
-        As for `solve`.
-
-    Returns
-    -------
-    Offer
-        `trades`, and `front`: those that no other beats; `picture()`, `to_frame()`, `save(folder)`.
-
-    Raises
-    ------
-    InputError
-        If something given cannot be used.
-    RulesConflict
-        If the rules leave no plan at all.
-
-    Examples
-    --------
-    >>> import kerfwise
-    >>> offer = kerfwise.trade_off("examples/nests/e1x_6.json", prices_mm=[0], work=1)
-    >>> len(offer.front)
-    1
-    """
-    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from))
-    prices = tuple(prices_mm)
-    for price in prices:
-        if not isinstance(price, int | float) or not 0 <= price < float("inf"):
-            raise InputError(f"prices_mm: expected numbers from 0, got {price!r}")
-    limits = options_for(
-        inputs.nest, inputs.profile, work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s
-    )
-    return made_trade_off(
-        inputs, prices, limits, lambda: Listener(on_progress), inputs.nest.file,
-        already=_stopped(inputs, resume_from, upto, redo_last, []), relax=relax,
-    )  # fmt: skip
-
-
-def _stopped(
+def already_cut_by(
     inputs: Inputs,
     resume_from: Plan | Result | str | Path | None,
     upto: int | None,
@@ -335,67 +262,3 @@ def _stopped(
     """What is cut already; what a user should know of the old plan goes to `notes`."""
     old = None if resume_from is None else plan_or_path(resume_from)
     return already_cut(inputs, old, upto, redo_last, notes.append)
-
-
-def resequence(
-    program: str | Path,
-    profile: ProfileLike = DEFAULT,
-    *,
-    paths: Paths = "keep",
-    without_rules: bool = False,
-    feed_mm_min: float | None = None,
-    kerf_mm: float | None = None,
-    sheet_mm: tuple[float, float] | None = None,
-    time_s: float | None = None,
-    work: float = WORK,
-    seed: int = 1,
-    on_progress: OnProgress | None = None,
-) -> Resequenced:
-    """Put the burns of an old NC program into the best order by the profile's rules, each burn as it is.
-
-    Parts, holes, links and tabs are told from the burns alone. Nothing is written: see `Resequenced.save`.
-
-    Parameters
-    ----------
-    program
-        The path of the program.
-    profile
-        A profile, its name or its path; its dialect says which control the program is for.
-    paths
-        "keep" leaves every burn as it is; "new" plans all contours afresh, with entries and leads of our own.
-    without_rules
-        Where nobody can tell what some burns cut, go on by travel alone; `ends` then says that no rule was asked.
-    feed_mm_min, kerf_mm, sheet_mm
-        What the program leaves to the machine: the feed of its material, mm/min, the kerf, mm, width and height of the
-        sheet, mm.
-    time_s, work, seed, on_progress
-        As for `solve`.
-
-    Returns
-    -------
-    Resequenced
-        `program`, `before` and `after` with idle travel, time and verdicts, `ends`; print it to read it.
-
-    Raises
-    ------
-    InputError
-        With file and line, for what cannot be read, or nobody can be sure of, and where the rules cannot be asked.
-    RulesConflict
-        If contours are planned afresh, and no plan keeps the hard rules.
-
-    Examples
-    --------
-    >>> import tempfile, kerfwise
-    >>> some = kerfwise.solve("examples/nests/e1x_6.json", strategy="random", work=2)
-    >>> old = some.save(tempfile.mkdtemp(), "old")[0]
-    >>> better = kerfwise.resequence(old, sheet_mm=(700, 300), work=2)
-    >>> better.after.idle_mm < better.before.idle_mm, better.after.verdict.ok
-    (True, True)
-    >>> better.save(old.with_name("better.nc")).name
-    'better.nc'
-    """
-    request = ProgramRequest(feed_mm_min, kerf_mm, sheet_mm)
-    return resequenced(
-        program, profile, paths=paths, request=request, without_rules=without_rules,
-        work=work, time_s=time_s, seed=seed, listener=Listener(on_progress),
-    )  # fmt: skip

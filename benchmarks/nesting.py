@@ -27,10 +27,10 @@ from kerfwise.apps.nesting.find_nests import (
 )
 from kerfwise.apps.nesting.placement.blocks import usable_area_mm2
 from kerfwise.apps.nesting.placement.demand import Demand, Spacing, Stock
-from kerfwise.apps.nesting.placement.fill import largest_rectangle
 from kerfwise.apps.nesting.placement.layout import Layout
 from kerfwise.apps.nesting.placement.rounds import METHODS, Effort, best_layout, least_worth
 from kerfwise.encoder.nest import Sheet
+from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.jobs.progress import Listener
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.plant_sections import Consumables, Prices

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.request import NoPlan
@@ -233,9 +234,7 @@ def command(
     verified = done.made
     found = None
     if foretold and verified.verdict.ok:
-        from kerfwise.apps.distortion.predict import distort_made
-
-        found = distort_made(done.given, verified.plan)
+        found = app_module("distortion.predict").distort_made(done.given, verified.plan)
     if found is not None and inputs.profile.distortion.keep_tolerance and found.beyond:
         click.echo(f"kerfwise: {found.line()} (distortion.keep_tolerance); nothing was written", err=True)
         _tell_late(whole)
@@ -275,17 +274,12 @@ def command(
 
 def _distortion(inputs: Inputs) -> tuple[OrdersOf | None, bool]:
     """What finds straighter orders, if there is a price on distortion, and whether the parts' errors are asked for."""
-    from kerfwise.apps.distortion.tolerances import is_asked
-
-    if not is_asked(inputs.nest, inputs.profile):
+    options, price = inputs.profile.distortion, inputs.profile.objective.distortion
+    common = options.predict or bool(price) or options.tolerance_mm is not None
+    if not common and not any("tolerance" in part.attributes for part in inputs.nest.parts):
         return None, False
-    from kerfwise.apps.distortion.straighter import straighter_for  # scipy: only those who ask pay for it
-    from kerfwise.apps.distortion.yielding import metal_of
-    from kerfwise.jobs.inputs import expect_one_torch
-
-    expect_one_torch(inputs.profile, "the simulation of distortion")
-    metal_of(inputs.profile.heat.material)
-    return straighter_for(inputs.profile), True
+    orders: OrdersOf | None = app_module("distortion.straighter").orders_for(inputs)
+    return orders, True
 
 
 def _tell_late(whole: CommandLimit | None) -> None:

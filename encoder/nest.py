@@ -126,6 +126,10 @@ def lines_of_contours(contours: Sequence[Contour]) -> NDArray[np.object_]:
     return lines
 
 
+PART_TYPE = "of"
+"""The attribute of a part that names the part type of which it is a copy."""
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """One outer contour, its holes, marks and slits; `attributes` are free keys of the nest file (priority, order…).

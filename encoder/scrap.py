@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import get_args
 
 import numpy as np
 import shapely
@@ -18,7 +19,7 @@ from kerfwise.encoder.geometry.tolerances import TOUCH_MM
 
 from .cut import Side
 from .errors import InputError
-from .nest import Nest, as_scrap, cached_with_nest
+from .nest import Nest, Sheet, as_scrap, cached_with_nest
 
 # A grid of lines in a skeleton: straight, and only where there is metal.
 #
@@ -138,6 +139,27 @@ def remnant_rectangle(
     t0, t1 = a + half_kerf_mm * (a > low), b - half_kerf_mm * (b < high)
     d0, d1 = min(near, edge), max(near, edge)
     return ((d0, t0, d1, t1) if along else (t0, d0, t1, d1)), line
+
+
+NO_BOX: Box = (0.0, 0.0, 0.0, 0.0)
+
+
+def largest_rectangle(sheet: Sheet, parts: Sequence[shapely.Geometry], gap_mm: float) -> Box:
+    """The largest rectangle along a side that is `gap_mm` from the boxes around the parts.
+
+    Of a sheet that is no rectangle nothing is said.
+
+    Examples
+    --------
+    >>> largest_rectangle(Sheet.rectangle(100, 50), [shapely.box(0, 0, 40, 50)], 5.0)
+    (45.0, 0.0, 100.0, 50.0)
+    """
+    x0, y0, x1, y1 = sheet.bounds
+    if abs(sheet.polygon.area - (x1 - x0) * (y1 - y0)) > 1e-6 * sheet.polygon.area:
+        return NO_BOX
+    blocks = [(a - gap_mm, b - gap_mm, c + gap_mm, d + gap_mm) for a, b, c, d in (part.bounds for part in parts)]
+    found = [remnant_rectangle((x0, y0, x1, y1), blocks, side, 0.0)[0] for side in get_args(Side)]
+    return max(found, key=lambda box: (box[2] - box[0]) * (box[3] - box[1]))
 
 
 # Scrap lines that stay whole: what is uncut of a line holds all the metal beside it together.

@@ -18,6 +18,7 @@ from multiprocessing.context import SpawnProcess
 from types import TracebackType
 from typing import Self
 
+from kerfwise.app_modules import app_module
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.jit import machine_cores
@@ -158,12 +159,9 @@ def planned_picture(inputs: Inputs, verified: VerifiedPlan, suffix: str, beside:
         If it is none of a picture.
     """
     if suffix.lower() == PAGE:
-        from kerfwise.apps.viewer.page.page_data import (  # asks for most of the package, which a drawing does without
-            page_bytes,
-            page_data,
-        )
-
-        return page_bytes(page_data(inputs, verified.plan, verified.verdict, verified.program))
+        page = app_module("viewer.page.page_data")
+        content: bytes = page.page_bytes(page.page_data(inputs, verified.plan, verified.verdict, verified.program))
+        return content
     if (picture := beside.end(verified.plan)) is not None:
         return picture
     return draw(inputs.nest, verified.plan, suffix, inputs.profile.home_on(inputs.nest))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
@@ -118,10 +119,9 @@ class Result:
             For another kind of picture.
         """
         if kind == "html":
-            from kerfwise.apps.viewer.page.page_data import page_bytes, page_data
-
-            inputs = Inputs(self.nest, self.profile)
-            return Picture(page_bytes(page_data(inputs, self.plan, self.verdict, self.program)), kind)
+            page = app_module("viewer.page.page_data")
+            data = page.page_data(Inputs(self.nest, self.profile), self.plan, self.verdict, self.program)
+            return Picture(page.page_bytes(data), kind)
         return Picture(draw(self.nest, self.plan, f".{kind}", self.profile.home_on(self.nest)), kind)
 
     def to_frame(self) -> pandas.DataFrame:

@@ -14,7 +14,7 @@ import pytest
 import kerfwise
 
 ROOT = Path(kerfwise.__file__).resolve().parent
-FOLDERS = ("api", "encoder", "rules", "models", "postproc", "jobs", "serving", "commands", "benchmarks", "examples")
+FOLDERS = ("api", "encoder", "rules", "models", "postproc", "jobs", "apps", "commands", "benchmarks", "examples")
 POSIX_MODULES = {"fcntl", "resource", "pwd", "grp", "termios", "tty", "pty", "posix", "syslog", "readline"}
 POSIX_CALLS = {
     "chown",

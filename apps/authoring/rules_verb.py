@@ -117,7 +117,7 @@ def new(name: str, language: str | None, folder: Path | None, into: Path | None,
         raise InputError("-o goes with --python or --mzn: a rule of the catalogue is written --into a checkout")
     from kerfwise.rules.pages import is_checkout, new_rule
 
-    running = Path(__file__).resolve().parents[1]
+    running = Path(__file__).resolve().parents[2]
     root = into or (running if is_checkout(running) else Path.cwd())
     for path in new_rule(name, root):
         click.echo(f"written: {path}")

@@ -16,7 +16,7 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.cooler_orders import CoolerOrders
-from kerfwise.jobs.inputs import expect_one_torch
+from kerfwise.jobs.inputs import Inputs, expect_one_torch
 from kerfwise.jobs.plan_nest import OrdersOf
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.timed_path import RoutePaths
@@ -27,6 +27,7 @@ from kerfwise.rules.stating.state_rules import Stated
 
 from .cutting import Cutting, cut_sheet
 from .part_errors import errors_of
+from .tolerances import tolerances_of
 from .yielding import metal_of
 
 CELLS = 800
@@ -96,3 +97,17 @@ def straighter_for(profile: Profile) -> OrdersOf | None:
     expect_one_torch(profile, "the price of distortion")
     metal_of(profile.heat.material)
     return StraighterOrders
+
+
+def orders_for(inputs: Inputs) -> OrdersOf | None:
+    """What finds straighter orders, if there is a price on distortion; for a nest whose parts' errors are asked for.
+
+    Raises
+    ------
+    InputError
+        If they cannot be simulated: of several torches, of an unknown metal, or with a tolerance that is no length.
+    """
+    tolerances_of(inputs.nest, inputs.profile)
+    expect_one_torch(inputs.profile, "the simulation of distortion")
+    metal_of(inputs.profile.heat.material)
+    return straighter_for(inputs.profile)

@@ -53,12 +53,6 @@ def tolerances_of(nest: Nest, profile: Profile) -> dict[str, float]:
     return found
 
 
-def is_asked(nest: Nest, profile: Profile) -> bool:
-    """Whether nest or profile want to know how far the parts of a plan will be off."""
-    options = profile.distortion
-    return options.predict or bool(profile.objective.distortion) or bool(tolerances_of(nest, profile))
-
-
 def _own(nest: Nest, part: Part) -> float:
     value = part.attributes["tolerance"]
     try:

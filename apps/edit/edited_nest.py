@@ -17,7 +17,7 @@ import shapely
 
 from kerfwise.apps.nesting.find_nests import spacing_of
 from kerfwise.apps.nesting.placement.demand import QUARTERS, PartType, Spacing
-from kerfwise.apps.nesting.placement.fill import LEFT, Room, Taste, fill, largest_first, largest_rectangle
+from kerfwise.apps.nesting.placement.fill import LEFT, Room, Taste, fill, largest_first
 from kerfwise.apps.nesting.placement.layout import TURNS, nest_json
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.apps.nesting.placement.shapes import Shapes
@@ -26,6 +26,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import unknown
 from kerfwise.postproc.output_files import expect_outputs, write_files
 from kerfwise.rules.profile.profile import Profile

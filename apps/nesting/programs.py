@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import PART_TYPE, Nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.text import clock, metres
@@ -26,7 +26,7 @@ from kerfwise.rules.profile.profile import Profile
 from .nests import Nested, nest_files, nests_from
 from .placement.demand import Stock
 from .placement.fill import LEFT, Taste
-from .placement.layout import OF, Sheetful, refill_sheet
+from .placement.layout import Sheetful, refill_sheet
 from .placement.shapes import Shapes
 
 
@@ -258,7 +258,7 @@ def _named(nested: Nested, number: int, refusal: str) -> set[int]:
     stems = {word.rsplit(".", 1)[0] for word in words} | words
     numbers = {kind.name: k for k, kind in enumerate(nested.layout.wanted.types)}
     parts = nested.nests[number].parts
-    return {numbers[str(part.attributes[OF])] for part in parts if part.id in stems}
+    return {numbers[str(part.attributes[PART_TYPE])] for part in parts if part.id in stems}
 
 
 def _laid(nested: Nested, sheet: Sheetful, more: dict[int, float], doubled: int = 0) -> Sheetful | None:

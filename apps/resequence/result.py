@@ -15,6 +15,7 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.clock import time_program
 from kerfwise.postproc.output_files import expect_outputs, write_files
+from kerfwise.postproc.report.legend import clock_text
 from kerfwise.rules.profile.profile import Profile
 
 Paths = Literal["keep", "new"]
@@ -165,15 +166,3 @@ def _difference(before: int, after: int) -> str:
 
 
 # Minutes and seconds, as tables of jobs have them.
-
-
-def clock_text(seconds: float) -> str:
-    """Minutes and seconds.
-
-    Examples
-    --------
-    >>> clock_text(754.4)
-    '12:34'
-    """
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes}:{rest:02d}"

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kerfwise.apps.nesting.placement.fill import largest_rectangle
-from kerfwise.apps.nesting.placement.layout import OF
 from kerfwise.encoder.files import is_file, read_limited
-from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.nest import PART_TYPE, Nest, Part
+from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import attribute_text
 from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
@@ -55,7 +54,7 @@ def part_kinds(nest: Nest, profile: Profile) -> list[PartKind]:
 
 def kind_of(part: Part) -> str:
     """What a part is a copy of, as its nest says; else its own name."""
-    return attribute_text(part, OF) or part.id
+    return attribute_text(part, PART_TYPE) or part.id
 
 
 def left_of(nest: Nest, gap_mm: float) -> tuple[float, float]:

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from kerfwise.apps.resequence.result import clock_text
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_text
@@ -17,7 +16,7 @@ from kerfwise.jobs.programs import Times, time_made
 from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.report.legend import duration
+from kerfwise.postproc.report.legend import clock_text, duration
 from kerfwise.postproc.report.paper import BOX, MARGIN, ROOM, WIDTH, Paper, qr_items, shortened
 from kerfwise.postproc.report.picture import bare_picture
 from kerfwise.postproc.report.plot import pdf_bytes

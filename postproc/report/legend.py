@@ -152,6 +152,18 @@ def duration(seconds: float, say: Texts = ENGLISH_TEXTS) -> str:
     return tr("{h} h {m} min").format(h=whole // 3600, m=whole % 3600 // 60)
 
 
+def clock_text(seconds: float) -> str:
+    """Minutes and seconds.
+
+    Examples
+    --------
+    >>> clock_text(754.4)
+    '12:34'
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d}"
+
+
 def footer_layer(view: View, clock: Clock | None, kinds: frozenset[str]) -> SceneLayer:
     """The scale bar; with a plan (that has a clock) also the key and the colour bar."""
     y = view.height - FOOTER / 2 + 4

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from kerfwise.apps.viewer.page.page_html import page_html, plain_page
+from kerfwise.app_modules import app_module
 from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
@@ -316,7 +316,9 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
     if suffix.lower() == PAGE:
         named, caption = (spot.contours, spot.caption) if spot else ((), "")
         expect_known(nest, plan, named)
-        return page_html(plain_page(nest, plan, home, sorted(named), caption)).encode()
+        page = app_module("viewer.page.page_html")
+        content: bytes = page.page_html(page.plain_page(nest, plan, home, sorted(named), caption)).encode()
+        return content
     return render_picture(make_scene(nest, plan, home, spot), suffix)
 
 

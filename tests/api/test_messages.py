@@ -10,8 +10,12 @@ from pathlib import Path
 import kerfwise
 
 ROOT = Path(kerfwise.__file__).parent
-SHARED = ("encoder", "rules/profile", "rules/options", "rules/stating", "models", "jobs")
-"""What both go through; `commands` is the command line's alone."""
+OF_APPS = ("nesting", "edit", "resequence", "pareto", "distortion", "viewer/compare", "viewer/page")
+SHARED = (
+    *("encoder", "rules/profile", "rules/options", "rules/stating", "models", "jobs"),
+    *(f"apps/{app}" for app in OF_APPS),
+)
+"""What both go through; `commands`, and the verbs of apps, are the command line's alone."""
 OPTIONS = "units|sheet|frame|repair|origin|relax|lock-from|upto|redo-last|engine|time-limit|work"
 OPTION = re.compile(rf"(?<![\w-])--({OPTIONS})\b")
 
@@ -29,7 +33,7 @@ def _for_one_only(folder: Path) -> Iterator[str]:
     """Texts, but for docstrings, that name an option of the command line and not what it is in Python."""
     for file in sorted(folder.rglob("*.py")):
         source = file.read_text(encoding="utf-8")
-        if not OPTION.search(source):
+        if file.stem.endswith(("verb", "verbs")) or not OPTION.search(source):
             continue
         tree = ast.parse(source)
         docs = {

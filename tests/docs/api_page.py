@@ -33,7 +33,7 @@ CLASSES = (
 
 def page() -> str:
     """The whole page."""
-    missing = {*api.__all__} ^ {*FUNCTIONS, *CLASSES}
+    missing = {*kerfwise.__all__} ^ {"__version__", *FUNCTIONS, *CLASSES}
     assert not missing, f"not on the page, or not in the interface: {', '.join(sorted(missing))}"
     lines = [HEAD, *_text(inspect.getdoc(api) or "")]
     for name in FUNCTIONS:

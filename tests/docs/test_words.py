@@ -12,7 +12,7 @@ import pytest
 import kerfwise
 
 ROOT = Path(kerfwise.__file__).resolve().parent
-PACKAGE = ("encoder", "rules", "models", "postproc", "jobs", "serving", "commands")
+PACKAGE = ("encoder", "rules", "models", "postproc", "jobs", "apps", "commands")
 INSTEAD = {
     r"lest": "so that … not",
     r"foret(ell|ells|old)": "predict",

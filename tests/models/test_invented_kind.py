@@ -254,7 +254,7 @@ def listed_under(heading: str) -> Iterator[str]:
 @cache
 def sources() -> tuple[tuple[str, ast.Module], ...]:
     """Every file of the program that may know of kinds, by its path, with what is in it."""
-    floors = ("rules", "models", "postproc", "jobs", "serving", "commands", "encoder", "benchmarks")
+    floors = ("rules", "models", "postproc", "jobs", "apps", "commands", "encoder", "benchmarks")
     files = (file for floor in floors for file in sorted((ROOT / floor).rglob("*.py")))
     texts = ((file.relative_to(ROOT).as_posix(), file.read_text(encoding="utf-8")) for file in files)
     return tuple((file, ast.parse(text)) for file, text in texts if any(word in text for word in WORDS))

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.cut import Side
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Sheet
-from kerfwise.encoder.scrap import remnant_rectangle
 
 from .demand import Demand, Spacing
 from .nofit import SLIVER_MM2, Placed, allowed
@@ -270,26 +267,3 @@ def too_large(wanted: Demand, shapes: Shapes, spacing: Spacing) -> list[int]:
             for pose in shapes.poses(kind)
         )
     ]
-
-
-# What is left of a sheet: its largest rectangle along a side.
-
-NOTHING: Box = (0.0, 0.0, 0.0, 0.0)
-
-
-def largest_rectangle(sheet: Sheet, parts: Sequence[shapely.Geometry], gap_mm: float) -> Box:
-    """The largest rectangle along a side that is `gap_mm` from the boxes around the parts.
-
-    Of a sheet that is no rectangle nothing is said.
-
-    Examples
-    --------
-    >>> largest_rectangle(Sheet.rectangle(100, 50), [shapely.box(0, 0, 40, 50)], 5.0)
-    (45.0, 0.0, 100.0, 50.0)
-    """
-    x0, y0, x1, y1 = sheet.bounds
-    if abs(sheet.polygon.area - (x1 - x0) * (y1 - y0)) > 1e-6 * sheet.polygon.area:
-        return NOTHING
-    blocks = [(a - gap_mm, b - gap_mm, c + gap_mm, d + gap_mm) for a, b, c, d in (part.bounds for part in parts)]
-    found = [remnant_rectangle((x0, y0, x1, y1), blocks, side, 0.0)[0] for side in get_args(Side)]
-    return max(found, key=lambda box: (box[2] - box[0]) * (box[3] - box[1]))

@@ -14,12 +14,13 @@ from typing import Any
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.encoder.nest import PART_TYPE, Contour, Nest, Part, Sheet
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
+from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import dxf_in_mm, escape_text
 
 from .demand import QUARTERS, Demand, Spacing, Stock
-from .fill import Going, Room, Taste, fill, largest_first, largest_rectangle, usable
+from .fill import Going, Room, Taste, fill, largest_first, usable
 from .nofit import Placed
 from .shapes import Shapes
 
@@ -219,8 +220,6 @@ def _all_in(room: Room, last: Sheetful, chance: random.Random, number: int, goin
 
 # Layouts as nests, and nests as text: kerfwise-nest/1, arcs as arcs, and DXF.
 
-OF = "of"
-"""The key of a part in a nest that names the part type."""
 TURNS = "turns"
 """The key of a part in a nest that says how it may lie, degrees, where it may not lie in all quarters."""
 
@@ -236,7 +235,7 @@ def nests_of(layout: Layout) -> list[Nest]:
             kind = layout.wanted.types[one.kind]
             part = one.part(kind.part, f"{kind.name}-{count[one.kind]}")
             part.attributes.pop(QUANTITY_KEY, None)  # each is one of them now
-            attributes: dict[str, object] = {OF: kind.name, "priority": kind.priority}
+            attributes: dict[str, object] = {PART_TYPE: kind.name, "priority": kind.priority}
             more = {"order": kind.order, "due": kind.due, "material": kind.material, "thickness": kind.thickness_mm}
             part.attributes.update(attributes | {key: value for key, value in more.items() if value})
             if not kind.free and kind.turns_deg != QUARTERS:
@@ -298,7 +297,7 @@ def nest_dxf(nest: Nest) -> str:
         blocks += _tags((0, "BLOCK"), (8, "0"), (2, part.id), (70, 2), *at, (3, part.id))
         blocks += _polylines(_drawn(contours)) + _tags((0, "ENDBLK"), (8, "0"))
         inserts += _tags((0, "INSERT"), (8, "0"), (66, 1), (2, part.id), *at)
-        for key in (OF, "order", "due", "priority", "material", "thickness"):
+        for key in (PART_TYPE, "order", "due", "priority", "material", "thickness"):
             if value := part.attributes.get(key):
                 place = ((10, x), (20, y), (30, 0.0), (40, 1.0))
                 text = escape_text(str(value))

@@ -1,4 +1,4 @@
-"""Packs a strip with sparrow in a process of its own: `python -m kerfwise.apps.nesting.placement.sparrow_child`, JSON in and out.
+"""Packs a strip with sparrow, JSON in and out: `python -m kerfwise.apps.nesting.placement.sparrow_child`.
 
 A shape that sparrow does not like ends its process, whatever Python would catch; so nobody else stands in it.
 """

@@ -9,8 +9,8 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from kerfwise.apps.resequence.result import clock_text
 from kerfwise.encoder.cut import Cut, CutSequence, Tab
+from kerfwise.postproc.report.legend import clock_text
 
 from .sides import Side
 

@@ -15,11 +15,11 @@ from anyio import to_thread
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
 
+from kerfwise.apps.viewer import page
 from kerfwise.apps.viewer.page.page_html import as_script_data, page_and_policy
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
 from kerfwise.languages.catalogue import page_texts
-from kerfwise.postproc import report
 
 from .guard import Answer, changes_in, gone, said_in, session_of, whole
 from .nest_folder import NestFile, is_readable
@@ -451,7 +451,7 @@ def static_file(name: str) -> Response:
     kind = _KINDS.get(plain.suffix)
     if kind is None or len(plain.parts) != 1 or plain.name != name:
         return PlainTextResponse("there is no such file", 404)
-    folders = files(__package__).joinpath("hands"), files(report).joinpath("page_files")
+    folders = files(__package__).joinpath("hands"), files(page).joinpath("page_files")
     found = next((file for folder in folders if (file := folder.joinpath(name)).is_file()), None)
     if found is None:
         return PlainTextResponse("there is no such file", 404)

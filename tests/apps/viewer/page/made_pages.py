@@ -18,7 +18,7 @@ from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.overrides import without_rule
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.json"
+EXAMPLE = Path(__file__).parents[4] / "examples" / "nests" / "e1x_6.json"
 EVIL = "<img src=x onerror='window.evil=1'></script><script>window.evil=1</script>"
 _LIMITS = {"work": 0.5, "seed": 1}
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.apps.viewer import page, serve
 from kerfwise.apps.viewer.page.page_html import bundled
 from kerfwise.apps.viewer.serve.routes import ENTRY
-from kerfwise.postproc import report
 from kerfwise.tests.tools.typescript import compiler
 
 HERE = Path(__file__).parent
-FILES = Path(report.__file__).parent / "page_files"
-HANDS = Path(report.__file__).parents[2] / "serving" / "hands"
+FILES = Path(page.__file__).parent / "page_files"
+HANDS = Path(serve.__file__).parent / "hands"
 
 
 @pytest.fixture

@@ -14,14 +14,14 @@ from typing import Any
 
 import pytest
 
+from kerfwise.apps.viewer import page
 from kerfwise.apps.viewer.page.page_html import as_script_data, bundled, page_html
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc import report
 from kerfwise.postproc.report import Spot, draw
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
-FILES = Path(report.__file__).parent / "page_files"
+FILES = Path(page.__file__).parent / "page_files"
 MOST_LINES = 200
 EVIL = "</script><b>@data<!-- \u2028 &amp;"
 

@@ -1,6 +1,7 @@
 """The walk-through of the docs: what is done on the page of `kerfwise serve`, step by step.
 
-`python -m kerfwise.tests.apps.viewer.serve.walk_through docs/walk-through` does it in Chromium, and writes the pictures.
+`python -m kerfwise.tests.apps.viewer.serve.walk_through docs/walk-through` does it in Chromium and writes the
+pictures.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.apps.edit.edited_nest import EditedNest, editing
 from kerfwise.apps.nesting.find_nests import (
     PURPOSES,
     WEIGH_WORK,
@@ -28,15 +27,12 @@ from kerfwise.apps.nesting.request import order_of
 from kerfwise.apps.nesting.result import Done, Nests, nests_of_job
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import unknown
-from kerfwise.jobs.inputs import NestLike, ProfileLike, plant_of, reading
-from kerfwise.jobs.nest_job.request import JobLike, answered, inputs_for, last_plan
+from kerfwise.jobs.inputs import ProfileLike, plant_of, reading
+from kerfwise.jobs.nest_job.request import answered
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import WORK
-from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.profile import Profile
-
-from .reading import LockLike, Settings, nest_request
 
 Files = Mapping[str | Path, int] | Iterable[str | Path] | str | Path
 """Files with how many of each, or words as on the command line, such as bracket.dxf=12, or the path of a list."""
@@ -190,60 +186,6 @@ def make(
         for one, result in found
     ]
     return nests_of_job(request, done, seed, notes)
-
-
-def edit(
-    nest: NestLike,
-    profile: ProfileLike | None = None,
-    *changes: str,
-    cut_by: Plan | str | Path | None = None,
-    upto: int | None = None,
-    gap_mm: float | None = None,
-    edge_mm: float | None = None,
-    job: JobLike = None,
-    settings: Settings = (),
-    locks: Iterable[LockLike] | LockLike = (),
-    answers: Mapping[str, str] | None = None,
-) -> EditedNest:
-    """A nest that can be changed, as `kerfwise edit` does: each change gives another one, and can be undone.
-
-    Parameters
-    ----------
-    nest, profile, job, settings, locks, answers
-        As for `solve`.
-    changes
-        Such as "drop P1", "keep P1 P2", "move P1 10 -5", "turn P1 90", "mirror P1", "sheet 400x300",
-        "add bracket.dxf=2", "nest-anew P1" (all but P1).
-    cut_by, upto
-        A plan or program that is cut already, wholly or up to that cut: its parts stay where they are.
-    gap_mm, edge_mm
-        Distances, mm, instead of those of the profile.
-
-    Returns
-    -------
-    EditedNest
-        `nest`, `off`, `do`, `undo`, `redo`, `save`.
-
-    Raises
-    ------
-    InputError
-        If something given cannot be used, there is no such part, or parts would come too near to each other.
-
-    Examples
-    --------
-    >>> import kerfwise
-    >>> changed = kerfwise.edit("examples/nests/e1x_6.json", None, "drop part#1").do("drop part#3")
-    >>> len(changed.nest.parts), len(changed.undo().nest.parts)
-    (6, 7)
-    """
-    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, cut_by, answers))
-    done: set[str] = set()
-    if cut_by is not None:
-        file = nest if isinstance(nest, str | Path) else None
-        cuts = last_plan(cut_by, inputs.nest, file, inputs.profile).cuts
-        done = {contour for number, contour in cuts.items() if upto is None or number <= upto}
-    edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=done)
-    return edited.do(*changes) if changes else edited
 
 
 def _always(plant: Profile) -> Callable[[object, int], Profile]:

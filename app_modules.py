@@ -1,0 +1,44 @@
+"""The apps that are installed beside the core, and what they offer, found by name: the core imports none of them."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+APPS = "kerfwise.apps"
+
+
+def verbs() -> dict[str, tuple[str, str]]:
+    """Verb of an app → the module that has its command, and what it does in a line."""
+    return {name: (f"{APPS}.{module}", does) for name, (module, does) in _table("VERBS").items()}
+
+
+def interface_names() -> dict[str, str]:
+    """Name of the Python interface that an app has → its module."""
+    return {name: f"{APPS}.{module}" for name, module in _table("NAMES").items()}
+
+
+def app_module(name: str) -> Any:
+    """A module of an app by its name in `kerfwise.apps`, such as `distortion.predict`.
+
+    Raises
+    ------
+    InputError
+        If the app is not installed.
+    """
+    try:
+        return importlib.import_module(f"{APPS}.{name}")
+    except ModuleNotFoundError as error:
+        if error.name is None or not error.name.startswith(APPS):
+            raise
+        from kerfwise.encoder.errors import InputError
+
+        raise InputError(f"the app {name.partition('.')[0]!r} of kerfwise is not installed") from None
+
+
+def _table(name: str) -> dict[str, Any]:
+    try:
+        found: dict[str, Any] = getattr(importlib.import_module(APPS), name)
+    except ModuleNotFoundError:
+        return {}
+    return found

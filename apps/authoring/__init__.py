@@ -1,0 +1,1 @@
+"""What authors of rules, profiles and dialects have: pages, checks, drafts, trials."""

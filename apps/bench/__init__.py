@@ -1,0 +1,1 @@
+"""Measures engines on nests and on the field's routing instances."""

@@ -1,0 +1,1 @@
+"""Trades idle travel against overheats: a front of plans."""

@@ -1,0 +1,1 @@
+"""What the operator has on paper beside the machine."""
