@@ -275,8 +275,13 @@ class Problem:
             table = np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
         else:
             ends, pierces = self._at(self.end_um, leave), self._at(self.pierce_um, reach)
-            over, up = (ends[:, None, axis] - pierces[None, :, axis] for axis in (0, 1))
-            table = np.rint(self.travel_weight * np.sqrt(over**2 + up**2)).astype(np.int64)
+            far, up = (ends[:, None, axis] - pierces[None, :, axis] for axis in (0, 1))
+            far *= far  # in place: of thousands of sites each array is large
+            up *= up
+            far += up
+            np.sqrt(far, out=far)
+            far *= self.travel_weight
+            table = np.rint(far, out=far).astype(np.int64)
         if len(self.links):
             self.links.laid_over(table, np.asarray(leave), np.asarray(reach))
         if self.matrix is None and len(self.moves.price):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from math import inf
 from operator import methodcaller
 
@@ -54,13 +54,18 @@ class Searcher:
     """
 
     def __init__(self, problem: Problem, seed: int = 1, chains: bool = True) -> None:
-        self._problem = problem
-        fields = make_tables(problem)
+        self._problem, self._seed = problem, seed
+        self._fields = fields = make_tables(problem)
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, fields, self._walkers, seed) if mergeable(problem) else None
-        self._regions = Regions(problem, fields, seed) if regional(problem) else None
+        self._regional = regional(problem)
         self._heat = HOTTER if problem.n <= FEW else 1.0
         self._longest = 0  # annealing of the whole route, in operations
+
+    @cached_property
+    def _regions(self) -> Regions:
+        """Made where there is work for a look by regions: it loads a library."""
+        return Regions(self._problem, self._fields, self._seed)
 
     @property
     def best(self) -> Incumbent | None:
@@ -100,7 +105,7 @@ class Searcher:
 
     def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress) -> bool:
         """See `run`; `budget` is in operations."""
-        if self._regions is None:
+        if not self._regional:
             return self._by_annealing(pool, budget, time_s, progress)
         ends_s = inf if time_s is None else running_s() + time_s
         whole = min(int(WHOLE * _likely(budget, time_s)), int(WHOLE_MOST * self._problem.n**1.5))

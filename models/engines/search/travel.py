@@ -73,9 +73,10 @@ def make_legs(problem: Problem) -> Legs:
         travel = problem.travel(np.arange(m + 1), np.arange(m + 1))
         from_site, to_site, cost = always_crossed(problem)
         np.add.at(travel, (from_site, to_site), cost)
-        lawful = np.where(travel > LAWFUL_MOST, travel - UNLAWFUL, travel)
-        leave = _least(lawful[:, :m], problem.first)
-        enter = _least(lawful[:m].T, problem.first)
+        barred = travel.max() > LAWFUL_MOST
+        lawful = np.where(travel > LAWFUL_MOST, travel - UNLAWFUL, travel) if barred else travel
+        leave = _least(lawful[:, :m], problem.first, axis=1)
+        enter = _least(lawful[:m], problem.first, axis=0).T
     return Legs(
         n=n,
         m=m,
@@ -83,8 +84,8 @@ def make_legs(problem: Problem) -> Legs:
         contour=np.append(problem.site_contour, n),
         site_cost=problem.site_cost,
         travel=travel,
-        leave=leave,
-        enter=enter,
+        leave=np.ascontiguousarray(leave),
+        enter=np.ascontiguousarray(enter),
         pierce=problem.pierces().astype(np.float64),
         end=problem.ends().astype(np.float64),
         weight=float(problem.travel_weight),
@@ -111,11 +112,11 @@ def _cheapest(problem: Problem, to: Ints, home: int) -> Ints:
     return least
 
 
-def _least(travel: Ints, first: Ints) -> Ints:
-    """Least of each contour's columns."""
+def _least(travel: Ints, first: Ints, axis: int) -> Ints:
+    """Least of each contour's columns, or rows."""
     if len(first) == 1:
-        return np.zeros((len(travel), 0), dtype=np.int64)
-    return np.ascontiguousarray(np.minimum.reduceat(travel, first[:-1], axis=1), dtype=np.int64)
+        return np.zeros((len(travel), 0) if axis else (0, travel.shape[1]), dtype=np.int64)
+    return np.asarray(np.minimum.reduceat(travel, first[:-1], axis=axis), dtype=np.int64)
 
 
 def _circles(points: Ints, first: Ints) -> Floats:

@@ -389,22 +389,29 @@ class Hold:
     about: About
 
 
-def blocking_orders(setting: PlanContext, contour: int, earlier: bool, most: int | None = None) -> tuple[Hold, ...]:
-    """The orders that keep a contour from coming earlier (else later), the `most` nearest in the plan or all of them.
-
-    The nearest comes first.
-    """
+def blocking_orders(setting: PlanContext, contour: int, earlier: bool) -> tuple[Hold, ...]:
+    """The orders that keep a contour from coming earlier (else later), the nearest in the plan first."""
     mine, other = (1, 0) if earlier else (0, 1)
-    rows = np.flatnonzero(setting.pairs[:, mine] == contour)
-    if not len(rows):
-        return ()
+    rows, place = np.flatnonzero(setting.pairs[:, mine] == contour), _places(setting)
+    away = np.abs(place[setting.pairs[rows, other]] - place[contour])
+    return tuple(_hold(setting, row, other, place) for row in rows[np.argsort(away, kind="stable")].tolist())
+
+
+def nearest_orders(setting: PlanContext, earlier: bool) -> dict[int, Hold]:
+    """The first of these of each contour that has one."""
+    mine, other = (1, 0) if earlier else (0, 1)
     place = _places(setting)
-    rivals = setting.pairs[rows, other]
-    nearest = np.argsort(np.abs(place[rivals] - place[contour]), kind="stable")[:most].tolist()
-    return tuple(
-        Hold(setting.name(rival), int(place[rival]) + setting.made, setting.orders[rows[k]].about)
-        for k, rival in zip(nearest, rivals[nearest].tolist(), strict=True)
-    )
+    away = np.abs(place[setting.pairs[:, other]] - place[setting.pairs[:, mine]])
+    rows = np.lexsort((away, setting.pairs[:, mine]))
+    contours = setting.pairs[rows, mine]
+    first = np.flatnonzero(np.diff(contours, prepend=-1))
+    held = zip(contours[first].tolist(), rows[first].tolist(), strict=True)
+    return {contour: _hold(setting, row, other, place) for contour, row in held}
+
+
+def _hold(setting: PlanContext, row: int, other: int, place: Ints) -> Hold:
+    rival = int(setting.pairs[row, other])
+    return Hold(setting.name(rival), int(place[rival]) + setting.made, setting.orders[row].about)
 
 
 def _places(setting: PlanContext) -> Ints:
@@ -425,7 +432,7 @@ def chain(setting: PlanContext, contour: int, earlier: bool) -> tuple[Hold, ...]
         if (away[nearest] > 0) != earlier:  # the plan does not keep the order, as an old one need not
             break
         at = int(setting.pairs[rows[nearest], other])
-        found.append(Hold(setting.name(at), int(place[at]) + setting.made, setting.orders[rows[nearest]].about))
+        found.append(_hold(setting, int(rows[nearest]), other, place))
     return tuple(found)
 
 

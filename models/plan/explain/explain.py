@@ -41,7 +41,7 @@ from .alternatives import (
 )
 from .context import PlanContext, make_context
 from .price_split import price_split
-from .reasons import EXEMPTION_UM, Reasons, kept_orders
+from .reasons import EXEMPTION_UM, Reasons
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -79,6 +79,7 @@ def explained(
 ) -> Explanation:
     """One contour of a plan whose setting is made already, and perhaps what is known `along` its order."""
     along = along or PositionCosts(setting)
+    reasons = reasons or Reasons(setting, along)
     facts, profile = setting.facts, setting.profile
     number = facts.nest.index[contour]
     order, budget_kj = setting.order, facts.options.zone_heat_kj
@@ -111,7 +112,7 @@ def explained(
         planned.pierced_because,
         "".join(common_because(facts, facts.candidates[setting.candidates[k]], contour)),
         facts.nest.contours[number].source.told(),
-        (reasons or Reasons(setting, along)).of(number).lines(contour) or kept_orders(setting, number),
+        reasons.of(number).lines(contour) or reasons.kept(number),
         tuple((rule, why, mm) for rule, names, why, mm in price_split(setting).breaches if contour in names),
     )
 

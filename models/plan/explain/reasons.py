@@ -16,7 +16,7 @@ from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About
 from kerfwise.rules.stating.lazy_statements import lazy_statements, meeting_of
 
-from .alternatives import PositionCosts, blocking_orders
+from .alternatives import Hold, PositionCosts, nearest_orders
 from .context import PlanContext
 from .other_places import MATTERS_UM, OtherPlace, OtherPlaces
 from .price_split import price_split
@@ -178,6 +178,16 @@ class Reasons:
             return WhyHere(tuple(single or found))
         return WhyHere(for_travel_um=None if turned or alone else self._for_travel(contour))
 
+    @cached_property
+    def _nearest(self) -> list[dict[int, Hold]]:
+        return [nearest_orders(self.setting, earlier) for earlier in (True, False)]
+
+    def kept(self, contour: int) -> tuple[str, ...]:
+        """The nearest orders that a contour keeps, where nobody has looked what would be without them."""
+        kept = tuple(f"kept: {near[contour].about.sentence}" for near in self._nearest if contour in near)
+        name = self.setting.name(contour)
+        return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)
+
     def _strongest(self, candidates: Sequence[tuple[tuple[About, ...], int, OtherPlace]]) -> Reason | None:
         """The reason of the fewest statements that saves most, with what geometry finds there; None if not looked."""
         ranked = sorted(candidates, key=lambda of: (_rank(of[0]), -of[1]))
@@ -245,7 +255,7 @@ def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
     reasons = Reasons(setting)
     cuts = []
     for contour, cut in zip(setting.order, plan.items, strict=True):
-        why = reasons.of(contour).sentences(setting.name(contour)) or kept_orders(setting, contour)
+        why = reasons.of(contour).sentences(setting.name(contour)) or reasons.kept(contour)
         how = next((k for k, reason in enumerate(cut.because) if reason.startswith(ENTRY)), len(cut.because))
         cuts.append(replace(cut, because=(*cut.because[:how], *why, *cut.because[how:])))
     return replace(plan.with_items(cuts), prices=price_split(setting))
@@ -253,11 +263,3 @@ def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
 
 ENTRY = ("entered at ", LINKED)
 """How what a plan says of an entry begins."""
-
-
-def kept_orders(setting: PlanContext, contour: int) -> tuple[str, ...]:
-    """The nearest orders that a contour keeps, where nobody has looked what would be without them."""
-    nearest = [blocking_orders(setting, contour, earlier=earlier, most=1) for earlier in (True, False)]
-    kept = tuple(f"kept: {hold.about.sentence}" for holds in nearest for hold in holds)
-    name = setting.name(contour)
-    return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)

@@ -17,6 +17,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.plan.explain import as_text, explain, explanation_as_json
+from kerfwise.models.plan.explain.alternatives import blocking_orders, nearest_orders
 from kerfwise.models.plan.explain.context import PlanContext, make_context
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.rules.case import circle, nest, part, rect
@@ -65,6 +66,17 @@ def test_as_data() -> None:
     assert told["contour"] == "P2.outer"
     assert told["earlier"][0]["about"]["rule"] == "level-ahead"
     assert told["entry"]["lawful"][0]["more_um"] > 0
+
+
+@pytest.mark.parametrize("earlier", [True, False])
+def test_the_nearest_orders_of_all_contours_are_those_of_each(earlier: bool) -> None:
+    profile = plant()
+    facts, stated, plan = proven_plan(PLATE, profile)
+    setting = make_context(facts, profile, stated, plan)
+    each = {c: blocking_orders(setting, c, earlier) for c in range(facts.n)}
+    found = nearest_orders(setting, earlier)
+    assert len(found) > 1
+    assert found == {c: holds[0] for c, holds in each.items() if holds}
 
 
 def test_unknown_contour() -> None:
