@@ -1,4 +1,4 @@
-"""Kerf that the control adds: the judge's own paths beside what is named, against LinuxCNC's interpreter and by hand."""
+"""Kerf that the control adds: this judge's paths beside what is named, against LinuxCNC's interpreter and by hand."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 from kerfwise.tests.metal.beside import Move, NoRoom, torch_ways
 from kerfwise.tests.metal.hand_made import HEAD, TAIL
 from kerfwise.tests.metal.made_nests import made
-from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.planned import tried
+from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.program import UnreadableProgram, read_program
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.metal.test_program import shared_mm
