@@ -46,7 +46,11 @@ INERTIA = 0.4
 
 
 class TooMuch(Exception):
-    """A single round takes more than there is."""
+    """A single round takes more than there is; `work` deterministic seconds were spent before that was known."""
+
+    def __init__(self, work: float = 0.0) -> None:
+        super().__init__()
+        self.work = work
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -97,13 +101,15 @@ def complete(
         If one round takes `most` or more.
     """
     n = problem.n
+    lawful, first = problem.successors(), problem.first
+    earliest, latest = problem.before.sum(axis=0) + 1, n - problem.before.sum(axis=1)
+    if _additions(problem, None, lawful, earliest, latest) >= most * ADDITIONS_PER_S:  # its tables alone take long
+        raise TooMuch
     move = least_moves(problem)
     near = ng_sets(problem, move, _affordable(problem, most_neighbours, deadline.most_bytes))
     back = np.ascontiguousarray(move.T)
     back[: problem.m] += problem.site_cost[:, None]
-    lawful, first = problem.successors(), problem.first
-    earliest, latest = problem.before.sum(axis=0) + 1, n - problem.before.sum(axis=1)
-    cost = _additions(problem, near, earliest, latest)
+    cost = _additions(problem, near, lawful, earliest, latest)
     if cost >= most * ADDITIONS_PER_S:
         raise TooMuch
     price = best_price = heading = np.zeros(n)
@@ -160,13 +166,14 @@ def _affordable(problem: Problem, most: int, most_bytes: float) -> int:
     return max(0, min(most, int(np.log2(max(1, numbers / max(1, one))))))
 
 
-def _additions(problem: Problem, near: NgSets, earliest: Ints, latest: Ints) -> float:
-    """What one round takes."""
+def _additions(problem: Problem, near: NgSets | None, lawful: NDArray[np.bool_], earliest: Ints, latest: Ints) -> float:
+    """What one round takes, by `problem.successors()`; without `near` that of a walk which remembers nothing."""
     sites = np.diff(problem.first)
-    numbers = (np.diff(np.sort(near.carried, axis=2), axis=2) > 0).sum(axis=2) + 1
-    ways = np.where(problem.successors()[:-1, :-1], numbers, 0) * sites[:, None] * sites[None, :]
+    numbers = 1 if near is None else (np.diff(np.sort(near.carried, axis=2), axis=2) > 0).sum(axis=2) + 1
+    ways = np.where(lawful[:-1, :-1], numbers, 0) * sites[:, None] * sites[None, :]
     places = np.minimum(latest[:, None], latest[None, :] - 1) - np.maximum(earliest[:, None], earliest[None, :] - 1) + 1
-    return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * near.size * 4) + 1.0
+    memories = 1 if near is None else near.size
+    return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * memories * 4) + 1.0
 
 
 # The inner loops of the bound by walks, compiled by numba.

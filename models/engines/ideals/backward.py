@@ -101,7 +101,7 @@ def settle(
 
 
 def _rest(posed: Problem, relaxed: ReducedCosts) -> Completion:
-    """What is still to come of what multipliers leave, from the end to the beginning."""
+    """What is still to come of what multipliers leave, from the end to the beginning: one round, as it took before."""
     walked = reverse_problem(replace(posed, matrix=relaxed.dear, conditions=()))
     return bounds.complete(walked, None, Deadline(0.0), MOST_NEIGHBOURS)
 

@@ -60,6 +60,7 @@ def price(
     deadline: Deadline,
     earlier: Sequence[StretchPrices] = (),
     swept: float = 0.0,
+    overdrawn_s: float = 0.0,
 ) -> PricedStretches | None:
     """Solve the linear program of every stretch, the last first, and sweep it backwards.
 
@@ -71,6 +72,8 @@ def price(
         Its work is that of all programs.
     swept
         Deterministic seconds of all sweeps backwards.
+    overdrawn_s
+        Deterministic seconds by which the bounds by walks may take more than is left.
     earlier
         What was found of the same problem with fewer statements: it stays where a stretch is as it was.
 
@@ -94,7 +97,8 @@ def price(
         known = earlier[k] if len(earlier) == len(groups) else None
         onward = found[-1].onward if found else home_from(problem, ends_of(problem, groups[k])[1])
         query = _Asked(parts.of(groups[k]), groups[k], before, out, onward, known)
-        here, took = query.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes))
+        left_s = deadline.work - spent + overdrawn_s
+        here, took = query.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes), left_s)
         spent += took
         if here is None:
             return None
@@ -124,8 +128,11 @@ class _Asked:
     onward: Ints
     known: StretchPrices | None
 
-    def priced(self, route: Sequence[int], known: int, deadline: Deadline) -> tuple[Priced | None, float]:
-        """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there."""
+    def priced(self, route: Sequence[int], known: int, deadline: Deadline, most: float) -> tuple[Priced | None, float]:
+        """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there.
+
+        None where a single round of the bound by walks takes `most` deterministic seconds or more.
+        """
         problem, own = self.problem, self.problem.sites_of(self.group)
         leave = ends_of(problem, self.group)[1]
         travel = travel_between(problem, self.before, own)
@@ -143,7 +150,11 @@ class _Asked:
         posed = _posed(relaxed)
         target = float(max(1, of_plan.cost - relaxed.bound))
         walked = replace(posed, matrix=relaxed.dear, conditions=())
-        rest = bounds.complete(walked, target, deadline.counting(WALKS * deadline.work), MOST_NEIGHBOURS)
+        walks = deadline.counting(WALKS * deadline.work)
+        try:
+            rest = bounds.complete(walked, target, walks, MOST_NEIGHBOURS, most)
+        except bounds.TooMuch:
+            return None, deadline.work
         entry = entering(relaxed.network, travel)
         enter = np.minimum(relaxed.network.cost[-1, :-1], FAR).astype(np.int64)
         lows = np.minimum(relaxed.dear[-1, :-1] + entry - enter, FAR)

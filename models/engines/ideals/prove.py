@@ -50,6 +50,9 @@ PRICED_WIDER = 2.5
 PRICED, PRICED_ALONE, BACKWARD = 0.4, 0.5, 0.45
 """Share of the work that is left for linear programs of the stretches, where walks do not suffice; and where nothing
 but these is tried; and share for sweeps of single stretches backwards, where there are several."""
+OVERDRAWN_S = 0.5
+"""Deterministic seconds by which bounds by walks may take more than the work that is left, where linear programs come
+next, or have been solved: one round of each stretch at the least, which takes long where stretches are large."""
 AS_GOOD_AS_IT_GETS = 0.8
 """A bound that took no more than this of its share will not become better with more."""
 MOST_SITES_PRICED = 1000
@@ -157,11 +160,12 @@ def prove(
         tried = share != stages[0] or earlier
         if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
             return found
-        most = rounds.left if not programs and rounds.least <= 0 else inf  # with as much no sweep is left, and no bound
         try:
+            most = rounds.left + (OVERDRAWN_S if programs else 0.0)  # with as much no sweep is left, but programs are
             bound = bound_by_walks(problem, incumbent, deadline.within(share * work), most)
-        except bounds.TooMuch:
-            return None
+        except bounds.TooMuch as error:
+            rounds.left -= error.work
+            return (rounds.priced(incumbent, earlier) if programs and not tried else None) or rounds.proven
         rounds.left -= bound.work
         more = programs and share == stages[0]  # linear programs come next
         last = share == stages[-1] or (bound.work <= AS_GOOD_AS_IT_GETS * share * work and not more)
@@ -279,7 +283,7 @@ class _Rounds:
         apart = len(series(self.problem)) > 1
         swept = BACKWARD * self.left if apart else 0.0
         within = self.deadline.within(part * self.deadline.work).counting(share)
-        stretches = priced.price(self.problem, incumbent, within, earlier, swept)
+        stretches = priced.price(self.problem, incumbent, within, earlier, swept, OVERDRAWN_S)
         if stretches is None:
             self.left -= share
             return self.proven

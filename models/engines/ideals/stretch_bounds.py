@@ -84,6 +84,7 @@ def look_ahead(
     numbers = sum((len(group) + 1) * len(of) for of, group in zip(sites, groups, strict=True))
     remembered = int(np.log2(max(1.0, SHARE * deadline.most_bytes / BYTES_A_NUMBER / max(1, numbers))))
     until = np.cumsum([len(group) for group in groups]).tolist()
+    spent = 0.0
     found: list[Ahead] = []
     parts, shelf = ConditionsByContour(problem), Arena()
     for k in reversed(range(len(groups))):
@@ -96,8 +97,11 @@ def look_ahead(
         known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
         known += int(onward[ends[k][1] == own[-1]][0])
         share = deadline.counting(deadline.work * float(weight[k] / weight.sum()))
-        bound = bounds.complete(apart, known, share, min(MOST_NEIGHBOURS, remembered), most)
-        most -= bound.work
+        try:
+            bound = bounds.complete(apart, known, share, min(MOST_NEIGHBOURS, remembered), most - spent)
+        except bounds.TooMuch:
+            raise bounds.TooMuch(spent) from None
+        spent += bound.work
         kept = replace(bound, to_go=shelf.put(bound.to_go))
         found.append(Ahead(groups[k], sites[k], *ends[k], onward, kept))
     return found[::-1]
