@@ -8,17 +8,24 @@ from typing import Literal
 
 import numpy as np
 
+from kerfwise.models.engines.tuning import (
+    ARCS_LISTED_PER_S,
+    ARCS_PER_S,
+    BESIDE_GB,
+    BYTES_A_ROW,
+    LEAST_SHARE,
+    MAX_ARCS,
+    MEMORY_GB,
+    PAIRS_PER_S,
+)
+from kerfwise.models.engines.tuning import SOLUTION_ROWS_PER_S as ROWS_PER_S
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.problem.problem import Problem
 
 from . import Member
 
 Status = Literal["optimal", "feasible"]
-MEMORY_GB = 2.0
-"""What a solve may hold where nobody says more or less."""
 BYTES_PER_GB = 1e9
-BESIDE_GB, LEAST_SHARE = 0.4, 0.2
-"""What libraries, nest and problem take beside the tables of engines; and the share that is left for those anyway."""
 
 
 def table_bytes(memory_gb: float, held_bytes: float = 0.0) -> float:
@@ -98,16 +105,6 @@ class Solution:
 #
 # Deterministic seconds, worked out from sizes alone: measured on nests of 60 to 308 contours and on routing instances
 # of 17 to 699.
-
-MAX_ARCS = 80_000
-"""Arcs between sites above which CP-SAT's model is not made: it takes longer than flows take to a better bound."""
-ROWS_PER_S = 8e6
-"""Crossings that are put in order in a second."""
-ARCS_LISTED_PER_S, ARCS_PER_S, PAIRS_PER_S = 1e6, 1e5, 2.5e4
-"""Arcs between sites that CP-SAT's model is made of: listed with their prices, and made, presolved and begun with; and
-pairs of contours that may follow each other, of which there are orders and arcs."""
-BYTES_A_ROW = 60
-"""What every crossing takes in the tables of the search while they are made."""
 
 
 def crossed_bytes(problem: Problem) -> int:

@@ -19,30 +19,23 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Int16s, Ints
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.tuning import COMPLETION_ADDITIONS_PER_S as ADDITIONS_PER_S
+from kerfwise.models.engines.tuning import COMPLETION_BYTES_A_NUMBER as BYTES_A_NUMBER
+from kerfwise.models.engines.tuning import COMPLETION_MOST_NEIGHBOURS as MOST_NEIGHBOURS
+from kerfwise.models.engines.tuning import COMPLETION_PATIENCE as PATIENCE
+from kerfwise.models.engines.tuning import COMPLETION_SHARE as SHARE
+from kerfwise.models.engines.tuning import COMPLETION_SHORTEST as SHORTEST
+from kerfwise.models.engines.tuning import INERTIA, MOST_NUMBERS, WORTH_SHARING
 from kerfwise.models.jit import cores, jit
 from kerfwise.models.problem.problem import Problem
 
 from .move_costs import least_moves
 
-ADDITIONS_PER_S = 6e8
 THREADS = cores()
-MOST_NEIGHBOURS = 7
-MOST_NUMBERS = 60_000_000
-"""Of all tables together."""
-SHARE, BYTES_A_NUMBER = 0.3, 8
-"""Share of the bytes given that the tables may take; a sweep with its own follows."""
 GRAIN = 64.0
 """Prices are multiples of 1 / 64: sums of them and of whole costs are then exact in doubles, below 10¹⁴."""
 DEAREST = 1e12
 """Prices stay within this, so that sums stay exact."""
-PATIENCE = 8
-"""Rounds without a better bound after which the steps become shorter."""
-SHORTEST = 0.002
-"""Steps below which no more rounds are worth it."""
-WORTH_SHARING = 2e5
-"""Additions at a place from which on other threads are worth waking."""
-INERTIA = 0.4
-"""How much of the last direction is in the next (Camerini, Fratta and Maffioli 1975)."""
 
 
 class TooMuch(Exception):

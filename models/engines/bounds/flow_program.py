@@ -9,24 +9,16 @@ from scipy.sparse import csr_matrix, vstack
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.tuning import DEAR_UM, FEWER_MOVES, MANY_MOVES, PRIMAL
+from kerfwise.models.engines.tuning import PROGRAM_AT_ONCE as AT_ONCE
+from kerfwise.models.engines.tuning import PROGRAM_AT_ONCE_S as AT_ONCE_S
+from kerfwise.models.engines.tuning import PROGRAM_FEW as FEW
 
-from .flow_work import PRIMAL, look_s, made_s, round_s
+from .flow_work import look_s, made_s, round_s
 from .inequalities import Inequalities
 from .network import AllMoves, Multipliers, Network
 from .restricted_master import RestrictedMaster
 from .separation import Flow
-
-AT_ONCE_S, AT_ONCE = 1.0, 0.2
-"""Deterministic seconds from one question whether there is time left to the next; and share of the work that is left,
-where that is more, as a program that is broken off often takes longer."""
-SHORT_S = 0.5
-"""A look at all moves that takes no longer is always had to its end: what was solved last is worth it."""
-FEW = 1000
-"""Rounds of the simplex method that there is always time for."""
-MANY_MOVES, FEWER_MOVES = 8, 5
-"""Moves for every site, beyond which the dearest are dropped, and how many stay."""
-DEAR_UM = 1.0
-"""A move that is no dearer than this is not dropped."""
 
 
 class FlowProgram:

@@ -2,22 +2,8 @@
 
 from __future__ import annotations
 
-MOST_SITES, MOST_CONTOURS = 9000, 1500
-"""With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
-SETTING_OUT = 0.75
-"""Share of the work that may go before the first bound; where it takes more, contours stand for all of their sites."""
-
-ROWS_PER_S = 1e7
-"""Rows times rounds of the simplex method that a second is counted for, where there are half as many cuts as contours
-or more."""
-PRIMAL = 0.4
-"""Share of that which a round of the primal simplex method takes."""
-FREE = 0.2
-"""Share of either which a round takes without cuts."""
-LOOKED_PER_S = 4e7
-"""Moves that a look at all goes through."""
-MADE_PER_S = 1e7
-"""Moves whose costs are worked out, and that are gone through for the first ones."""
+from kerfwise.models.engines.tuning import FLOWS_ROWS_PER_S as ROWS_PER_S
+from kerfwise.models.engines.tuning import FREE, LOOKED_PER_S, MADE_PER_S
 
 
 def round_s(contours: int, sites: int, cuts: int) -> float:

@@ -10,6 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.engines.tuning import ENOUGH_OF_PLAN, MORE, MORE_EACH, MOST_SPLIT
+from kerfwise.models.engines.tuning import NETWORK_ENOUGH as ENOUGH
+from kerfwise.models.engines.tuning import NETWORK_NEAREST as NEAREST
+from kerfwise.models.engines.tuning import NETWORK_ROWS as ROWS
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.moves import MovePrices
@@ -24,9 +28,6 @@ from .move_costs import Inside, contract_condition, costs_of, passages_of, renum
 # that site must keep clear of what comes after the neighbour, and the site follows nothing that another site forbids.
 # Where a condition can be paid for, its site is there twice: once as it asks, once paid. Blocks that their last
 # contour can stand for are there by that alone.
-
-MOST_SPLIT = 2
-"""Conditions of a site that are paid for by a site of their own, at the most."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -211,16 +212,8 @@ def _on(splits: list[_Split], route: Sequence[int], problem: Problem) -> Iterato
 #
 # The program holds few moves; a bound must hold of all, and it does whatever the multipliers are.
 
-NEAREST = 3
-"""Moves from and to every site that are looked at from the start."""
-MORE, MORE_EACH = 8000, 30
-"""Moves that are added at once at the most, or so many for every contour, where those are more."""
 MARGIN_UM = 0.5
 """Plans cost whole numbers: one that is cheaper than the known one costs 1 less."""
-ENOUGH, ENOUGH_OF_PLAN = 1.0, 1e-6
-"""A move that would make the program cheaper by no more than this, or this share of the plan, is not missing."""
-ROWS = 128
-"""Sites whose moves are gone through at once."""
 
 
 class Multipliers(NamedTuple):

@@ -24,6 +24,8 @@ from kerfwise.models.engines.bounds.network import Network
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts, entering, reduced_costs
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import BACKWARD_MOST_NEIGHBOURS as MOST_NEIGHBOURS
+from kerfwise.models.engines.tuning import SEVERAL, WALKS
 from kerfwise.models.problem.bitsets import Masks, words
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
@@ -31,7 +33,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 
-from .backward import MOST_NEIGHBOURS, Settled, settle
+from .backward import Settled, settle
 from .lattice import sweeping
 from .priced_stretches import Priced, PricedStretches, StretchPrices
 from .stretch import ConditionsByContour, CrossingAlternatives, nothing_over, series
@@ -48,10 +50,6 @@ from .stretch_tables import (
 )
 
 ABOUT = About("network", (), "what a site asks that is split by its conditions")
-WALKS = 0.05
-"""Share of the work that bounds by walks may take."""
-SEVERAL = 3.0
-"""A sweep backwards may take as many times its even share of what is left, as most need little."""
 
 
 def price(
