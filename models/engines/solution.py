@@ -13,7 +13,11 @@ from kerfwise.models.engines.tuning import (
     ARCS_PER_S,
     BESIDE_GB,
     BYTES_A_ROW,
+    FLOWS_ROWS_PER_S,
+    FREE,
     LEAST_SHARE,
+    LOOKED_PER_S,
+    MADE_PER_S,
     MAX_ARCS,
     MEMORY_GB,
     PAIRS_PER_S,
@@ -124,3 +128,27 @@ def cpsat_s(problem: Problem) -> float:
     if arcs > MAX_ARCS:
         return math.inf
     return arcs / ARCS_LISTED_PER_S + len(problem.crossings) / ROWS_PER_S + arcs / ARCS_PER_S + pairs / PAIRS_PER_S
+
+
+def simplex_round_s(contours: int, sites: int, cuts: int) -> float:
+    """What a round of the simplex method takes in a program of so many sites, with so many cuts."""
+    return (contours + sites + 2 + cuts) * min(1.0, FREE + cuts / (2 * contours)) / FLOWS_ROWS_PER_S
+
+
+def look_s(moves: int) -> float:
+    """What a look at so many moves takes."""
+    return moves / LOOKED_PER_S
+
+
+def made_s(moves: int) -> float:
+    """What it takes to work out what so many moves cost."""
+    return moves / MADE_PER_S
+
+
+def flows_s(contours: int, sites: int) -> float:
+    """About how many deterministic seconds the first bound takes, that of a program without cuts.
+
+    Such a program takes about three rounds of the simplex method for every site, twice, and two looks at all moves.
+    """
+    rows = contours + sites
+    return made_s(sites**2) + 2 * look_s(sites**2) + 6 * sites * rows * FREE / FLOWS_ROWS_PER_S

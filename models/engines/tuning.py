@@ -45,7 +45,7 @@ PROGRAM_FEW = 1000  # Rounds of the simplex method that there is always time for
 MANY_MOVES, FEWER_MOVES = 8, 5  # Moves for every site, beyond which the dearest are dropped, and how many stay.
 DEAR_UM = 1.0  # A move that is no dearer than this is not dropped.
 
-# bounds/flow_work.py
+# What a bound by flows takes: solution.py
 
 FLOWS_MOST_SITES, FLOWS_MOST_CONTOURS = 9000, 1500
 """With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +105,7 @@ def complete(
     cost = _additions(problem, near, lawful, earliest, latest)
     if cost >= most * ADDITIONS_PER_S:
         raise TooMuch
+    walks = Walks(back, lawful, first, earliest, latest, near.carried)
     price = best_price = heading = np.zeros(n)
     shape = (n + 1, near.size, problem.m)
     to_go, least, best = np.empty(shape), np.full(shape, np.inf), np.full(shape, np.inf)
@@ -112,8 +113,8 @@ def complete(
     bound, step, waited, spent = -np.inf, 1.0, 0, 0
     while True:
         spent += 1
-        _look_back(n, cost / max(1, n), (back, lawful, price, first, earliest, latest, near.carried, to_go, least))
-        reached = walk_on(back, lawful, price, first, near.carried, to_go, walk) + price.sum()
+        _look_back(n, cost / max(1, n), walks, price, to_go, least)
+        reached = walk_on(walks, price, to_go, walk) + price.sum()
         if reached > bound or spent == 1:
             bound, best_price, waited = reached, price, 0
             best, least = least, best
@@ -135,19 +136,21 @@ def complete(
     return Completion(best, best_price, near.near, bound, spent * cost / ADDITIONS_PER_S)
 
 
-def _look_back(n: int, additions: float, tables: tuple[NDArray[Any], ...]) -> None:
+def _look_back(n: int, additions: float, walks: Walks, price: Floats, to_go: Floats, least: Floats) -> None:
     """The whole sweep, every place by all threads (numba's own would keep the process from forking later).
 
     Where a place takes few `additions`, one thread is done before others have woken.
     """
     if additions < WORTH_SHARING:
         for k in range(n, 0, -1):
-            look_back(k, 0, 1, *tables)
+            look_back(k, 0, 1, walks, price, to_go, least)
         return
     with ThreadPoolExecutor(THREADS) as threads:
         for k in range(n, 0, -1):
-            parts = [threads.submit(look_back, k, part, THREADS, *tables) for part in range(1, THREADS)]
-            look_back(k, 0, THREADS, *tables)
+            parts = [
+                threads.submit(look_back, k, part, THREADS, walks, price, to_go, least) for part in range(1, THREADS)
+            ]
+            look_back(k, 0, THREADS, walks, price, to_go, least)
             for part in parts:
                 part.result()
 
@@ -172,19 +175,33 @@ def _additions(problem: Problem, near: NgSets | None, lawful: NDArray[np.bool_],
 # The inner loops of the bound by walks, compiled by numba.
 
 
+class Walks(NamedTuple):
+    """What every round goes by: `back[t, s]` is what coming to t from s costs (home last).
+
+    Contour c may be the k-th for `earliest[c]` ≤ k ≤ `latest[c]`; `first` and `lawful` are as the problem has them,
+    `carried` as `NgSets` has it.
+    """
+
+    back: Floats
+    lawful: NDArray[np.bool_]
+    first: Ints
+    earliest: Ints
+    latest: Ints
+    carried: Int16s
+
+
 @jit(nogil=True)
 def look_back(  # pragma: no cover - compiled
-    k: int, part: int, parts: int, back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints,
-    earliest: Ints, latest: Ints, carried: Int16s, to_go: Floats, least: Floats
-) -> None:  # fmt: skip
+    k: int, part: int, parts: int, walks: Walks, price: Floats, to_go: Floats, least: Floats
+) -> None:
     """Fill `to_go[k, M, s]` for every `parts`-th contour from `part` on, `to_go[k + 1]` given.
 
     It is the least of all walks that go on from site s, the k-th, to the end and remember M.
 
-    `back[t, s]` is what coming to t from s costs (home last), `price[c]` what is paid out at contour c, which may be
-    the k-th for `earliest[c]` ≤ k ≤ `latest[c]`. Where remembering less costs no more, `to_go` is infinite.
-    `least[k, A, s]` is the least over all memories M within A.
+    `price[c]` is paid out at contour c. Where remembering less costs no more, `to_go` is infinite. `least[k, A, s]` is
+    the least over all memories M within A.
     """
+    back, lawful, first, earliest, latest, carried = walks
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     for a in range(part, n, parts):
         if k < earliest[a] or k > latest[a]:
@@ -230,10 +247,9 @@ def look_back(  # pragma: no cover - compiled
 
 
 @jit(nogil=True)
-def walk_on(  # pragma: no cover - compiled
-    back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Int16s, to_go: Floats, walk: Ints
-) -> float:  # fmt: skip
+def walk_on(walks: Walks, price: Floats, to_go: Floats, walk: Ints) -> float:  # pragma: no cover - compiled
     """The cheapest walk from home, its contours in `walk`; its cost."""
+    back, lawful, first, _, _, carried = walks
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     at, here, memory, cost = m, n, 0, np.inf
     for k in range(1, n + 1):

@@ -18,7 +18,7 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, flows_s
 from kerfwise.models.engines.tuning import BYTES_A_MOVE, CROWD, LOOSE, RISEN, SETTING_OUT
 from kerfwise.models.engines.tuning import FLOW_LEAST as LEAST
 from kerfwise.models.engines.tuning import FLOW_LEAST_GAIN as LEAST_GAIN
@@ -32,10 +32,8 @@ from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .flow_program import FlowProgram
-from .flow_work import sets_out_s
-from .inequalities import Inequalities, block_inequalities
 from .move_costs import Stopped, size_without_inner, sure_crossings
-from .network import Multipliers, Network, network_of
+from .network import Inequalities, Multipliers, Network, block_inequalities, network_of
 from .separation import Flow, Separation
 
 
@@ -66,7 +64,7 @@ def flow_bound(
         return FlowBound(0, 0.0)
     most_sites = int(min(MOST_SITES, math.sqrt(deadline.most_bytes / BYTES_A_MOVE)))
     contours, sites = size_without_inner(problem)
-    if sites > most_sites or sets_out_s(contours, sites) > SETTING_OUT * deadline.work:
+    if sites > most_sites or flows_s(contours, sites) > SETTING_OUT * deadline.work:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem, sites = contract_sites(problem), contours
 
@@ -77,7 +75,7 @@ def flow_bound(
     try:
         network = network_of(problem, plan.route, plan.cost, most_sites, in_time)
     except Stopped:
-        return FlowBound(0, sets_out_s(contours, sites))
+        return FlowBound(0, flows_s(contours, sites))
     loop = CutLoop(network, plan, deadline, in_time)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)

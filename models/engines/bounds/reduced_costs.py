@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, made_s
 from kerfwise.models.engines.tuning import REDUCED_LEAST_GAIN as LEAST_GAIN
 from kerfwise.models.engines.tuning import REDUCED_MOST_SITES as MOST_SITES
 from kerfwise.models.engines.tuning import REDUCED_PATIENCE as PATIENCE
 from kerfwise.models.problem.problem import Problem
 
 from .flow import CutLoop
-from .flow_work import made_s
 from .move_costs import Stopped
 from .network import Multipliers, Network, left_of, network_of
 

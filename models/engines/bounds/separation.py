@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,8 +18,7 @@ from kerfwise.models.engines.tuning import SEPARATION_MOST as MOST
 from kerfwise.models.engines.tuning import SEPARATION_MUCH as MUCH
 from kerfwise.models.problem.precedence import immediate
 
-from .inequalities import Inequalities, OrderCut, cut_inequalities
-from .network import Network
+from .network import Inequalities, Network
 
 # Which inequalities a flow breaks: what must lead from one place to another does so with too little, by maximum
 # flows.
@@ -221,3 +220,24 @@ class Graph:
             tail |= self._owner == way.start
         tail &= ~way.end_sites if way.end_sites is not None else self._owner != way.end
         return tail, ~tail
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OrderCut:
+    """Something goes from `tail` to `head`, each (m + 1,): once at least, or as often as the sites `through`, of one
+    contour, are used."""
+
+    tail: Bools
+    head: Bools
+    through: Bools | None = None
+
+
+def cut_inequalities(cuts: Sequence[OrderCut], sites: int) -> Inequalities:
+    """Cuts as inequalities, over so many sites and home."""
+    tail, head = (np.array([getattr(cut, name) for cut in cuts], dtype=np.bool_) for name in ("tail", "head"))
+    into = np.zeros((len(cuts), sites + 1), dtype=np.bool_)
+    for k, cut in enumerate(cuts):
+        if cut.through is not None:
+            into[k] = cut.through
+    least = np.where(into.any(axis=1), 0.0, 1.0)
+    return Inequalities(tail.reshape(-1, sites + 1), head.reshape(-1, sites + 1), into, least)

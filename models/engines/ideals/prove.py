@@ -19,7 +19,7 @@ import numpy as np
 
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, flows_s
 from kerfwise.models.engines.tuning import (
     AS_GOOD_AS_IT_GETS,
     BACKWARD,
@@ -100,7 +100,7 @@ def priceable(problem: Problem) -> bool:
 
 def sets_out(problem: Problem, work: float) -> bool:
     """Whether linear programs of all stretches have their first bounds well within the work of `prove_priced`."""
-    took_s = sum(bounds.sets_out_s(contours, sites) for contours, sites in _sizes(problem))
+    took_s = sum(flows_s(contours, sites) for contours, sites in _sizes(problem))
     return took_s <= SETTING_OUT * PRICED_ALONE * work
 
 

@@ -18,9 +18,9 @@ TABLE = ENGINES / "tuning.py"
 FIXED = {
     "bounds/completion.py": {"GRAIN", "DEAREST"},
     "bounds/flow.py": {"FAR"},
+    "bounds/flow_program.py": {"BY_DUAL", "BY_PRIMAL", "MOST_ROUNDS"},
     "bounds/network.py": {"MARGIN_UM"},
     "bounds/reduced_costs.py": {"NEVER", "MOST_UM", "GRAIN"},
-    "bounds/restricted_master.py": {"DUAL", "PRIMAL", "MOST_ROUNDS"},
     "bounds/separation.py": {"UNIT", "ALL"},
     "ideals/kernels.py": {"TOGETHER"},
     "ideals/prove.py": {"ROUNDING"},

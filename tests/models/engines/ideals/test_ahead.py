@@ -196,9 +196,9 @@ def test_bounds_by_walks_take_no_more_than_the_limit(work: float, monkeypatch: p
     taken = []
     back = completion._look_back
 
-    def counted(n: int, additions: float, tables: tuple[object, ...]) -> None:
+    def counted(n: int, additions: float, *tables: object) -> None:
         taken.append(n * additions / completion.ADDITIONS_PER_S)
-        back(n, additions, tables)
+        back(n, additions, *tables)
 
     monkeypatch.setattr(completion, "_look_back", counted)
     monkeypatch.setattr(PROVING, "OVERDRAWN_S", 0.0)
