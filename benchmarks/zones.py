@@ -312,7 +312,7 @@ def searched(
     asked: Request, profile: Profile, solution: Solution, limits: SolveOptions, work: float
 ) -> tuple[Solution, Solution]:
     """Plans that need not keep to zones, searched for from a planned one on and from nothing."""
-    names = zoned_by(asked, profile)
+    names = zoned_by(asked.facts, profile)
     statements = tuple(s for s in asked.stated.statements if s.about.rule not in names)
     limits = replace(limits, work=work / 2, member="search")
     from_here, from_nothing = (

@@ -11,8 +11,8 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.zones_along_route import movable, zones_along
 from kerfwise.models.engines import Member
 from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.shared_state import SEEDS_APART
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import SEEDS_APART
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.plan import ZonesCost
 from kerfwise.rules.profile.profile import Profile
@@ -401,7 +401,8 @@ def planned_by_zones(request: Request, profile: Profile, limits: SolveOptions) -
     """A plan by zones, moved where that pays, without its program: for benchmarks."""
     from kerfwise.models.engines.solve import solve
 
-    if zones_follow(request) and zoned_by(request, profile) and (found := plan_by_rungs(request, profile, limits)):
+    zoned = zones_follow(request) and zoned_by(request.facts, profile)
+    if zoned and (found := plan_by_rungs(request, profile, limits)):
         return found
     looks = lazy_statements(request.facts, profile)
     solution = solve(request.facts, request.stated.statements, limits, None, looks)

@@ -38,9 +38,9 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
 from kerfwise.rules.stating.state_rules import Stated
 
 from .adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, rungs, zones_follow
+from .first_plan import first_plan, paid_for, plan_at_hand
 from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
-from .plan_at_hand import first_plan, plan_at_hand
 from .plan_without_zones import FEW, SHARE, is_look_worthwhile, zoned_by
 from .progress import Listener
 from .request import Found, NoPlan, Request, common_cut_advice, facts_of, make_request, ways_on
@@ -246,7 +246,7 @@ def solve_and_verify(
         and engine == "portfolio"
         and strategy == "ours"
         and is_look_worthwhile(facts.n, limits)
-        and bool(zoned_by(request, profile))
+        and bool(zoned_by(request.facts, profile))
     )
     if and_zones and limits.time_s is not None and facts.n <= FEW:  # of larger nests it has what the first plan leaves
         limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
@@ -294,7 +294,7 @@ def solve_and_verify(
         solution, plan = cooler_orders.find(again)
     else:
         if cool is None and (first or start is not None):
-            at_hand = None if start is None else plan_at_hand(request, profile, limits, start)
+            at_hand = None if start is None else plan_at_hand(facts, profile, limits, start, request)
             if first or at_hand is not None:
                 known = first_plan(request, profile, limits, at_hand, progress, moves=not first)
         if first and known is not None:
@@ -382,10 +382,11 @@ def verified(
     solution: Solution,
     write: Write = write_program,
     trusted: Trusted | None = None,
+    planned: CheckResult | None = None,
 ) -> VerifiedPlan:
-    """A plan with its program, and the verdict on both in it."""
+    """A plan with its program, and the verdict on both in it; `planned` is that on the plan, where it is known."""
     began_s = running_s()
-    planned_verdict = check_plan(facts.whole_nest, plan, profile)
+    planned_verdict = check_plan(facts.whole_nest, plan, profile) if planned is None else planned
     plan = replace(plan, state=planned_verdict.state)  # the program says it, too
     program = write(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile, trusted, planned_verdict)
@@ -393,10 +394,53 @@ def verified(
         program = with_state(program, verdict.state)
         verdict = judge(facts.whole_nest, plan, program, profile, trusted, planned_verdict)
     judging_s = running_s() - began_s
-    plan = replace(
-        plan, rules=report_of(verdict, profile), state=verdict.state, cost=cost_of_plan(plan, facts.whole_nest, profile)
-    )
-    return VerifiedPlan(plan, program, verdict, solution.notes, facts, judging_s)
+    return VerifiedPlan(_judged(plan, verdict, facts, profile), program, verdict, solution.notes, facts, judging_s)
+
+
+def _judged(plan: Plan, verdict: CheckResult, facts: Facts, profile: Profile) -> Plan:
+    """The plan with a verdict in it."""
+    cost = cost_of_plan(plan, facts.whole_nest, profile)
+    return replace(plan, rules=report_of(verdict, profile), state=verdict.state, cost=cost)
+
+
+class PlanOnTheWay:
+    """The plan of a route that was found meanwhile, without the reasons for its order.
+
+    It is judged bit by bit: `lawful` by itself, without a program, and `verified` with its program.
+
+    Parameters
+    ----------
+    request
+        What was asked of the route.
+    looked
+        Whether the route pays already for what geometry finds in the whole order.
+    """
+
+    def __init__(
+        self, request: Request, profile: Profile, solution: Solution, limits: SolveOptions, looked: bool = True
+    ) -> None:
+        seen = seen_after(request.facts, profile, solution.route)
+        if not looked:  # what a hard rule forbids the check tells
+            solution = replace(solution, objective=solution.objective + (paid_for(seen) or 0.0))
+        self._facts, self._profile, self._solution = request.facts, profile, solution
+        self._plan = plan_of(request, profile, solution, limits, seen, reasons=False)
+        self._verdict: CheckResult | None = None
+
+    @property
+    def objective(self) -> float:
+        """What it costs, mm."""
+        return self._solution.objective
+
+    def lawful(self) -> VerifiedPlan:
+        """The plan with the verdict on itself; there is no program yet, and nothing is known of one."""
+        facts, began_s = self._facts, running_s()
+        verdict = self._verdict = check_plan(facts.whole_nest, self._plan, self._profile)
+        plan = _judged(self._plan, verdict, facts, self._profile)
+        return VerifiedPlan(plan, "", verdict, self._solution.notes, facts, running_s() - began_s)
+
+    def verified(self) -> VerifiedPlan:
+        """The plan with its program, and the verdict on both."""
+        return verified(self._facts, self._profile, self._plan, self._solution, planned=self._verdict)
 
 
 def _solved(

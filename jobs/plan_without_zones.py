@@ -11,8 +11,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.deadline import Progress
-from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import LEAST_SHARE
+from kerfwise.models.engines.solution import LEAST_SHARE, Solution, SolveOptions
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.make_plan import excuses as excused
 from kerfwise.models.plan.plan import RELAXED, ZonesCost
@@ -63,9 +62,9 @@ class Free:
         return self.cost_mm(asked, solution, limits) > self.solution.objective + bearable_mm
 
 
-def zoned_by(asked: Request, profile: Profile) -> frozenset[str]:
+def zoned_by(facts: Facts, profile: Profile) -> frozenset[str]:
     """The rules that have the nest cut in several zones; none where there is one zone alone, or too many contours."""
-    facts, book = asked.facts, profile.rulebook()
+    book = profile.rulebook()
     if facts.zone.max(initial=0) < 2 or facts.n > MOST_CONTOURS:
         return frozenset()
     settings = profile.settings().items()
@@ -100,7 +99,7 @@ def without_zones(
     Free or None
         None where there is none: no rule makes zones, hard statements were relaxed, or it was interrupted.
     """
-    names = zoned_by(asked, profile)
+    names = zoned_by(asked.facts, profile)
     if not names or is_relaxed(asked):
         return None
     left = [s for s in (*asked.stated.statements, *further) if s.about.rule not in names]

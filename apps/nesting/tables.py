@@ -15,7 +15,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from kerfwise.app_modules import library
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
 from kerfwise.encoder.text import nearest
@@ -220,7 +219,7 @@ def _decoded(data: bytes, path: Path) -> str:
 
 def _workbook(data: bytes, path: Path) -> Iterator[tuple[str, Grid]]:
     """Every visible tab of a workbook, its values as they were calculated."""
-    openpyxl = library("openpyxl", "a list of parts as .xlsx", "nest")  # loaded by those who have workbooks only
+    import openpyxl  # loaded by those who have workbooks only
 
     try:
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
@@ -420,7 +419,9 @@ flange.dxf;40;S235;10;4712;;rush;along;0/180;no
 
 def template_workbook() -> bytes:
     """The same as a workbook, with a second tab for the stock."""
-    book = library("openpyxl", "a list of parts as .xlsx", "nest").Workbook()
+    import openpyxl
+
+    book = openpyxl.Workbook()
     parts = book.active
     parts.title = "parts"
     for row in TEMPLATE.splitlines()[3:]:

@@ -45,15 +45,11 @@ SQUARENESS = 0.9, 0.5
 
 
 def movable(facts: Facts) -> bool:
-    """Whether geometry alone has made the zones: no number, lock or budget of the plant has, nothing is cut yet, and no
-    lines cut up the skeleton, whose zone is the last."""
+    """Whether geometry alone has made the zones: no number, lock of a zone or budget of the plant has, nothing is cut
+    yet, and no lines cut up the skeleton, whose zone is the last. A locked place in the order is kept by the route that
+    zones are drawn along."""
     options = facts.options
-    decided = (
-        options.zone_contours is not None
-        or options.zone_heat_kj is not None
-        or options.zone_fixed
-        or options.zone_places
-    )
+    decided = options.zone_contours is not None or options.zone_heat_kj is not None or options.zone_fixed
     return not decided and facts.past is None and not facts.nest.scrap and not facts.nest.stretches
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
@@ -18,13 +18,14 @@ _EXCUSE_UM = round(EXEMPTION_MM * UM_PER_MM)
 class Walk:
     """A route that grows; `options` are the sites that keep every hard statement which the sets cut so far decide.
 
-    A walk may end where nothing lawful is left though contours are: then it must begin again.
+    `left` says of each contour, (n,), whether it is still to be cut. A walk may end where nothing lawful is left though
+    contours are: then it must begin again.
     """
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.route: list[int] = []
-        self._left = np.ones(problem.n, dtype=np.bool_)
+        self.left = np.ones(problem.n, dtype=np.bool_)
         self._waits = problem.before.sum(axis=0, dtype=np.int64)
         self._in_block = np.bincount(problem.block, minlength=problem.n)
         self._block = -1
@@ -51,9 +52,13 @@ class Walk:
         """Whether every contour has its place."""
         return len(self.route) == self.problem.n
 
-    def options(self) -> list[int]:
-        """Sites that may come next, in order; those that need an excuse only where there are no others."""
-        sites = self.problem.sites_of(self._ready())
+    def options(self, among: Bools | None = None) -> list[int]:
+        """Sites that may come next, in order; those that need an excuse only where there are no others.
+
+        Of the contours that are `among`, (n,), those alone.
+        """
+        ready = self._ready()
+        sites = self.problem.sites_of(ready if among is None else ready[among[ready]])
         if self.route:
             sites = sites[self.problem.travel(self.route[-1:], sites)[0] <= LAWFUL_MOST]
         unmet = self._unmet_of_site[:, sites] + self._unmet_of_contour[:, self.problem.site_contour[sites]]
@@ -65,7 +70,7 @@ class Walk:
         """Cut this one next."""
         contour, block = int(self.problem.site_contour[site]), int(self.problem.block[self.problem.site_contour[site]])
         self.route.append(site)
-        self._left[contour] = False
+        self.left[contour] = False
         self._waits -= self.problem.before[contour]
         self._in_block[block] -= 1
         self._block = block if self._in_block[block] > 0 else -1
@@ -79,7 +84,7 @@ class Walk:
 
     def _ready(self) -> Ints:
         """Contours whose turn the orders, blocks and bans on moves allow."""
-        ready = np.flatnonzero(self._left & (self._waits == 0))
+        ready = np.flatnonzero(self.left & (self._waits == 0))
         if self._block >= 0:
             ready = ready[self.problem.block[ready] == self._block]
         if self._apart and self.route:
@@ -95,7 +100,9 @@ class Walk:
         np.add.at(self._unmet_of_site, (kind[~whole], self._site[rows[~whole]]), more)
 
 
-def route_like(problem: Problem, wanted: Sequence[int]) -> tuple[int, ...] | None:
+def route_like(
+    problem: Problem, wanted: Sequence[int], places: Mapping[int, int] | None = None
+) -> tuple[int, ...] | None:
     """A route as much like a wanted one as a walk allows, or None where that comes to no end.
 
     Parameters
@@ -103,7 +110,11 @@ def route_like(problem: Problem, wanted: Sequence[int]) -> tuple[int, ...] | Non
     wanted
         Sites in cutting order, each of another contour; contours that are missing come after those that they lie
         nearest to, by their nearest sites.
+    places
+        Contour → its place in the order, from 0, of those that have to be at one: what has to be out before comes in
+        time.
     """
+    pinned = _Pinned(problem, places or {})
     walk, centre = Walk(problem), _centres(problem)
     rank, liked = np.arange(problem.n, dtype=np.float64), np.full(problem.n, -1, dtype=np.int64)
     for place, site in enumerate(wanted):
@@ -112,7 +123,7 @@ def route_like(problem: Problem, wanted: Sequence[int]) -> tuple[int, ...] | Non
     for contour in np.flatnonzero(liked < 0).tolist() if len(known) else ():
         rank[contour] = rank[known[np.hypot(*(centre[known] - centre[contour]).T).argmin()]] + 0.5
     while not walk.finished:
-        options = np.array(walk.options(), dtype=np.int64)
+        options = np.array(walk.options(pinned.next_to(walk)), dtype=np.int64)
         if not len(options):
             return None
         contours = problem.site_contour[options]
@@ -124,6 +135,33 @@ def route_like(problem: Problem, wanted: Sequence[int]) -> tuple[int, ...] | Non
             here = np.full(len(sites), walk.route[-1] if walk.route else problem.m)
             walk.take(int(sites[problem.legs(here, sites).argmin()]))
     return tuple(walk.route)
+
+
+class _Pinned:
+    """Contours that have to be cut at their places, and by when all that has to be out before them is cut."""
+
+    def __init__(self, problem: Problem, places: Mapping[int, int]) -> None:
+        self._at = {place: contour for contour, place in places.items()}
+        self._pinned = np.zeros(problem.n, dtype=np.bool_)
+        self._due = np.full(problem.n, problem.n)
+        for contour, place in places.items():
+            self._pinned[contour], self._due[contour] = True, place
+            ahead = problem.before[:, contour]
+            self._due[ahead] = np.minimum(self._due[ahead], place - 1)
+        self._last = np.unique(self._due[self._due < problem.n]).tolist()
+
+    def next_to(self, walk: Walk) -> Bools | None:
+        """Which contours may come next, (n,): the one of the place, else one that is due, else any without a place."""
+        if not self._at:
+            return None
+        place = len(walk.route)
+        if (contour := self._at.get(place)) is not None:
+            return np.asarray(np.arange(len(self._due)) == contour)
+        for last in self._last:
+            pressing = walk.left & (self._due <= last)
+            if int(pressing.sum()) >= last - place + 1:
+                return np.asarray(pressing & ~self._pinned)
+        return np.asarray(walk.left & ~self._pinned)
 
 
 def _centres(problem: Problem) -> Floats:

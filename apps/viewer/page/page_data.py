@@ -48,7 +48,7 @@ def page_data(
     plan
         Of that nest.
     verdict, program
-        Of the plan, where they are known; else they are made.
+        Of the plan, where they are known; else they are made. "" is a program that is not written yet.
     heat
         Whether to simulate the heat; None simulates it where that takes seconds.
     detail
@@ -68,7 +68,10 @@ def page_data(
     side = plan_side(inputs, plan, verdict or check_made(inputs, plan))
     side["why"] = reasons(inputs, plan, detail)
     side["heat"] = heat_data(inputs, plan, heat)
-    side["nc"] = program_data(program or write_program(plan, inputs.nest, profile), inputs.nest, profile)
+    side["unchecked"] = program == ""
+    if program is None:
+        program = write_program(plan, inputs.nest, profile)
+    side["nc"] = program_data(program, inputs.nest, profile) if program else None
     return page_of(inputs.nest, [side], nest_name(inputs.nest, plan))
 
 

@@ -98,6 +98,7 @@ class KeptSessions:
     def __init__(self, state: Path | None, served: Path, trust: bool = False) -> None:
         self._served, self._trust, self.why_not = served, trust, ""
         self._folder: Path | None = None
+        self._files: dict[tuple[str, int], Path] = {}
         name = hashlib.sha256(os.fsencode(served)).hexdigest()[:16]
         try:
             if state is None:
@@ -122,7 +123,7 @@ class KeptSessions:
             self._write(self._folder / name, json.dumps(data).encode())
 
     def keep_plan(self, session: Session, plan: Alternative) -> None:
-        """Keep a plan that was made."""
+        """Keep a plan that was made, in place of what was kept of it here before."""
         if (folder := self._of(session.id)) is None:
             return
         fields_kept = {
@@ -135,14 +136,17 @@ class KeptSessions:
             archive.writestr(PAGE, plan.page.data)
             for name, packed in plan.files.items():
                 archive.writestr(FILES + name, packed.data)
-        self._write(folder / f"plan-{plan.number}-{secrets.token_hex(4)}.zip", buffer.getvalue())
+        path = folder / f"plan-{plan.number}-{secrets.token_hex(4)}.zip"
+        if self._write(path, buffer.getvalue()):
+            if (before := self._files.pop((session.id, plan.number), None)) is not None:
+                _remove(before)
+            self._files[session.id, plan.number] = path
 
     def forget_plan(self, session: Session, number: int) -> None:
         """Keep a plan no longer."""
         if (folder := self._of(session.id)) is not None:
             for path in folder.glob(f"plan-{number}-*.zip"):
-                with contextlib.suppress(OSError):
-                    path.unlink()
+                _remove(path)
 
     def keep(self, session: Session) -> None:
         """Keep what is wanted and shown."""
@@ -244,12 +248,18 @@ class KeptSessions:
                 return None
         return folder
 
-    def _write(self, path: Path, data: bytes) -> None:
+    def _write(self, path: Path, data: bytes) -> bool:
         try:
             write_whole(path, data)
             self.why_not = ""
         except OSError as error:
             self.why_not = error.strerror or str(error)
+        return not self.why_not
+
+
+def _remove(path: Path) -> None:
+    with contextlib.suppress(OSError):
+        path.unlink()
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,26 +16,27 @@ from kerfwise.apps.viewer.page.page_data import page_data
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_lines, escape_text
 from kerfwise.jobs.display import summary_lines
+from kerfwise.jobs.first_plan import AtHand, first_plan, plan_at_hand
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import Job
-from kerfwise.jobs.plan_nest import VerifiedPlan, plan_nest
+from kerfwise.jobs.plan_nest import PlanOnTheWay, VerifiedPlan, plan_nest
 from kerfwise.jobs.programs import check_made
 from kerfwise.jobs.progress import Listener, OnProgress, Reached
-from kerfwise.jobs.request import WORK, NoPlan, Request, options_for
+from kerfwise.jobs.request import WORK, NoPlan, Request, facts_of, make_request, options_for
 from kerfwise.jobs.resume import lock_broken_cut_first
-from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.solution import MEMORY_GB, Solution, SolveOptions
 from kerfwise.models.jit import made_s
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
 from kerfwise.postproc.output_files import output_names, remnant_files
+from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.overrides import lines_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, About
 
-from .first_plan import FEW, FirstPlans, verified_plan
 from .job_edits import edited
 from .plan_request import Answers, PlanRequest, Questions, Superseded, already_of, earlier_plan_name, request_inputs
 from .session import Packed
@@ -56,6 +57,8 @@ class Planner:
     def __init__(self, asking: Questions) -> None:
         self._asking = asking
         self._effects = Effects(self._reached)
+        self._facts = RecentFacts()
+        self._plans: dict[str, Plan] = {}
 
     def ready(self) -> bool:
         """Load what planning needs, so that the first plan does not wait for it."""
@@ -97,8 +100,8 @@ class Planner:
             return self._planned(wanted, inputs, verified, False) | {"notes": [], "work": work, "memory_gb": memory_gb}
 
         shown = PlansShown(self._asking, inputs, already, limits, kept)
-        if not relax:
-            shown.first(start, wanted)
+        if not relax:  # there the engines' first plan is the first: what gives way takes most of the time
+            shown.first(None if start is None else self._known(start, wanted), self._facts)
         while True:
             limits = options_for(inputs.nest, inputs.profile, work=work, memory_gb=memory_gb)
             try:
@@ -122,6 +125,10 @@ class Planner:
                 return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
             result = {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
             return self._planned(wanted, inputs, done.made, listener.stopped) | result
+
+    def _known(self, text: str, wanted: PlanRequest) -> Plan:
+        """A plan by its text: one that was just made is not read."""
+        return self._plans.get(text) or plan_in(text, earlier_plan_name(wanted.nest))
 
     def _finishing(self, plan: Plan) -> None:
         self._asking.go_on()
@@ -160,17 +167,19 @@ class Planner:
 
     def _planned(self, wanted: PlanRequest, inputs: Inputs, made: VerifiedPlan, stopped: bool) -> dict[str, Any]:
         """All that is kept of a plan: its files but for the picture, and what a list of plans says of it."""
-        plan = made.plan
+        plan, text = made.plan, made.plan.to_json()
+        self._plans = {**dict(list(self._plans.items())[1 - MOST_PLANS :]), text: plan}
         program, plan_file, _ = output_names(Path(wanted.nest))
         remnant = {str(path): text for path, text in remnant_files(program, inputs.nest, inputs.profile).items()}
         data = page_data(inputs, plan, made.verdict, made.program, heat=False, detail="none")
-        files = {program: made.program, plan_file: plan.to_json(), **remnant}
+        files = {**({program: made.program} if made.program else {}), plan_file: text, **remnant}
         return {
             "sha256": inputs.nest.sha256,
             "files": {name: Packed.of(text) for name, text in files.items()},
             "plan_file": plan_file,
             "program_file": program,
             "ok": made.verdict.ok,
+            "checked": bool(made.program),
             "broken": [*made.verdict.broken()],
             "stopped": stopped,
             "page": Packed.of(json.dumps(data, ensure_ascii=False)),
@@ -205,6 +214,13 @@ SHOWN_EACH_S, SHOWN_SHARE = 1.0, 4.0
 """A better plan is shown no sooner after the one before, and after so many times as long as that took to be judged."""
 SHOWN_GAIN = 1e-3
 """Share of its cost by which a plan is better at the least where it is shown before the end."""
+FEW, BARE_FROM = 8, 100
+"""Contours up to which no first plan is looked for, the best one is found as soon; and from which on a first plan is
+shown before its program is written."""
+BETTER_WORK, BETTER_SHARE = 0.3, 0.1
+"""Work of a short search from the first plan on, and the most of it as a share of the work of the whole."""
+MOST_PLANS = 4
+"""Plans that are known by their texts."""
 COMPILES_S, LOOKED_S = 1.0, 0.25
 """Compiling that takes so long is told; how often that is looked at."""
 
@@ -247,7 +263,8 @@ def told_while_compiling(asking: Questions) -> Iterator[None]:
 class PlansShown:
     """Shows the first lawful plan, and then those that are better, each with its program and the verdict on both.
 
-    `facts` are those of the nest, once a first plan was looked for.
+    The first plan of many contours is shown once it is lawful by itself; its program is written and checked then.
+    `facts` are those of the nest, where they were asked for a first plan, and no place is locked.
 
     Parameters
     ----------
@@ -269,51 +286,106 @@ class PlansShown:
     ) -> None:
         self._asking, self._given, self._already, self._limits, self._kept = asking, inputs, already, limits, kept
         self._profile = lock_broken_cut_first(inputs.profile, already)
-        self._best_mm, self._next_s = math.inf, time.monotonic() + SHOWN_EACH_S  # it may be proven by then
+        self._best_mm, self._next_s = math.inf, 0.0
         self.facts: Facts | None = None
 
     @property
     def judged_slowly(self) -> bool:
         """Whether a plan is lawful only by a simulation that takes as long as planning: none is shown meanwhile."""
-        profile = self._given.profile
-        priced = profile.objective.heat and profile.heat.absorbed_power_w
-        return bool(priced) or profile.temperature_limit() is not None or profile.machine.torches.several
+        return self._given.profile.temperature_limit() is not None
 
-    def first(self, start: str | None, wanted: PlanRequest) -> None:
+    @property
+    def unpriced(self) -> bool:
+        """Whether plans on the way do not pay for overheats, which the profile prices: a simulation tells them last."""
+        return bool(self._given.profile.objective.heat and self._given.profile.heat.absorbed_power_w)
+
+    def first(self, start: Plan | None, recent: RecentFacts) -> None:
         """A lawful plan at once, and what a short search makes of it; none where the best is found as soon."""
+        self._next_s = time.monotonic() + SHOWN_EACH_S  # it may be proven by then
         if self.judged_slowly or len(self._given.nest.contours) <= FEW:
             return
         self._asking.tell(phase="first plan")
-        old = None if start is None else plan_in(start, earlier_plan_name(wanted.nest))
         try:
-            plans = FirstPlans(self._given, self._limits, self._already, lambda *_: self._asking.go_on())
+            facts = recent.of(self._given.nest, self._profile, self._already)
+            self.facts = None if any(lock.position for lock in self._profile.locks) else facts
+            first = self._at_once(facts, start)
         except (InputError, RulesConflict):  # the planning itself says what is wrong
             return
-        self.facts = plans.request.facts
-        solution = plans.at_once(old)
-        if solution is None or not self._shows(plans.verified(solution), "first"):
+        if first is None or not self._shows(first, "first") or not self._asking.go_on():
             return
-        better = plans.better(solution) if self._asking.go_on() else None
+        work = min(BETTER_WORK, BETTER_SHARE * self._limits.work)
+        better = first_plan(first.asked, self._profile, self._limits, first, self._progress, moves=True, work=work)
         if better is not None:
-            self._shows(plans.verified(better), "better")
+            self._shows(AtHand(better.asked, better.solution), "better")
+
+    def _at_once(self, facts: Facts, start: Plan | None) -> AtHand | None:
+        """The plan at hand as far as what is wanted lets it; else what a short search finds."""
+        known = None if start is None else plan_at_hand(facts, self._profile, self._limits, start)
+        if known is not None:
+            return known
+        request = make_request(facts, self._profile)
+        found = first_plan(request, self._profile, self._limits, None, self._progress, moves=True)
+        return None if found is None else AtHand(found.asked, found.solution)
+
+    def _progress(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        return self._asking.go_on()
 
     def found(self, request: Request, solution: Solution) -> None:
         """Show a plan that the engines have found, where it is much better than the last, and that was not just now."""
-        if solution.objective >= self._best_mm * (1 - SHOWN_GAIN) or time.monotonic() < self._next_s:
-            return
-        if self._asking.go_on():
-            verified = verified_plan(request, self._profile, solution, self._limits)
-            self._shows(verified, "better" if self._best_mm < math.inf else "first")
+        if time.monotonic() >= self._next_s and self._asking.go_on():
+            stage = "better" if self._best_mm < math.inf else "first"
+            self._shows(AtHand(request, solution), stage, looked=False)
 
-    def _shows(self, verified: VerifiedPlan, stage: str) -> bool:
-        began_s, cost_mm = time.monotonic() - verified.judging_s, float(verified.plan.solve.objective)
-        if not verified.verdict.ok or cost_mm >= self._best_mm:
+    def _shows(self, plan: AtHand, stage: str, looked: bool = True) -> bool:
+        if plan.solution.objective >= self._best_mm * (1 - SHOWN_GAIN):
             return False
-        self._best_mm = cost_mm
-        self._asking.tell(plan=self._kept(verified) | {"stage": stage}, phase="improving")
+        began_s = time.monotonic()
+        on_the_way = PlanOnTheWay(plan.asked, self._profile, plan.solution, self._limits, looked)
+        if on_the_way.objective >= self._best_mm * (1 - SHOWN_GAIN):
+            return False
+        bare = stage == "first" and plan.asked.facts.n >= BARE_FROM
+        verified = on_the_way.lawful() if bare else on_the_way.verified()
+        if not verified.verdict.ok:
+            return False
+        self._best_mm = float(verified.plan.solve.objective)
+        more = {"stage": stage, "unpriced": self.unpriced}
+        self._asking.tell(plan=self._kept(verified) | more, phase="checking" if bare else "improving")
+        if bare and self._asking.go_on():
+            verified = on_the_way.verified()
+            self._asking.tell(checked=self._kept(verified) | more, phase="improving")
         now_s = time.monotonic()
         self._next_s = now_s + max(SHOWN_EACH_S, SHOWN_SHARE * (now_s - began_s))
-        return True
+        return verified.verdict.ok
+
+
+class RecentFacts:
+    """The facts of the nest that was planned last, as if no place was locked: so one more such lock changes none.
+
+    Zones that geometry makes go with locked places. A first plan has the zones of the plan at hand, or is one without.
+    """
+
+    def __init__(self) -> None:
+        self._known: tuple[Nest, Profile, str, Facts] | None = None
+
+    def of(self, nest: Nest, profile: Profile, already: AlreadyCut) -> Facts:
+        """As `facts_of` finds them without locked places.
+
+        Raises
+        ------
+        InputError, RulesConflict
+            As `facts_of` does.
+        """
+        if profile.machine.torches.several:  # contours with a locked place are cut one by one
+            return facts_of(nest, profile, already)
+        check_locks(profile.locks, nest)
+        bare = (replace(lock, position=None) for lock in profile.locks)
+        by = replace(profile, locks=tuple(lock for lock in bare if lock.wrong() is None))
+        known = self._known
+        if already:
+            return facts_of(nest, by, already)
+        if known is None or known[0] is not nest or known[1:3] != (by, profile.sha256):
+            self._known = known = (nest, by, profile.sha256, facts_of(nest, by))
+        return known[3]
 
 
 # Why there is no plan, as the page shows it: each statement of a contradiction, and what may undo it.

@@ -195,6 +195,8 @@ class Planning:
             shown = session.add(plan, run.wanted, run.relax, run.number)
             run.shown, run.gained_mm = shown.number, run.gained_mm + (shown.gained_mm or 0.0)
             self._planned(session, shown.number)
+        if (checked := event.pop("checked", None)) is not None:
+            session.check(run.shown, checked)
         for name, value in event.items():
             setattr(run, name, value)
         self._tell(run)

@@ -30,7 +30,7 @@ from .session import Item, Session, restore_plan
 LISTED_S, MOST_ROWS = 0.5, 500
 """A list of nests waits no longer for the last of them, and tells no more at a time."""
 SORTED = ("name", "changed", "size", "state")
-STATES = ("broken", "kept but for", "", "kept")
+STATES = ("broken", "kept but for", "unchecked", "", "kept")
 """What a list may be sorted by; and states of plans, "" for none, in the order in which they want to be looked at."""
 
 # The addresses that are asked with GET: pages, and what there is to know of a nest and its plans.

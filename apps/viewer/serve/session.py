@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job.job import beside_name
 from kerfwise.jobs.request import WORK
-from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.solution import MEMORY_GB
 
 from .job_edits import JobText
 from .plan_request import PlanRequest
@@ -136,17 +136,14 @@ class Session:
         options = f" --work {work:g}" if work != WORK else ""
         options += f" --memory {event['memory_gb']:g}" if event["memory_gb"] != MEMORY_GB else ""
         options += " --relax" if relax else ""
-        keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped", "stage")
-        parts = {key: event[key] for key in keys}
-        broken, notes = tuple(event["broken"]), tuple(event["notes"])
-        before = [one for one in self.alternatives if one.run == run]
-        last = min(before, key=lambda one: one.figures["objective_mm"], default=None)
-        gained = None if last is None else last.gain_of(event["figures"])
-        parts |= {"broken": broken, "options": options, "notes": notes, "run": run, "gained_mm": gained}
+        parts = _parts_of(event) | {"options": options, "run": run}
         alternative = Alternative(self.made + 1, wanted, **parts)
+        last = min((one for one in self.alternatives if one.run == run), key=lambda one: one.rank, default=None)
+        if last is not None and last.unpriced == alternative.unpriced:
+            alternative = replace(alternative, gained_mm=last.gain_of(event["figures"]))
         same = last is not None and not last.kept and last.same_order(alternative)
         kept = [one for one in self.alternatives if not (same and one is last)] + [alternative]
-        best = last is None or same or alternative.figures["objective_mm"] <= last.figures["objective_mm"]
+        best = last is None or same or alternative.rank <= last.rank
         shows = self.following == run and alternative.sha256 == self.opened["sha256"] and best
         shown = alternative.number if shows else self.shown
         if len(kept) > MOST_ALTERNATIVES:
@@ -163,8 +160,19 @@ class Session:
 
     def is_known(self, event: dict[str, Any], run: int) -> bool:
         """Whether a planning has shown a cheaper plan than one that it ends with."""
-        before = [one.figures["objective_mm"] for one in self.alternatives if one.run == run]
+        before = [one.figures["objective_mm"] for one in self.alternatives if one.run == run and not one.unpriced]
         return bool(min(before, default=math.inf) < event["figures"]["objective_mm"])
+
+    def check(self, number: int, event: dict[str, Any]) -> None:
+        """The program of a plan that is there is written and checked; nothing where the plan is gone."""
+        before = next((one for one in self.alternatives if one.number == number), None)
+        if before is None:
+            return
+        checked = replace(before, **_parts_of(event))
+        if self.keeper is not None:
+            self.keeper.keep_plan(self, checked)
+        now = [checked if one.number == number else one for one in self.alternatives]
+        self.changed(by_hand=False, alternatives=now)
 
     def keep(self, number: int, kept: bool) -> None:
         """Have a plan never thrown away, however many come; or no longer."""
@@ -197,6 +205,13 @@ class Session:
         }
 
 
+def _parts_of(event: dict[str, Any]) -> dict[str, Any]:
+    """What the planner tells of a plan."""
+    keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped", "stage")
+    parts = {key: event[key] for key in (*keys, "checked")} | {"unpriced": event.get("unpriced", False)}
+    return parts | {"broken": tuple(event["broken"]), "notes": tuple(event["notes"])}
+
+
 def _locks(wanted: PlanRequest) -> tuple[str, ...]:
     return tuple(line for line, _ in JobText(wanted.job_text or "").lines())
 
@@ -225,7 +240,7 @@ class Keeper(Protocol):
         """Keep what is wanted and shown."""
 
     def keep_plan(self, session: Session, plan: Alternative) -> None:
-        """Keep a plan."""
+        """Keep a plan, in place of what was kept of it before."""
 
     def forget_plan(self, session: Session, number: int) -> None:
         """Keep a plan no longer."""
@@ -244,7 +259,8 @@ class Alternative:
     may come further. `options` are those of the command line beside what is wanted. `run` is the planning that has made
     it, `stage` whether it was its `first` plan, a `better` one or the `final` one, `gained_mm` how much travel it saves
     against the best before; None where there is none, or the excuses are others. `kept` says that somebody wants it
-    kept, however many come.
+    kept, however many come. Of one that is not `checked` there is no program yet: nothing is known of that. One that is
+    `unpriced` costs what rules say alone: what a simulation finds would be paid for besides.
     """
 
     number: int
@@ -265,6 +281,13 @@ class Alternative:
     stage: str = "final"
     gained_mm: float | None = None
     kept: bool = False
+    checked: bool = True
+    unpriced: bool = False
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """The less the better: plans that are asked for all first, the cheapest first of all."""
+        return self.unpriced, self.figures["objective_mm"]
 
     def gain_of(self, figures: Mapping[str, Any]) -> float | None:
         """How much less idle travel and the like other figures have, mm; None where the excuses are others."""
@@ -278,8 +301,8 @@ class Alternative:
 
     @property
     def state(self) -> str:
-        """`kept`, `kept but for` or `broken`."""
-        return str(self.figures["state"])
+        """`kept`, `kept but for` or `broken`; `unchecked` where the plan alone was judged."""
+        return str(self.figures["state"]) if self.checked else "unchecked"
 
     @property
     def weight(self) -> int:
@@ -293,7 +316,9 @@ class Alternative:
 
     @property
     def program(self) -> str:
-        """The NC text."""
+        """The NC text; InputError where there is none yet."""
+        if not self.checked:
+            raise InputError("the program of this plan is not written and checked yet")
         return self.files[self.program_file].text()
 
     @property
@@ -319,6 +344,8 @@ class Alternative:
             "proven": self.figures["status"] == "optimal",
             "gained_mm": self.gained_mm,
             "kept": self.kept,
+            "checked": self.checked,
+            "unpriced": self.unpriced,
             "of_now": self.sha256 == sha256,
         }
 

@@ -24,6 +24,8 @@ export class App {
     /** @type {(() => void)[]} */
     this.renewers = [];
     /** @type {(() => void)[]} */
+    this.rejudgers = [];
+    /** @type {(() => void)[]} */
     this.recolourers = [];
     /** @type {((row: HTMLElement, cut: CutData) => void)[]} */
     this.rowMakers = [];
@@ -64,8 +66,21 @@ export class App {
   /** @param {(state: State, changes: Partial<State>) => void} fn */
   on(fn) { this.store.on(fn); }
 
-  /** @param {() => void} fn called when there are other data */
-  renewed(fn) { this.renewers.push(fn); }
+  /**
+   * @param {() => void} fn called when there are other data
+   * @param {boolean} [judged] also where the same plan was judged once more
+   */
+  renewed(fn, judged = false) {
+    this.renewers.push(fn);
+    if (judged) this.rejudgers.push(fn);
+  }
+
+  /** The plan that is shown was judged once more, with its program: nothing of the drawing changes. */
+  /** @param {SideData} side */
+  judged(side) {
+    Object.assign(this.data.sides[0], side);
+    this.rejudgers.forEach(fn => fn());
+  }
 
   /** @param {() => void} fn called when the colours are others */
   recoloured(fn) { this.recolourers.push(fn); }

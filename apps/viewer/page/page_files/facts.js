@@ -18,8 +18,8 @@ export function factsPanel(app) {
     byId("title").textContent = title;
     const figures = side ? figuresOf(app) : [];
     byId("figures").replaceChildren(...figures.map(([name, value]) => make("span", {}, make("small", {}, name), ` ${value}`)));
-    chip.textContent = side ? stateText(side.state) : tr("no plan");
-    chip.className = side ? `chip ${stateClass(side.state)}` : "chip";
+    chip.textContent = side ? stateText(side.state, side.unchecked) : tr("no plan");
+    chip.className = side ? `chip ${stateClass(side.state, side.unchecked)}` : "chip";
     chip.title = side ? `${side.state.told}\n${tr("Click: the rules and the places")}` : "";
     chip.toggleAttribute("disabled", !side);
     byId("sheet-said").replaceChildren(
@@ -49,7 +49,7 @@ export function factsPanel(app) {
     if (changes.side !== undefined) show();
     else if (changes.stale !== undefined) stand();
   });
-  app.renewed(show);
+  app.renewed(show, true);
 }
 
 /** Where hard rules are not kept: the panel of rules, the places marked, the first one brought into view. */

@@ -22,7 +22,7 @@ export function workSheet(app) {
     paper.replaceChildren(
       make("h1", {}, title, side?.name ? ` – ${side.name}` : ""),
       make("p", {}, `${(x1 - x0).toFixed(0)} × ${(y1 - y0).toFixed(0)} mm · ${trn("{n} part", "{n} parts", nest.parts.length)} · ${figures}`),
-      make("p", {}, `${tr("nest")} sha256 ${nest.sha256.slice(0, 16)} · ${side ? side.state.for_operator : ""}`),
+      make("p", {}, `${tr("nest")} sha256 ${nest.sha256.slice(0, 16)} · ${side ? side.unchecked ? tr("program not checked yet") : side.state.for_operator : ""}`),
       drawing(app), ...(side ? [...notKept(app), table(app)] : []));
   };
   addEventListener("beforeprint", lay);

@@ -23,8 +23,11 @@ export function programPanel(app) {
     row.className = `row${k + 1 === current ? " now" : ""}`;
     row.append(make("span", { class: "no" }, String(k + 1)), make("code", {}, texts[k]));
   });
+  let asked = 0;
   const renew = async () => {
-    nc = app.side ? await app.source.nc(app.state.side) : null;
+    const mine = ++asked, told = app.side ? await app.source.nc(app.state.side) : null;
+    if (mine !== asked) return; // another plan is shown meanwhile
+    nc = told;
     texts = nc ? nc.text.split(/\r?\n/) : [];
     byId("nc-none").hidden = nc !== null;
     list.reset(texts.length);
@@ -52,7 +55,7 @@ export function programPanel(app) {
     else if (changes.tab === "nc") follow(true);
     else if (changes.time_s !== undefined) follow();
   });
-  app.renewed(() => void renew());
+  app.renewed(() => void renew(), true);
   void renew();
 }
 

@@ -35,15 +35,15 @@ export function rulesPanel(app) {
         })))));
   };
   show();
-  app.renewed(() => { open = ""; show(); });
+  app.renewed(() => { open = ""; show(); }, true);
   app.on((_, changes) => { if (changes.side !== undefined) { open = ""; show(); } });
 }
 
 /** @type {(app: App) => HTMLElement} */
 function verdict(app) {
-  const { state, rules } = app.side;
+  const { state, rules, unchecked } = app.side;
   const broken = rules.filter(rule => rule.strength === "hard" && rule.verdict === "broken").map(rule => rule.id);
-  return make("p", { class: `said ${stateClass(state)}` }, state.kind === "kept" ? tr("Every hard rule holds.")
+  return make("p", { class: `said ${stateClass(state, unchecked)}` }, unchecked ? `${tr("The plan was judged alone: its program is not written and checked yet.")} ` : "", state.kind === "kept" ? tr("Every hard rule holds.")
     : state.kind === "kept but for" ? trn("It may be cut, but {n} place is not kept.", "It may be cut, but {n} places are not kept.", state.count) : tr("Broken, not to be cut: {rules}.", { rules: broken.join(", ") || tr("see below") }));
 }
 

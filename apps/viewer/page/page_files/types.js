@@ -108,6 +108,7 @@
  * @property {string[]} said
  * @property {boolean} ok - whether it may be cut: `state` says whether every hard rule holds
  * @property {StateData} state
+ * @property {boolean} [unchecked] - whether there is no program yet, and the plan alone was judged
  * @property {CutData[]} cuts
  * @property {PierceData[]} pierces
  * @property {number[]} already

@@ -52,9 +52,10 @@ export function placeText(place) {
   return `(${figure(place[0], 1)}; ${figure(place[1], 1)})`.replace("; ", language() === "en" ? ", " : "; ");
 }
 
-/** What the chip says of a plan's hard rules. */
-/** @type {(state: StateData) => string} */
-export function stateText(state) {
+/** What the chip says of a plan's hard rules; of one that is unchecked the plan alone was judged, and no program. */
+/** @type {(state: StateData, unchecked?: boolean) => string} */
+export function stateText(state, unchecked = false) {
+  if (unchecked && state.kind !== "broken") return tr("program not checked yet");
   if (state.kind === "kept but for") return trn("{n} place not kept", "{n} places not kept", state.count ?? 0);
   return state.kind === "kept" ? tr("every hard rule holds") : tr("a hard rule is broken");
 }
@@ -71,8 +72,8 @@ export function strengthText(strength) {
   return { hard: tr("hard"), soft: tr("soft"), off: tr("off") }[strength] ?? strength;
 }
 
-/** Green over a plan that keeps them all, amber where some places are not kept, red where it is broken. */
-/** @type {(state: StateData) => string} */
-export function stateClass(state) {
-  return { kept: "good", "kept but for": "warn", broken: "bad" }[state.kind];
+/** Green over a plan that keeps them all, amber where some places are not kept or it is unchecked, red where it is broken. */
+/** @type {(state: StateData, unchecked?: boolean) => string} */
+export function stateClass(state, unchecked = false) {
+  return { kept: unchecked ? "warn" : "good", "kept but for": "warn", broken: "bad" }[state.kind];
 }

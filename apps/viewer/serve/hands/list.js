@@ -15,6 +15,7 @@ const AGAIN_MS = 400, FILTER_MS = 200;
 const STATES = {
   broken: ["bad", () => tr("the check refuses its plan")],
   "kept but for": ["warn", () => tr("planned, places not kept")],
+  unchecked: ["warn", () => tr("planned, program not checked yet")],
   kept: ["good", () => tr("planned, every hard rule holds")],
   "": ["", () => tr("not planned")],
 };

@@ -38,7 +38,7 @@ export function planBar(app, work, history) {
     cancel.hidden = !solving;
     undo.toggleAttribute("disabled", !history.can(-1));
     redo.toggleAttribute("disabled", !history.can(1));
-    const notSaved = work.lost ? tr("the connection is lost") : !work.plan ? tr("there is no plan yet") : work.plan.ok ? "" : tr("the check refuses this plan");
+    const notSaved = work.lost ? tr("the connection is lost") : !work.plan ? tr("there is no plan yet") : !work.plan.ok ? tr("the check refuses this plan") : work.plan.checked ? "" : tr("its program is not checked yet");
     save.toggleAttribute("disabled", Boolean(notSaved));
     save.title = notSaved || tr("write the program, the plan and the job file");
     save.classList.toggle("primary", !notSaved && fits && !isSaved);
@@ -84,6 +84,7 @@ const PHASES = {
   "getting ready": () => tr("getting ready the first time (some 20 s)"),
   reading: () => tr("reading"),
   "first plan": () => tr("looking for a first plan"),
+  checking: () => tr("checking its program"),
   improving: () => tr("looking for a better plan"),
   proving: () => tr("proving"),
   finishing: () => tr("checking the plan"),

@@ -8,7 +8,16 @@ import { tr } from "./say.js";
  * @param {Work} work
  */
 export function planViews(app, work) {
-  let asked = work.drawn, shown = work.state.shown;
+  let asked = work.drawn, shown = work.state.shown, rejudging = false;
+  /** The program of the plan that is drawn has been checked meanwhile: what is said of it is renewed, and nothing moves. */
+  const rejudge = async () => {
+    const drawn = app.data.sides[0], { view } = work;
+    if (rejudging || work.compared || !work.isDrawn || !drawn?.unchecked || !work.plan?.checked) return;
+    rejudging = true;
+    const data = await work.page().catch(() => null); // with the next news
+    rejudging = false;
+    if (data && view === work.view && app.data.sides[0] === drawn) app.app.judged(data.sides[0]);
+  };
   markDrawn(work);
   work.on(async (_, what) => {
     if (what !== "state") return;
@@ -16,7 +25,10 @@ export function planViews(app, work) {
     if (work.state.shown !== shown || !work.compared?.every(number => known.includes(number))) work.compared = null;
     shown = work.state.shown;
     const { view } = work;
-    if (view === asked) return;
+    if (view === asked) {
+      void rejudge();
+      return;
+    }
     asked = view;
     const data = await work.page().catch(error => { work.say(error.message, "bad"); return null; });
     if (view !== work.view) return;

@@ -14,9 +14,15 @@ import httpx
 import pytest
 
 from kerfwise.apps.viewer.serve import planner
-from kerfwise.apps.viewer.serve.plan_request import PlanRequest
+from kerfwise.apps.viewer.serve.nest_folder import Folder
+from kerfwise.apps.viewer.serve.plan_request import PlanRequest, request_inputs, sha256_of
 from kerfwise.apps.viewer.serve.planner import Effects
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.apps.viewer.serve.query_worker import Desk
+from kerfwise.apps.viewer.serve.server import save
+from kerfwise.apps.viewer.serve.session import News, Session
+from kerfwise.encoder.already_cut import NOTHING_CUT
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import plan_nest as main_job
 from kerfwise.jobs.request import NoPlan
 from kerfwise.tests.apps.viewer.serve.served import EXAMPLES, SMALL, Open, Served, Tab, wait_for
@@ -179,3 +185,129 @@ def test_little_work_that_finds_no_plan_is_followed_by_more(tmp_path: Path, monk
     told = planner.Planner(cast(Any, asking)).solve(PlanRequest(str(nest)), 0.25, memory_gb=1.5)
     assert tried == [(0.25, 1.5), (1.0, 1.5), (4.0, 1.5)]
     assert (told["work"], told["memory_gb"], told["ok"]) == (4.0, 1.5, True)
+
+
+class Told:
+    """Whoever has asked a planner of this process: what was told it, in order."""
+
+    def __init__(self) -> None:
+        self.all: list[dict[str, Any]] = []
+        self.planner = planner.Planner(cast(Any, self))
+
+    stopped = False
+
+    def begin(self) -> None:
+        """Nothing is to be forgotten."""
+
+    def go_on(self) -> bool:
+        return True
+
+    def tell(self, **told: Any) -> None:
+        self.all.append(told)
+
+    def plans(self) -> list[dict[str, Any]]:
+        return [told[kind] for told in self.all for kind in ("plan", "checked") if kind in told]
+
+
+def plan_of(told: dict[str, Any]) -> dict[str, Any]:
+    return cast(dict[str, Any], json.loads(told["files"][told["plan_file"]].text()))
+
+
+@pytest.fixture
+def sixteen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (nest := tmp_path / "plate.json").write_text(json.dumps(make_sheet(1, 16)), encoding="utf-8")
+    return nest
+
+
+def test_a_drop_is_answered_along_the_plan_at_hand_first_without_a_program(
+    sixteen: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(planner, "BARE_FROM", 10)
+    told = Told()
+    done = told.planner.solve(PlanRequest(str(sixteen)), 0.2)
+    before, text = [cut["contour"] for cut in plan_of(done)["cuts"]], done["files"][done["plan_file"]].text()
+    told.all.clear()
+    desk, wanted = Desk(), PlanRequest(str(sixteen))
+    moves = (desk.move(wanted, text, [name], k + 2) for k, name in enumerate(before[:-1]))
+    moved = next(move["place"] for move in moves if move["lawful"] and move["more_mm"]) - 2
+    job = f"locks: [{before[moved]} position {moved + 2}]\n"
+    told.planner.solve(PlanRequest(str(sixteen), job), 0.2, start=text)
+    bare, checked = told.plans()[:2]
+    assert [(one["stage"], one["checked"], one["ok"]) for one in (bare, checked)] == [
+        ("first", False, True), ("first", True, True),
+    ]  # fmt: skip
+    assert bare["program_file"] not in bare["files"]
+    assert checked["files"][checked["program_file"]].text().startswith("(KERFWISE")
+    sides = [json.loads(one["page"].text())["sides"][0] for one in (bare, checked)]
+    assert [side["unchecked"] for side in sides] == [True, False]
+    assert [side["nc"] is None for side in sides] == [True, False]
+    order = [cut["contour"] for cut in plan_of(bare)["cuts"]]
+    assert order == [cut["contour"] for cut in plan_of(checked)["cuts"]]
+    assert order.index(before[moved]) == moved + 1
+    assert [name for name in order if name != before[moved]] == [name for name in before if name != before[moved]]
+
+
+def test_a_locked_place_asks_for_no_facts_anew(sixteen: Path) -> None:
+    recent = planner.RecentFacts()
+
+    def facts(job: str) -> object:
+        given = request_inputs(PlanRequest(str(sixteen), job))
+        return recent.of(given.nest, given.profile, NOTHING_CUT)
+
+    first = facts("locks: [P1.outer position 3]\n")
+    assert facts("locks: [P1.outer position 4, P2.outer last]\n") is first
+    assert facts("locks: [P1.outer cw]\n") is not first
+    assert facts("set: {material.kerf: 2 mm}\n") is not first
+    with pytest.raises(InputError, match="position 99"):
+        facts("locks: [P1.outer position 99]\n")
+
+
+def test_plans_are_shown_under_a_price_of_heat_and_the_priced_one_takes_their_place(
+    sixteen: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in (("ORDERS", 6), ("NEARBY", 2), ("ROUNDS", 1)):
+        monkeypatch.setattr(f"kerfwise.jobs.cooler_orders.{name}", value)
+    told = Told()
+    wanted = PlanRequest(str(sixteen), "set: {objective.heat: 100, heat.absorbed_power_w: 3000}\n")
+    final = told.planner.solve(wanted, 0.1)
+    shown = told.plans()
+    assert shown
+    assert all(one["ok"] and one["unpriced"] for one in shown)
+    assert shown[0]["figures"]["objective_mm"] < final["figures"]["objective_mm"]
+    session = session_of(wanted)
+    for event in (*shown, final | {"stage": "final"}):
+        session.add(event, wanted, relax=False, run=0)
+    assert session.current is not None
+    assert (session.current.stage, session.current.unpriced) == ("final", False)
+
+
+def test_plans_are_shown_while_rules_give_way(sixteen: Path) -> None:
+    told = Told()
+    final = told.planner.solve(PlanRequest(str(sixteen), "locks: [P1.outer first, P1.outer last]\n"), 0.2, relax=True)
+    (first, *_) = told.plans()
+    assert (first["stage"], first["figures"]["dropped"] > 0) == ("first", True)
+    assert first["figures"]["objective_mm"] >= final["figures"]["objective_mm"], "strips are paid for on the way, too"
+
+
+def session_of(wanted: PlanRequest) -> Session:
+    opened = {"sha256": sha256_of(Path(wanted.nest))}
+    return Session("key", "plate.json", wanted, opened, News())
+
+
+def test_a_plan_is_saved_once_its_program_is_checked(sixteen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(planner, "BARE_FROM", 10)
+    told, wanted = Told(), PlanRequest(str(sixteen))
+    told.planner.solve(wanted, 0.05)
+    bare, checked = told.plans()[:2]
+    session = session_of(wanted)
+    number = session.add(bare, wanted, relax=False, run=0).number
+    assert session.current is not None
+    assert session.current.state == "unchecked"
+    for refused in (lambda: save(session, Folder(sixteen.parent), "", ""), lambda: session.current.program):
+        with pytest.raises(InputError, match="program of this plan is not"):
+            refused()
+    session.check(number, checked)
+    session.check(number + 1, checked)  # of a plan that is gone
+    assert [(one.number, one.state, one.run) for one in session.alternatives] == [(number, "kept", 0)]
+    assert session.current.program

@@ -178,8 +178,10 @@ test("times and lengths for people", () => {
 
 test("green stands only over a plan that keeps every hard rule", () => {
   const said = ["kept", "kept but for", "broken"].map(kind => ({ kind, count: 3, short: "", told: "", for_operator: "" }));
-  assert.deepEqual(said.map(stateClass), ["good", "warn", "bad"]);
-  assert.deepEqual(said.map(stateText), ["every hard rule holds", "3 places not kept", "a hard rule is broken"]);
+  assert.deepEqual(said.map(one => stateClass(one)), ["good", "warn", "bad"]);
+  assert.deepEqual(said.map(one => stateText(one)), ["every hard rule holds", "3 places not kept", "a hard rule is broken"]);
+  assert.deepEqual(said.map(one => stateClass(one, true)), ["warn", "warn", "bad"], "nor before its program is checked");
+  assert.equal(stateText(said[0], true), "program not checked yet");
 });
 
 test("what was dropped and is broken therefore is told once", () => {

@@ -12,7 +12,7 @@ import pytest
 import kerfwise
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.plan_at_hand import first_plan, plan_at_hand
+from kerfwise.jobs.first_plan import first_plan, plan_at_hand
 from kerfwise.jobs.plan_nest import solve_and_verify, with_less_work
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.lawful_walk import route_like
@@ -58,14 +58,14 @@ def test_an_edit_goes_on_from_the_plan_at_hand_and_costs_no_more() -> None:
     edited = row("A", "C", "New", "E", wide=70)
     facts = facts_of(edited, PROFILE)
     asked, limits = make_request(facts, PROFILE), options_for(edited, PROFILE, work=0.5)
-    at_hand = plan_at_hand(asked, PROFILE, limits, before)
+    at_hand = plan_at_hand(facts, PROFILE, limits, before, asked)
     assert at_hand is not None
     first = first_plan(asked, PROFILE, limits, at_hand, moves=True)
     assert first is not None
     best = kerfwise.solve(edited, start=before, work=0.5)
     assert best.ok
     assert best.plan.solve.objective <= first.solution.objective
-    left = [facts.nest.contours[facts.candidates[c].contour].id for c in at_hand.route]
+    left = [facts.nest.contours[facts.candidates[c].contour].id for c in at_hand.solution.route]
     known = [name for name in left if name != "New.outer"]
     assert known == [cut.cut.contour for cut in before.cuts if cut.cut.contour in known]
 
@@ -77,12 +77,12 @@ def test_the_zones_of_the_plan_at_hand_are_kept_where_geometry_may_choose(monkey
     facts = replace(facts_of(sheet, PROFILE), zone=np.array([1, 1, 2, 2, 3, 3]))
     asked = make_request(facts, PROFILE)
     limits = options_for(sheet, PROFILE, work=0.5)
-    at_hand = plan_at_hand(asked, PROFILE, limits, replace(plan, cuts=cuts))
+    at_hand = plan_at_hand(facts, PROFILE, limits, replace(plan, cuts=cuts), asked)
     assert at_hand is not None
-    order = [facts.candidates[c].contour for c in at_hand.route]
+    order = [facts.candidates[c].contour for c in at_hand.solution.route]
     assert at_hand.asked.facts.zone[order].tolist() == [1, 1, 1, 2, 2, 2]
     fixed = replace(facts, options=replace(facts.options, zone_contours=2))
-    at_hand = plan_at_hand(replace(asked, facts=fixed), PROFILE, limits, replace(plan, cuts=cuts))
+    at_hand = plan_at_hand(fixed, PROFILE, limits, replace(plan, cuts=cuts), replace(asked, facts=fixed))
     assert at_hand is None or (at_hand.asked.facts.zone == facts.zone).all(), "a plant has asked for these"
 
 

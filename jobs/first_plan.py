@@ -1,0 +1,201 @@
+"""A first lawful plan at once: along a plan that is at hand, before an edit or of yesterday, or by a short search."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.zones_along_route import movable
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.lawful_walk import route_like
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.plan.explain.alternatives import try_order
+from kerfwise.models.plan.explain.context import context_along
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import Statement
+from kerfwise.rules.stating.lazy_statements import lazy_statements
+
+from .adaptive_zones import ZonedPlan
+from .inputs import of_first_torch
+from .plan_without_zones import bans_crossings, is_relaxed, restated, searched, zoned_by
+from .request import Request, make_request
+
+WORK, WORK_A_CONTOUR = 0.03, 1e-4
+"""Work of the search that makes a first plan, and for every contour."""
+UNPRICED = "a first plan is not asked what its single moves cross"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AtHand:
+    """A plan that is at hand, under what is asked now: by its own zones, if it may be, and as a lawful route."""
+
+    asked: Request
+    solution: Solution
+
+
+def first_plan(
+    asked: Request,
+    profile: Profile,
+    limits: SolveOptions,
+    at_hand: AtHand | None = None,
+    progress: Progress | None = None,
+    *,
+    moves: bool = False,
+    work: float | None = None,
+) -> ZonedPlan | None:
+    """The first lawful plan that a short search finds, from a plan at hand or from nothing.
+
+    Where geometry alone makes zones, the whole sheet is one: to draw them takes longer than all of this. Soft rules on
+    what single moves cross are not priced but with `moves`. The search takes so much `work`, or as little as it takes.
+
+    Returns
+    -------
+    ZonedPlan or None
+        None where the search finds none.
+    """
+    if at_hand is not None:
+        asked = at_hand.asked
+    elif movable(asked.facts) and zoned_by(asked.facts, profile) and not is_relaxed(asked):
+        one = replace(asked.facts, zone=asked.facts.zone.clip(max=1))
+        if (stated := restated(one, profile, asked.stated)) is not None:
+            asked = Request(one, stated, asked.seconds)
+    work = min(limits.work, WORK + WORK_A_CONTOUR * asked.facts.n if work is None else work)
+    limits = replace(limits, work=work, time_s=None)  # so little takes less time than a look at the clock is worth
+    moves = moves or bans_crossings(asked.stated.statements)
+    route = () if at_hand is None else at_hand.solution.route
+    found = searched(asked.facts, asked.stated, profile, route, limits, progress, moves=moves)
+    if found is None:
+        return None
+    left_out = found.solution.left_out or tuple((rule, UNPRICED) for rule in found.aside)
+    return ZonedPlan(asked, replace(found.solution, left_out=left_out), None)
+
+
+def plan_at_hand(
+    facts: Facts, profile: Profile, limits: SolveOptions, plan: Plan, request: Request | None = None
+) -> AtHand | None:
+    """A plan that was made before, of a nest or under rules that may have changed since.
+
+    Its order stays as far as locked places and hard rules allow, with the best entries along it; contours that it does
+    not have come after the ones that they lie nearest to, and its zones are kept where geometry may choose them.
+
+    Parameters
+    ----------
+    request
+        What is asked by the zones of `facts`, where that is known.
+
+    Returns
+    -------
+    AtHand or None
+        None where the plan has no contour of the nest, or no lawful order is like it.
+
+    Raises
+    ------
+    RulesConflict
+        If hard orders contradict each other.
+    """
+    cuts = [row.cut for row in of_first_torch(plan).cuts if row.cut.contour in facts.nest.index]
+    if not cuts:
+        return None
+    asked = _by_zones_of(cuts, facts, profile, request)
+    facts = asked.facts
+    problem = make_problem(facts, asked.stated.statements, limits.home_mm, limits.feeds)
+    sites = problem.candidate_site[[_nearest(facts, cut) for cut in cuts]]
+    wanted, places = _known(sites, problem.site_contour), _places(profile, facts)
+    setting = context_along(facts, profile, asked.stated, problem, ())
+    for order in _orders(problem, wanted, places):
+        judged = try_order(setting, order, look=False)
+        seen_mm = None if judged.cost is None else paid_for(lazy_statements(facts, profile)(order))
+        if judged.cost is not None and seen_mm is not None:
+            route = tuple(problem.site_candidate[list(judged.route)].tolist())
+            cost_mm = judged.cost / UM_PER_MM + seen_mm
+            return AtHand(asked, Solution(route, cost_mm, None, "feasible", "search", "", 0.0, problem=problem))
+    return None
+
+
+def paid_for(seen: Iterable[Statement]) -> float | None:
+    """What is paid for what geometry finds in a whole order, mm; None where a hard rule forbids it."""
+    weights = [statement.weight for statement in seen]
+    return None if None in weights else math.fsum(weight for weight in weights if weight is not None)
+
+
+def _by_zones_of(cuts: Sequence[Cut], facts: Facts, profile: Profile, request: Request | None) -> Request:
+    """What is asked by the zones of a plan, where geometry may choose them; else by those of the facts."""
+    if movable(facts) and (request is None or not is_relaxed(request)) and zoned_by(facts, profile):
+        by_plan = replace(facts, zone=zones_of(facts, cuts))
+        if request is not None and (stated := restated(by_plan, profile, request.stated)) is not None:
+            return Request(by_plan, stated, request.seconds)
+        if request is None:
+            try:
+                return make_request(by_plan, profile)
+            except RulesConflict:
+                pass
+    return make_request(facts, profile) if request is None else request
+
+
+def _orders(problem: Problem, wanted: Sequence[int], places: dict[int, int]) -> Iterator[Sequence[int]]:
+    """Orders near to one at hand: locked contours at their places; then with all moved that has to come before, too."""
+    order = [int(problem.site_contour[site]) for site in wanted]
+    at = {place: contour for contour, place in places.items()}
+    if len(at) < len(places):
+        return
+    if len(order) == problem.n:
+        others = iter([contour for contour in order if contour not in places])
+        yield [at[k] if k in at else next(others) for k in range(problem.n)]
+    if (route := route_like(problem, wanted, places)) is not None:
+        yield problem.site_contour[list(route)].tolist()
+
+
+def _places(profile: Profile, facts: Facts) -> dict[int, int]:
+    """Contour → its place in the order, from 0, by the locks."""
+    done, index = len(facts.already_cut), facts.nest.index
+    ends = {"first": done + 1, "last": done + facts.n}
+    found = {}
+    for lock in profile.locks:
+        if lock.contour in index and lock.position is not None:
+            at = lock.position if isinstance(lock.position, int) else ends[lock.position]
+            found[index[lock.contour]] = at - 1 - done
+    return {contour: at for contour, at in found.items() if 0 <= at < facts.n}
+
+
+def _known(sites: Ints, contour: Ints) -> list[int]:
+    """The sites that there still are, each contour once."""
+    known = dict[int, int]()
+    for site in sites[sites >= 0].tolist():
+        known.setdefault(int(contour[site]), site)
+    return list(known.values())
+
+
+def zones_of(facts: Facts, cuts: Sequence[Cut]) -> Ints:
+    """The zones of a plan, (n,) from 1; one alone where a contour has none in it."""
+    zone = np.zeros(facts.n, dtype=np.int64)
+    for cut in cuts:
+        zone[facts.nest.index[cut.contour]] = cut.zone
+    marks = np.array([contour.kind == "mark" for contour in facts.nest.contours])
+    if (zone[~marks] < 1).any():
+        return np.ones(facts.n, dtype=np.int64)
+    zone[marks] = 1
+    return np.unique(zone, return_inverse=True)[1].ravel().astype(np.int64) + 1
+
+
+def _nearest(facts: Facts, cut: Cut) -> int:
+    """The candidate that is most like a cut: the same way round, and as near as there is."""
+    contour = facts.nest.index[cut.contour]
+    numbers = range(int(facts.first[contour]), int(facts.first[contour + 1]))
+
+    def unlike(number: int) -> tuple[bool, float]:
+        way: Candidate = facts.candidates[number]
+        return way.direction != cut.direction, math.dist(way.pierce, cut.pierce) + math.dist(way.entry, cut.entry)
+
+    return min(numbers, key=unlike)
