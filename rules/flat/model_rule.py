@@ -73,6 +73,7 @@ class ModelRule(Rule[Any]):
             setattr(self, "Options", options_in_place(self.replaces.Options, file.parameters))  # noqa: B010
         else:
             setattr(self, "of_whole_nest", True)  # noqa: B010
+            setattr(self, "minds_zones", re.search(r"\bzone\b", whole_text(file)) is not None)  # noqa: B010
 
     def __eq__(self, other: object) -> bool:
         mine = (self.file, self.id, self.strength)

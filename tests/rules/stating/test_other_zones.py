@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.request import facts_of
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
+from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -114,3 +116,13 @@ def test_what_is_taken_over_is_not_stated(monkeypatch: pytest.MonkeyPatch) -> No
     state_rules(facts, profile, first)
     assert "zone-order" in asked
     assert not {"level-ahead", "part-rigidity", "heat-lag"} & set(asked)
+
+
+@pytest.mark.parametrize(
+    ("holds", "minds"),
+    [("before(1, 2)", False), ("zone[1] = 1 \\/ before(1, 2)", True), ("before(1, 2) % by zone", False)],
+)
+def test_a_model_file_minds_zones_where_it_names_them(holds: str, minds: bool, tmp_path: Path) -> None:
+    file = tmp_path / "own.mzn"
+    file.write_text(f"% own: the first contour comes first\narray[int] of var bool: own_holds = [{holds}\n];\n")
+    assert read_model_rule(file).minds_zones == minds
