@@ -26,7 +26,7 @@ from kerfwise.examples.gen_sheet import contour_count, make_sheet
 
 PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "read": (("kerfwise.encoder.readers.json_nest", "read_json"),),
-    "candidates": (("kerfwise.jobs.request", "build_with_older_kerfs"),),
+    "candidates": (("kerfwise.jobs.request", "_with_ways_along"),),
     "facts": (("kerfwise.jobs.request", "compute_facts"), ("kerfwise.jobs.request", "contour_heat_kj")),
     "rules": (("kerfwise.jobs.request", "state_rules"),),
     "problem": (("kerfwise.models.engines.solve", "make_problem"), ("kerfwise.models.engines.solve", "simplify")),

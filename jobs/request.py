@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
-from kerfwise.encoder.candidates import build_with_older_kerfs
+from kerfwise.encoder.candidates import CandidateBuilder
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
@@ -169,10 +169,11 @@ def _with_ways_along(
     taken = frozenset[str]().union(*(row.members for row in rows))
     split = to_be_split(nest, kerf_mm, profile.split_options(), [name for name in left if name not in taken])
     shared = CommonOptions(0.0, profile.cuts.common.gap_tolerance_mm, profile.machine.kerf_start)
+    builder = CandidateBuilder(nest, leads, already, loose)
     while rows or split or begun:
         members = frozenset({*split, *begun}).union(*(row.members for row in rows))
         led = {*split, *(name for row in rows for name in (row.contours[0].id, row.contours[-1].id))}
-        candidates, met = build_with_older_kerfs(nest, leads, already, loose, members, led)
+        candidates, met = builder.build(members, led)
         ways = {row.name: snake_of(nest, row, candidates, leads) for row in rows}
         unfit = {name for name, way in ways.items() if way is None}
         halves = list(split_ways(nest, split, candidates, met, kerf_mm, profile.cuts.split.last_mm or 0.0))
@@ -187,7 +188,7 @@ def _with_ways_along(
             bare = {way.along[0].contour for way in halves if way.id == made}
         rows = [row for row in rows if row.name not in unfit]
         split = {name: half for name, half in split.items() if name not in bare}
-    return (*build_with_older_kerfs(nest, leads, already, loose), None)
+    return (*builder.build(), None)
 
 
 def common_cut_advice(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Iterator[str]:

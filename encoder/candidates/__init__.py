@@ -1,6 +1,6 @@
 """Ways to cut each contour: where the torch pierces, joins, which way round it goes and where it leaves."""
 
-from .build import build_candidates, build_with_older_kerfs
+from .build import CandidateBuilder, build_candidates, build_with_older_kerfs
 from .candidate import Candidate, LeadOptions
 
-__all__ = ["Candidate", "LeadOptions", "build_candidates", "build_with_older_kerfs"]
+__all__ = ["Candidate", "CandidateBuilder", "LeadOptions", "build_candidates", "build_with_older_kerfs"]

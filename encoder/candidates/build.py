@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -68,72 +69,91 @@ def build_candidates(
 
 
 def build_with_older_kerfs(
-    nest: Nest,
-    options: LeadOptions,
-    already: AlreadyCut = NOTHING_CUT,
-    loose: Collection[str] = (),
-    in_ways: Collection[str] = (),
-    led: Collection[str] = (),
+    nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
 ) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
-    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that.
+    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that."""
+    return CandidateBuilder(nest, options, already, loose).build()
 
-    Of contours that are cut along stretches, `in_ways`, only those that are `led` have any, if there is room for leads.
-    """
-    _check(options, nest)
-    if not nest.sheet.stated or options.reach is None or not all(map(math.isfinite, options.reach)):
-        options = replace(options, edge_start=False)
-    if not nest.contours:
-        return (), OlderKerfs.none()
-    gone = already.contours.union(loose)
-    left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
-    uncuttable = scrap_problems(nest, options.kerf_mm)
-    if uncuttable:
-        raise InputError(
-            "the skeleton cannot be cut up as it is drawn", file=nest.file or None, details=tuple(uncuttable)
-        )
-    around = Surroundings.of(nest, BurntArea.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
-    held = TabPlaces.of(nest, left, options.tabs, options.kerf_mm, options.entry_points)
-    options = replace(options, tab_places=held)
-    tried = try_leads(nest, left, around, options)
-    if spoilt := _spoilt_by_tabs(nest, tried, around, options):
-        raise InputError(
-            "a tab leaves no room to cut a part" if len(spoilt) == 1 else "tabs leave no room to cut parts",
-            file=nest.file or None,
-            details=spoilt,
-        )
-    again = recut(nest, already.broken_off, tried, options.kerf_mm)
-    out = [k for k, c in enumerate(nest.contours) if c.id in already.contours]
-    stretched = {nest.index[name] for name in in_ways}
-    unled = stretched - {nest.index[name] for name in led}
-    before = [*(nest.index[cut.contour] for cut in already.cuts if cut.tabs), *stretched]
-    edges, along = common_cut_paths(nest, sorted(tried.outlines), options, out, before)
-    along = reachable_candidates(along, options.reach)
-    redone = {*stretched, *(c.contour for c in (*again, *along))}
-    shut = {k: why for k, why in tried.shut.items() if k not in redone}
-    tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
-    if tried.faulty:
-        raise refusal(nest, tried, around, options)
-    bare_lines = [(k, nest.contours[k]) for k in left if nest.contours[k].kind in ("mark", "scrap")]
-    marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
-    whole = reachable_candidates(_candidates(tried.found, tried.outlines, around, options), options.reach)
-    whole = [c for c in whole if c.contour not in unled]
-    reached = [*with_neighbours_in(nest, whole, edges, out), *tried.slits, *again]
-    if shut_in := _shut_in(nest, edges, reached, out):
-        raise InputError(
-            "of parts that are cut with common edges none can be pierced",
-            file=nest.file or None,
-            details=shut_in,
-        )
-    if lost := sorted(set(tried.outlines) - stretched - {c.contour for c in (*reached, *along)}):
-        details = tuple(f"{nest.contours[k].id}: {_why_lost(edges, k, out)}" for k in lost)
-        raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
-    if options.splash_mm is None:
-        return tuple(sorted([*marks, *reached, *along], key=lambda c: c.contour)), None
-    met = older_kerfs(nest, reached, options.kerf_mm, options.splash_mm, around)
-    kept = resolve_lead_conflicts(reached, met, _locked(reached, tried.locked))
-    every = [*reached, *marks, *along]
-    places = sorted([*range(len(reached), len(every)), *kept], key=lambda k: every[k].contour)
-    return tuple(every[k] for k in places), met.of_kept(places, len(every))
+
+class CandidateBuilder:
+    """The same of one nest, whichever of its contours are cut along stretches: leads are looked for once for all."""
+
+    def __init__(
+        self, nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
+    ) -> None:
+        _check(options, nest)
+        if not nest.sheet.stated or options.reach is None or not all(map(math.isfinite, options.reach)):
+            options = replace(options, edge_start=False)
+        self._nest, self._options, self._already = nest, options, already
+        if not nest.contours:
+            return
+        gone = already.contours.union(loose)
+        self._left = left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
+        uncuttable = scrap_problems(nest, options.kerf_mm)
+        if uncuttable:
+            raise InputError(
+                "the skeleton cannot be cut up as it is drawn", file=nest.file or None, details=tuple(uncuttable)
+            )
+        burnt = BurntArea.of(nest, already, options.kerf_mm, options.splash_mm or 0.0)
+        self._around = around = Surroundings.of(nest, burnt)
+        held = TabPlaces.of(nest, left, options.tabs, options.kerf_mm, options.entry_points)
+        self._options = options = replace(options, tab_places=held)
+        self._tried = try_leads(nest, left, around, options)
+        if spoilt := _spoilt_by_tabs(nest, self._tried, around, options):
+            raise InputError(
+                "a tab leaves no room to cut a part" if len(spoilt) == 1 else "tabs leave no room to cut parts",
+                file=nest.file or None,
+                details=spoilt,
+            )
+        self._again = recut(nest, already.broken_off, self._tried, options.kerf_mm)
+
+    @cached_property
+    def _with_leads(self) -> list[Candidate]:
+        found = _candidates(self._tried.found, self._tried.outlines, self._around, self._options)
+        return list(reachable_candidates(found, self._options.reach))
+
+    def build(
+        self, in_ways: Collection[str] = (), led: Collection[str] = ()
+    ) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
+        """The candidates; of contours that are cut along stretches, `in_ways`, only those that are `led` have any.
+
+        Those too have them only if there is room for leads.
+        """
+        nest, options, already = self._nest, self._options, self._already
+        if not nest.contours:
+            return (), OlderKerfs.none()
+        tried, again = self._tried, self._again
+        out = [k for k, c in enumerate(nest.contours) if c.id in already.contours]
+        stretched = {nest.index[name] for name in in_ways}
+        unled = stretched - {nest.index[name] for name in led}
+        before = [*(nest.index[cut.contour] for cut in already.cuts if cut.tabs), *stretched]
+        edges, along = common_cut_paths(nest, sorted(tried.outlines), options, out, before)
+        along = reachable_candidates(along, options.reach)
+        redone = {*stretched, *(c.contour for c in (*again, *along))}
+        shut = {k: why for k, why in tried.shut.items() if k not in redone}
+        tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
+        if tried.faulty:
+            raise refusal(nest, tried, self._around, options)
+        bare_lines = [(k, nest.contours[k]) for k in self._left if nest.contours[k].kind in ("mark", "scrap")]
+        marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
+        whole = [c for c in self._with_leads if c.contour not in unled]
+        reached = [*with_neighbours_in(nest, whole, edges, out), *tried.slits, *again]
+        if shut_in := _shut_in(nest, edges, reached, out):
+            raise InputError(
+                "of parts that are cut with common edges none can be pierced",
+                file=nest.file or None,
+                details=shut_in,
+            )
+        if lost := sorted(set(tried.outlines) - stretched - {c.contour for c in (*reached, *along)}):
+            details = tuple(f"{nest.contours[k].id}: {_why_lost(edges, k, out)}" for k in lost)
+            raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
+        if options.splash_mm is None:
+            return tuple(sorted([*marks, *reached, *along], key=lambda c: c.contour)), None
+        met = older_kerfs(nest, reached, options.kerf_mm, options.splash_mm, self._around)
+        kept = resolve_lead_conflicts(reached, met, _locked(reached, tried.locked))
+        every = [*reached, *marks, *along]
+        places = sorted([*range(len(reached), len(every)), *kept], key=lambda k: every[k].contour)
+        return tuple(every[k] for k in places), met.of_kept(places, len(every))
 
 
 def _why_lost(edges: CommonEdges, number: int, out: Collection[int]) -> str:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import kerfwise
-from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
+from kerfwise.encoder.candidates import Candidate, CandidateBuilder, LeadOptions, build_candidates
+from kerfwise.encoder.candidates import build as build_module
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Sheet
@@ -360,3 +363,23 @@ def test_a_contour_without_a_lead_within_reach_is_named() -> None:
     with pytest.raises(InputError) as caught:
         build_candidates(tight, LeadOptions(reach=(9.0, 99.0, 91.0, 181.0)))
     assert caught.value.details == ("A.outer: no lead to it stays within the machine's travel",)
+
+
+def test_leads_are_looked_for_once_whichever_contours_are_cut_along_stretches(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = nest(400, 120, *(part(f"P{k}", rect(20 + 100 * k, 20, 80, 80)) for k in range(3)))
+    asked: list[list[int]] = []
+    plain = build_module.try_leads
+
+    def try_leads(nest: Nest, numbers: Sequence[int], *rest: Any) -> Any:
+        asked.append(list(numbers))
+        return plain(nest, numbers, *rest)
+
+    monkeypatch.setattr(build_module, "try_leads", try_leads)
+    builder = CandidateBuilder(row, LeadOptions())
+    spared, _ = builder.build({"P0.outer", "P1.outer"}, {"P0.outer"})
+    every, _ = builder.build()
+    assert asked == [[0, 1, 2]]
+    assert {c.contour for c in spared} == {0, 2}
+    plainly = [(c.contour, c.entry, c.pierce, c.direction, c.end) for c in build_candidates(row, LeadOptions())]
+    assert [(c.contour, c.entry, c.pierce, c.direction, c.end) for c in every] == plainly
+    assert [c.entry for c in spared] == [c.entry for c in every if c.contour != 1]

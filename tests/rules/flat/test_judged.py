@@ -187,7 +187,7 @@ def test_a_plate_that_is_too_large_is_refused_before_any_work(tmp_path: Path, mo
     profile = plant(tmp_path, "[before(1, 2)]")
     assert model_rule.MOST_CONTOURS == CONTOURS_MAX
     monkeypatch.setattr(model_rule, "MOST_CONTOURS", 2)
-    monkeypatch.setattr("kerfwise.jobs.request.build_with_older_kerfs", None)
+    monkeypatch.setattr("kerfwise.jobs.request.CandidateBuilder", None)
     said = (
         "rule in-turn: the nest has 3 contours, and rules in model files bear 2 at the most: set rules: {in-turn: off}"
     )
