@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from typing import Any
 
 APPS = "kerfwise.apps"
@@ -31,9 +32,45 @@ def app_module(name: str) -> Any:
     except ModuleNotFoundError as error:
         if error.name is None or not error.name.startswith(APPS):
             raise
+        raise _missing(name.partition(".")[0]) from None
+
+
+def expect_app(app: str) -> None:
+    """Say at once that an app is not installed, without loading it.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    try:
+        found = importlib.util.find_spec(f"{APPS}.{app}")
+    except ModuleNotFoundError:
+        found = None
+    if found is None:
+        raise _missing(app)
+
+
+def library(name: str, what: str, extra: str) -> Any:
+    """A library that comes with an extra.
+
+    Raises
+    ------
+    InputError
+        Where it is not installed: what needs it, and which extra has it.
+    """
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
         from kerfwise.encoder.errors import InputError
 
-        raise InputError(f"the app {name.partition('.')[0]!r} of kerfwise is not installed") from None
+        raise InputError(f"{what} needs {name}: install it with `pip install 'kerfwise[{extra}]'`") from None
+
+
+def _missing(app: str) -> Exception:
+    from kerfwise.encoder.errors import InputError
+
+    return InputError(f"the app {app!r} of kerfwise is not installed: this is its core alone")
 
 
 def _table(name: str) -> dict[str, Any]:

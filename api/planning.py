@@ -19,7 +19,7 @@ from kerfwise.jobs.result import Result
 from kerfwise.jobs.resume import already_cut
 from kerfwise.models.engines import OLD_NAMES, STRATEGIES, Engine, Strategy
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import MEMORY_GB
+from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
 

@@ -138,6 +138,12 @@ def _lagged(contours: int, seed: int) -> Problem:
     return problem_of(made_plate(contours, seed), replace(profile, rules=rules))
 
 
+def made(kind: str, contours: int, seed: int) -> Problem:
+    """A made plate with `zones`, `free` of them, or with `lags` of two cuts, as the engines take it."""
+    plate = _lagged if kind == "lags" else _plate
+    return simplify(plate(contours, seed, *(("zone-order",) if kind == "free" else ())))
+
+
 def _shipped(name: str) -> Problem:
     file = Path(__file__).parents[1] / "examples" / "nests" / name
     return problem_of(read_json(file.read_bytes(), ReadOptions()), default_without())

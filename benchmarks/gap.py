@@ -30,12 +30,11 @@ from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.bounds import MOST_SITES, flow_bound
-from kerfwise.models.engines.bounds.flow import CROWD
-from kerfwise.models.engines.bounds.flow_program import FEWER_MOVES, MANY_MOVES
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.tuning import CROWD, FEWER_MOVES, MANY_MOVES
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.moves import MovePrices

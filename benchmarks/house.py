@@ -1,22 +1,50 @@
 """How the house is built, in figures: files, lines, import circles, crumbs, long functions.
 
-Usage: python benchmarks/house.py [ROOT] [--names]
+Usage: python benchmarks/house.py [ROOT] [--names] [--solve]
 
 Read by `ast`, whatever modules are called. Product files are all Python files but those of tests, benchmarks and
-examples. A circle counts imports within functions and those for types too.
+examples; the core is all of them but those of `apps`. A circle counts imports within functions and those for types too.
+With `--solve` one nest of 16 contours is planned in a process of its own, and the files and functions of kerfwise that
+it runs through are counted (those compiled by numba are not). Test files that import nothing of kerfwise but its
+interface (`kerfwise`, `cli`, `rule_kit`) and other files of the tests can stay as they are where rooms move.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import os
 import statistics
+import subprocess
+import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 ASIDE = {"tests", "benchmarks", "examples", "docs", "build", "dist"}
-LARGEST_FILE, LONGEST_FUNCTION = 500, 60
+APPS = "apps"
+INTERFACE = {"kerfwise", "kerfwise.cli", "kerfwise.rule_kit", "kerfwise.api"}
+LARGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS = 500, 60, 8
+NEST = Path(__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
+TRACED = """
+import sys, threading, pathlib
+ran = set()
+def note(frame, event, arg):
+    if event == "call":
+        code = frame.f_code
+        ran.add((code.co_filename, code.co_firstlineno, code.co_name))
+threading.setprofile(note)
+sys.setprofile(note)
+try:
+    from kerfwise.cli import main
+    main(["solve", sys.argv[2], "--work", "1"])
+except SystemExit as end:
+    assert not end.code
+sys.setprofile(None)
+ours = {one for one in ran if one[0].startswith(sys.argv[1]) and not one[2].startswith("<")}
+print(len({one[0] for one in ran if one[0].startswith(sys.argv[1])}), len(ours))
+"""
 
 
 @dataclass(frozen=True)
@@ -32,6 +60,8 @@ class Module:
     """Names that are imported; True if while the module is loaded."""
     functions: dict[str, int]
     """Their lines, by name."""
+    parameters: dict[str, int]
+    """How many parameters they have but `self` and `cls`, by name."""
 
 
 def main() -> None:
@@ -39,9 +69,12 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     arguments.add_argument("root", nargs="?", type=Path, default=Path(__file__).parents[1])
     arguments.add_argument("--names", action="store_true", help="name files, circles, crumbs and functions, too")
+    arguments.add_argument("--solve", action="store_true", help="plan a nest, and count what it runs through")
     given = arguments.parse_args()
-    modules = read(given.root.resolve())
-    for title, figure, names in figures(modules):
+    root = given.root.resolve()
+    rows = [*figures(read(root)), *test_figures(root)]
+    rows += [("a solve of 16 contours: files, functions", ", ".join(traced(root)), [])] if given.solve else []
+    for title, figure, names in rows:
         print(f"{title:52}{figure:>10}")
         if given.names:
             print("".join(f"    {name}\n" for name in names), end="")
@@ -52,6 +85,9 @@ def figures(modules: dict[str, Module]) -> Iterator[tuple[str, str, list[str]]]:
     lines = [m.lines for m in modules.values()]
     yield "product files", f"{len(lines):,}", []
     yield "product lines", f"{sum(lines):,}", []
+    for title, of_apps in (("core: files, lines", False), ("apps: files, lines", True)):
+        some = [m.lines for name, m in modules.items() if (f".{APPS}." in f"{name}.") == of_apps]
+        yield title, f"{len(some):,}, {sum(some):,}", []
     yield "median lines of a file", f"{statistics.median(lines):g}", []
     large = sorted((m for m in modules.values() if m.lines > LARGEST_FILE), key=lambda m: -m.lines)
     yield f"files past {LARGEST_FILE} lines", str(len(large)), [f"{m.name}: {m.lines}" for m in large]
@@ -77,6 +113,53 @@ def figures(modules: dict[str, Module]) -> Iterator[tuple[str, str, list[str]]]:
         str(len(long)),
         [f"{f}: {functions[f]}" for f in long],
     )
+    parameters = {f"{m.name}:{name}": count for m in modules.values() for name, count in m.parameters.items()}
+    many = sorted((f for f in parameters if parameters[f] > MOST_PARAMETERS), key=lambda f: -parameters[f])
+    yield (
+        f"functions with more than {MOST_PARAMETERS} parameters",
+        str(len(many)),
+        [f"{f}: {parameters[f]}" for f in many],
+    )
+
+
+def test_figures(root: Path) -> Iterator[tuple[str, str, list[str]]]:
+    """How many test files speak through the interface alone."""
+    outside = []
+    paths = sorted((root / "tests").rglob("test_*.py"))
+    for path in paths:
+        nodes = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if _imports(node)]
+        named = {target for node in nodes for target in _named(node)}
+        if any(name not in INTERFACE and not name.startswith("kerfwise.tests") for name in named):
+            outside.append(path.relative_to(root).as_posix())
+    if paths:
+        yield (
+            f"test files that speak through the interface, of {len(paths)}",
+            f"{len(paths) - len(outside)}",
+            [],
+        )
+
+
+def _imports(node: ast.AST) -> bool:
+    return isinstance(node, ast.Import | ast.ImportFrom)
+
+
+def _named(node: ast.AST) -> Iterator[str]:
+    """The modules of kerfwise that an import of a test names."""
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names if alias.name.split(".")[0] == "kerfwise")
+    elif isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "kerfwise":
+        modules = {"cli", "api", "rule_kit", "jobs", "encoder", "rules", "models", "postproc", "commands"}
+        whole = node.module == "kerfwise"
+        yield from (f"kerfwise.{a.name}" if whole and a.name in modules else str(node.module) for a in node.names)
+
+
+def traced(root: Path) -> tuple[str, str]:
+    """Files and functions of kerfwise that a solve runs through."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-c", TRACED, str(root) + os.sep, str(NEST)]
+        text = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+    files, functions = text.splitlines()[-1].split()
+    return files, functions
 
 
 def read(root: Path) -> dict[str, Module]:
@@ -98,6 +181,7 @@ def _module(name: str, is_package: bool, text: str) -> Module:
     imports: dict[str, bool] = {}
     import_rows: set[int] = set()
     functions: dict[str, int] = {}
+    parameters: dict[str, int] = {}
     for node, loaded in _nodes(tree, True):
         if isinstance(node, ast.Import | ast.ImportFrom):
             import_rows.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
@@ -105,9 +189,11 @@ def _module(name: str, is_package: bool, text: str) -> Module:
                 imports[target] = imports.get(target, False) or loaded
         elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             functions[f"{node.name}@{node.lineno}"] = (node.end_lineno or node.lineno) - node.lineno + 1
+            every = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+            parameters[f"{node.name}@{node.lineno}"] = sum(one.arg not in ("self", "cls") for one in every)
     rows = text.splitlines()
     code = _code_rows(tree)
-    return Module(name, is_package, len(rows), len(code), len(import_rows), imports, functions)
+    return Module(name, is_package, len(rows), len(code), len(import_rows), imports, functions, parameters)
 
 
 def _nodes(node: ast.AST, loaded: bool) -> Iterator[tuple[ast.AST, bool]]:

@@ -11,8 +11,8 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.zones_along_route import movable, zones_along
 from kerfwise.models.engines import Member
 from kerfwise.models.engines.deadline import Progress
-from kerfwise.models.engines.shared_state import SEEDS_APART
 from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.tuning import SEEDS_APART
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.plan import ZonesCost
 from kerfwise.rules.profile.profile import Profile

@@ -11,7 +11,8 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.deadline import Progress
-from kerfwise.models.engines.solution import LEAST_SHARE, Solution, SolveOptions
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.tuning import LEAST_SHARE
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.make_plan import excuses as excused
 from kerfwise.models.plan.plan import RELAXED, ZonesCost

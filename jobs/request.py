@@ -29,7 +29,8 @@ from kerfwise.encoder.progress_notice import amount, long_job
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
-from kerfwise.models.engines.solution import MEMORY_GB, Solution, SolveOptions
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj

@@ -12,7 +12,7 @@ import sys
 from typing import Any, NamedTuple, cast
 
 from kerfwise.models import jit
-from kerfwise.models.engines import bounds, ideals
+from kerfwise.models.engines import ideals
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.physics.time_and_cost import feeds_of
@@ -107,4 +107,3 @@ def _sweeps(problem: Problem, plan: Incumbent) -> None:
     ideals.count_sets(problem, 1e4)
     ideals.prove(problem, plan, Deadline(0.2))
     ideals.widen(problem, plan, Deadline(0.01))
-    bounds.flow_bound(problem, plan, Deadline(0.1))

@@ -20,7 +20,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs import plan_nest as production
 from kerfwise.models.jit import take_plainly
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.dialects import load_dialect
+from kerfwise.postproc.dialects import Dialect, load_dialect
 from kerfwise.rules.flat import flatten
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.coverage import Tabs
@@ -33,7 +33,7 @@ from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 ROOT = Path(__file__).parents[1]
 LONGEST = {"test_installing.py", "test_plates.py", "test_batch.py", "test_tutorial_planner.py"}
 """Files with a test that takes a quarter of a minute or more in one process: begun last, it would be waited for."""
-Made = list[tuple[Nest, Profile, str, str | None, Plan]]
+Made = list[tuple[Nest, Profile, Dialect, str, str | None, Plan]]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -119,7 +119,8 @@ def programs_made(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
     def noted(plan: Plan, nest: Nest, profile: Profile) -> str:
         program = write(plan, nest, profile)
         profile = profile.at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
-        made.append((nest, profile, program, write(before(plan), nest, profile) if plan.already_cut else None, plan))
+        old = write(before(plan), nest, profile) if plan.already_cut else None
+        made.append((nest, profile, load_dialect(profile.machine.dialect), program, old, plan))
         return program
 
     monkeypatch.setattr(production, "write_program", noted)
@@ -135,7 +136,7 @@ def before(plan: Plan) -> Plan:
 
 
 def judged(
-    nest: Nest, profile: Profile, program: str, old: str | None = None, tabs: Tabs | None = None
+    nest: Nest, profile: Profile, dialect: Dialect, program: str, old: str | None = None, tabs: Tabs | None = None
 ) -> list[object]:
     """The findings of a program, which may go on after an `old` one; without a kerf nothing is burnt.
 
@@ -143,7 +144,6 @@ def judged(
     """
     if profile.material.kerf_mm <= 0:
         return []
-    dialect = load_dialect(profile.machine.dialect)
     program = in_linuxcnc(program, dialect.control, dialect.name)
     more = {} if old is None else {"before": in_linuxcnc(old, dialect.control, dialect.name)}
     return [*simulate(profile.as_cut(nest), program, tabs=tabs, **plant(profile), **more)]

@@ -65,7 +65,7 @@ environment() {
   say "environment in .venv"
   asked=$(cksum <pyproject.toml)
   if [ "$(cat .venv/installed 2>/dev/null)" != "$asked $here" ]; then
-    .venv/bin/python -m pip install -q --disable-pip-version-check -e '.[cluster,docs,nest,serve,test]'
+    .venv/bin/python -m pip install -q --disable-pip-version-check -e '.[cluster,docs,nest,serve,sheets,test]'
     echo "$asked $here" >.venv/installed
   fi
   [ -e .typing/kerfwise ] || { mkdir -p .typing; ln -s .. .typing/kerfwise; } # left out of source distributions

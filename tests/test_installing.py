@@ -172,5 +172,7 @@ def test_the_wheel_in_an_environment_with_what_it_needs(built: Built, installed:
     assert says("kerfwise", "rules", "test", *([RULE] if installed.borrowed else []), "--cases").endswith(" 0 failed\n")
     if not installed.borrowed:
         assert says("kerfwise", "rules", "test", "bars_last.py").endswith(" 0 failed\n")
-        more = says("pip", "install", "--dry-run", f"{built.wheel}[serve,cluster,nest]")
-        assert all(f" {name}-" in more for name in ("starlette", "uvicorn", "distributed", "spyrrow"))
+        more = says("pip", "install", "--dry-run", f"{built.wheel}[serve,cluster,nest,sheets]")
+        assert all(
+            f" {name}-" in more for name in ("starlette", "uvicorn", "distributed", "openpyxl", "segno", "spyrrow")
+        )

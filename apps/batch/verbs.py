@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from kerfwise import __version__
+from kerfwise.app_modules import library
 from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, TRUST, Amount, print_note
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import clock, escape_text, money
@@ -174,6 +175,8 @@ def command(
         raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
     if tidy and watch:
         raise click.UsageError("--tidy is for one run: with --watch a folder may be away for a while")
+    if sheets:
+        library("segno", "a work sheet", "sheets")
     paths, out, options = [Path(name) for name in nests], Path(output), Options(time_s=time_limit, **limits)
     machines = _machines(profiles, trust)
     sources = sources_in(paths, out)

@@ -15,7 +15,7 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_limited
 from kerfwise.models.engines import Engine
-from kerfwise.models.engines.solution import MEMORY_GB
+from kerfwise.models.engines.tuning import MEMORY_GB
 
 __all__ = [
     "BenchJob",

@@ -15,6 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from kerfwise.app_modules import library
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
 from kerfwise.encoder.text import nearest
@@ -219,7 +220,7 @@ def _decoded(data: bytes, path: Path) -> str:
 
 def _workbook(data: bytes, path: Path) -> Iterator[tuple[str, Grid]]:
     """Every visible tab of a workbook, its values as they were calculated."""
-    import openpyxl  # loaded by those who have workbooks only
+    openpyxl = library("openpyxl", "a list of parts as .xlsx", "nest")  # loaded by those who have workbooks only
 
     try:
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
@@ -419,9 +420,7 @@ flange.dxf;40;S235;10;4712;;rush;along;0/180;no
 
 def template_workbook() -> bytes:
     """The same as a workbook, with a second tab for the stock."""
-    import openpyxl
-
-    book = openpyxl.Workbook()
+    book = library("openpyxl", "a list of parts as .xlsx", "nest").Workbook()
     parts = book.active
     parts.title = "parts"
     for row in TEMPLATE.splitlines()[3:]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import click
 
+from kerfwise.app_modules import library
 from kerfwise.commands.shared_options import (
     AMOUNT_OVER_ZERO,
     ANSWER,
@@ -329,6 +330,8 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
     from .nest_list import plant_of_sheet, write_list
     from .programs import labels_of, make_programs, work_sheets_of
 
+    if papers:
+        library("segno", "a work sheet", "sheets")
     request, out = read_list_request(**options)
     found = looked_for(request)
     files: list[tuple[GroupRequest, Nested, dict[str, str | bytes]]] = []

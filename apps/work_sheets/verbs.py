@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from kerfwise.app_modules import library
 from kerfwise.commands.shared_options import (
     LANGUAGE,
     input_options,
@@ -54,6 +55,7 @@ def sheet_command(
     from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.output_files import expect_outputs, write_files
 
+    library("segno", "a work sheet", "sheets")
     path = Path(output or f"{Path(options['nest']).stem}.pdf")
     for written in (path, *([Path(labels)] if labels else [])):
         if written.suffix.lower() != ".pdf":

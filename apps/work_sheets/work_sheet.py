@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from kerfwise.apps.work_sheets.paper import BOX, MARGIN, ROOM, WIDTH, Paper, qr_items, shortened
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_text
@@ -17,7 +18,6 @@ from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.report.legend import clock_text, duration
-from kerfwise.postproc.report.paper import BOX, MARGIN, ROOM, WIDTH, Paper, qr_items, shortened
 from kerfwise.postproc.report.picture import bare_picture
 from kerfwise.postproc.report.plot import pdf_bytes
 from kerfwise.postproc.report.scene import FAINT, INK, Scene, TextLine

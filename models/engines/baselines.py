@@ -13,6 +13,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines.tuning import ATTEMPTS, WARM_SHARE
 from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.physical import SheetSimulation
 from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath, events_of
@@ -31,8 +32,6 @@ from .solution import Solution, SolveOptions
 from .solve import solve
 
 # Random lawful orders: the strategy "random transitions" of Verkhoturov et al.
-
-ATTEMPTS = 200
 
 
 def random_order(problem: Problem, seed: int, first_entry: bool = False) -> tuple[int, ...]:
@@ -63,8 +62,6 @@ def random_order(problem: Problem, seed: int, first_entry: bool = False) -> tupl
 # The strategy Realtime of Verkhoturov et al.: each next contour by the temperature of the sheet at that moment.
 
 Indices = tuple[np.ndarray[tuple[int], np.dtype[np.int64]], np.ndarray[tuple[int], np.dtype[np.int64]]]
-WARM_SHARE = 0.25
-"""A contour is cool enough while the metal along it is warmer than the air by less than this share of the limit's."""
 
 
 def realtime_order(

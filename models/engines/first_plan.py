@@ -13,14 +13,12 @@ from itertools import chain
 import numpy as np
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.tuning import EARLY_LONG as LONG
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 
 from .solution import Incumbent
-
-LONG = 12
-"""Contours that a hard sum is about, at the least: what shorter ones ask the search finds by itself."""
 
 
 def wants_early(problem: Problem) -> bool:

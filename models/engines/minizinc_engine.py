@@ -15,6 +15,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.files import is_there
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines.tuning import LISTENS_S, MOST_MOVES, NODES_PER_S
 from kerfwise.rules.minizinc.installation import driver, solver_named, unusable
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
@@ -31,11 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["solve_minizinc"]
 
-NODES_PER_S = 100_000
-"""Search nodes that count as a second of deterministic work."""
-MOST_MOVES = 1_000_000
-"""Moves between the ways to cut that a model is written for; tables of them grow with every part besides."""
-LISTENS_S = 0.1
 NONE_FOUND = "no plan that meets every hard rule was found within the limit (none is proven impossible)"
 
 

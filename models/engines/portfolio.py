@@ -29,7 +29,7 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import without_wishes
 
-from . import bounds, cpsat, first_plan, ideals, shared_state, solution
+from . import bounds, cpsat, first_plan, ideals, solution, tuning
 from .deadline import Deadline, Progress
 from .shared_state import Found, Run, SharedState
 
@@ -79,31 +79,31 @@ def run_portfolio(
 
 def dense(problem: Problem) -> bool:
     """Whether orders leave so few sets that the most promising lead to good plans, and no better bound comes soon."""
-    return problem.order_density >= shared_state.DENSE and not bounded_well(problem)
+    return problem.order_density >= tuning.DENSE and not bounded_well(problem)
 
 
 def bounded_well(problem: Problem) -> bool:
     """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
-    return problem.m <= bounds.MOST_SITES and bool(problem.conditions or problem.lags or problem.moves)
+    return problem.m <= tuning.FLOWS_MOST_SITES and bool(problem.conditions or problem.lags or problem.moves)
 
 
 def bounded_beside(run: Run) -> bool:
     """Whether the bound by flows is looked for at the same time as a better plan."""
     problem, options = run.problem, run.options
-    many, held = problem.n > shared_state.FLOW_FEW, problem.further_back is None
+    many, held = problem.n > tuning.FLOW_FEW, problem.further_back is None
     return many and bounded_well(problem) and held and options.gap is None
 
 
 def stretches_short(run: Run, count: ideals.Count) -> bool:
     """Whether stretches are so short that a bound may make the sets few."""
     longest = count.longest
-    return longest <= shared_state.LONGEST or (longest <= shared_state.LONGEST_ZONE and longest <= run.problem.n / 2)
+    return longest <= tuning.PORTFOLIO_LONGEST or (longest <= tuning.LONGEST_ZONE and longest <= run.problem.n / 2)
 
 
 def sweep_ends(run: Run) -> bool:
     """Whether a sweep over all sets fits well into what is left."""
     count = run.count
-    return count is not None and count.fits(run.deadline.most_bytes) and count.seconds <= shared_state.SURE * run.left()
+    return count is not None and count.fits(run.deadline.most_bytes) and count.seconds <= tuning.SURE * run.left()
 
 
 def count_sets(run: Run) -> None:
@@ -112,15 +112,15 @@ def count_sets(run: Run) -> None:
         return
 
     def going(entries: int) -> bool:
-        few = entries < shared_state.PREVIEW_AFTER_ENTRIES or run.problem.n > shared_state.PREVIEW_MOST_CONTOURS
+        few = entries < tuning.PREVIEW_AFTER_ENTRIES or run.problem.n > tuning.PREVIEW_MOST_CONTOURS
         if not (few or run.shown or run.options.member):
             show_preview(run)
         return run.deadline("ideals", None, None)
 
-    most = shared_state.COUNTED_FEW if run.problem.n <= shared_state.LONGEST else shared_state.COUNTED
-    alone = run.options.member is not None and run.problem.n > shared_state.COUNTED_ALONE_CONTOURS
-    many_s = shared_state.COUNTED_DENSE_S if dense(run.problem) else shared_state.COUNTED_S
-    most *= min(1.0, run.left() / (shared_state.COUNTED_ALONE_S if alone else many_s))
+    most = tuning.COUNTED_FEW if run.problem.n <= tuning.PORTFOLIO_LONGEST else tuning.COUNTED
+    alone = run.options.member is not None and run.problem.n > tuning.COUNTED_ALONE_CONTOURS
+    many_s = tuning.COUNTED_DENSE_S if dense(run.problem) else tuning.COUNTED_S
+    most *= min(1.0, run.left() / (tuning.COUNTED_ALONE_S if alone else many_s))
     run.count = ideals.count_sets(run.of_sets, most, going)
     run.deadline.spend(run.count.work)
 
@@ -130,8 +130,8 @@ def swept_at_once(run: Run) -> bool:
     count = run.count
     if count is None or not count.fits(run.deadline.most_bytes):
         return False
-    longest_s = shared_state.AT_ONCE_S if stretches_short(run, count) else shared_state.AT_ONCE_MANY_S
-    if not (run.options.member or count.seconds <= min(longest_s, shared_state.AT_ONCE * run.left())):
+    longest_s = tuning.PORTFOLIO_AT_ONCE_S if stretches_short(run, count) else tuning.AT_ONCE_MANY_S
+    if not (run.options.member or count.seconds <= min(longest_s, tuning.PORTFOLIO_AT_ONCE * run.left())):
         return False
     run.known.notes.append(f"ideals: {'swept at once' if run.options.member is None else 'asked for'}, {count}")
     run.swept = True
@@ -153,18 +153,16 @@ def proof_share(run: Run) -> float:
     """Seconds for the proof."""
     if run.options.member:
         return run.left()
-    small = run.problem.n <= shared_state.LONGEST
-    return run.left() * (
-        shared_state.PROOF_SMALL if small else shared_state.PROOF_ZONES if _zones(run) else shared_state.PROOF
-    )
+    small = run.problem.n <= tuning.PORTFOLIO_LONGEST
+    return run.left() * (tuning.PROOF_SMALL if small else tuning.PROOF_ZONES if _zones(run) else tuning.PROOF)
 
 
 def prove(run: Run, share: float) -> None:
     """The ideals, bounded by walks in stages; of a large nest with zones walks take no more, linear programs do."""
-    if run.options.member or run.problem.n <= shared_state.LONGEST or not _zones(run):
+    if run.options.member or run.problem.n <= tuning.PORTFOLIO_LONGEST or not _zones(run):
         sweep(run, share)
     else:
-        sweep(run, share, tuple(shared_state.PROOF / shared_state.PROOF_ZONES * stage for stage in ideals.STAGES))
+        sweep(run, share, tuple(tuning.PROOF / tuning.PROOF_ZONES * stage for stage in ideals.STAGES))
 
 
 def _zones(run: Run) -> bool:
@@ -184,9 +182,9 @@ def sweep(run: Run, share: float, stages: tuple[float, ...] = ideals.STAGES) -> 
 def priced_suits(run: Run) -> bool:
     """Whether a nest is so small that the ideals with multipliers of the flow come near its best plan at once."""
     problem = run.problem
-    if run.over() or run.options.member is not None or problem.n > shared_state.FLOW_FEW or not bounded_well(problem):
+    if run.over() or run.options.member is not None or problem.n > tuning.FLOW_FEW or not bounded_well(problem):
         return False
-    return ideals.priceable(problem) and ideals.sets_out(problem, run.left() * shared_state.PRICED)
+    return ideals.priceable(problem) and ideals.sets_out(problem, run.left() * tuning.PORTFOLIO_PRICED)
 
 
 def sweep_priced(run: Run, share: float) -> None:
@@ -249,7 +247,7 @@ def show_preview(run: Run) -> None:
     from kerfwise.models.engines.search import Searcher
 
     searcher, run.shown = Searcher(run.problem, run.options.seed), True
-    work = shared_state.PREVIEW_WORK
+    work = tuning.PREVIEW_WORK
     searcher.run(Deadline(work, run.options.time_s and work, run.deadline.preview))
     run.preview = searcher.best
     run.tell(None if run.preview is None else run.preview.cost, lambda: run.preview)
@@ -268,18 +266,18 @@ def look_share(run: Run) -> float:
     return (
         left
         if run.options.member
-        else min(shared_state.AT_ONCE * left, max(shared_state.FIRST * left, shared_state.FIRST_S))
+        else min(tuning.PORTFOLIO_AT_ONCE * left, max(tuning.PORTFOLIO_FIRST * left, tuning.FIRST_S))
     )
 
 
 def look(run: Run, share: float) -> None:
     """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
-    few = run.options.member is None and run.problem.n <= shared_state.LONGEST
-    looks = shared_state.LOOKS if few else 1 + run.wishes_left_out  # one from that plan, one from scratch
+    few = run.options.member is None and run.problem.n <= tuning.PORTFOLIO_LONGEST
+    looks = tuning.PORTFOLIO_LOOKS if few else 1 + run.wishes_left_out  # one from that plan, one from scratch
     best: Searcher | None = None
     for number in range(looks):
         known = run.known.incumbent
-        search(run, share / looks, run.options.seed + number * shared_state.SEEDS_APART if number else None)
+        search(run, share / looks, run.options.seed + number * tuning.SEEDS_APART if number else None)
         if best is None or run.known.incumbent is not known:
             best = run.searcher
         if run.over():
@@ -323,26 +321,24 @@ def plan_without_wishes(run: Run, share: float) -> None:
 def improve_and_bound(run: Run, _: float) -> None:
     """A better plan and a higher bound, where nothing is proven yet."""
     if run.known.priced:
-        search(run, run.left() * shared_state.SEARCH_PLAIN)
+        search(run, run.left() * tuning.SEARCH_PLAIN)
         return
     if bounded_beside(run):
-        search(run, run.left() * shared_state.SEARCH_ALONE)
+        search(run, run.left() * tuning.SEARCH_ALONE)
         if not run.over() and run.known.incumbent is not None:
             improve_while_bounded(run)
         return
     bounded, held = bounded_well(run.problem), run.problem.further_back is not None
     well = bounded and not held
-    few = shared_state.FLOW_FIRST if run.problem.n <= shared_state.FLOW_FEW else 0.0
-    bound_by_flows(
-        run, run.left() * (few if well else shared_state.FLOW_CARRIED if bounded else shared_state.FLOW_FIRST)
-    )
+    few = tuning.FLOW_FIRST if run.problem.n <= tuning.FLOW_FEW else 0.0
+    bound_by_flows(run, run.left() * (few if well else tuning.FLOW_CARRIED if bounded else tuning.FLOW_FIRST))
     if not run.over():
-        share = shared_state.SEARCH_NEST if well else shared_state.SEARCH if held else shared_state.SEARCH_PLAIN
+        share = tuning.SEARCH_NEST if well else tuning.SEARCH if held else tuning.SEARCH_PLAIN
         if not (well or model_sets_out(run, run.left() * (1.0 - share))):
-            share = shared_state.SEARCH_LAST
+            share = tuning.SEARCH_LAST
         search(run, run.left() * share)
     if well and not run.over():
-        bound_by_flows(run, run.left() * shared_state.FLOW)
+        bound_by_flows(run, run.left() * tuning.FLOW)
 
 
 def bound_by_flows(run: Run, share: float) -> None:
@@ -368,7 +364,7 @@ def improve_while_bounded(run: Run) -> None:
     """
     plan, left, began = run.known.incumbent, run.left(), run.deadline.spent
     assert plan is not None
-    share, reached = shared_state.FLOW * left, Event()
+    share, reached = tuning.FLOW * left, Event()
 
     def overheard(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         run.deadline.overhear(bound_um)
@@ -378,7 +374,7 @@ def improve_while_bounded(run: Run) -> None:
 
     def bound() -> ideals.Proof | bounds.FlowBound:
         """By flows, and by the ideals with their multipliers where these hold all that is asked."""
-        if ideals.priceable(run.problem) and ideals.sets_out(run.problem, shared_state.FIRST_BOUNDS * share):
+        if ideals.priceable(run.problem) and ideals.sets_out(run.problem, tuning.FIRST_BOUNDS * share):
             proof = ideals.prove_priced(run.problem, plan, beside)
             return bounds.FlowBound(0, share) if proof is None else proof
         return bounds.flow_bound(run.problem, plan, beside)
@@ -386,7 +382,7 @@ def improve_while_bounded(run: Run) -> None:
     with ThreadPoolExecutor(1) as thread:
         bounding = thread.submit(bound)
         try:
-            search(run, shared_state.SEARCH_BESIDE * left)
+            search(run, tuning.SEARCH_BESIDE * left)
             while not wait([bounding], 0.1).done:  # s between news of the bound
                 if not run.deadline("bound", plan.cost, None):
                     reached.set()
@@ -439,11 +435,11 @@ class Step(NamedTuple):
 
 STEPS = (
     Step(swept_at_once, Run.left, sweep_all),
-    Step(in_portfolio, lambda run: run.left() * shared_state.WITHOUT_WISHES, plan_without_wishes),
+    Step(in_portfolio, lambda run: run.left() * tuning.WITHOUT_WISHES, plan_without_wishes),
     Step(search_suits, look_share, look),
     Step(proof_suits, proof_share, prove),
-    Step(priced_suits, lambda run: run.left() * shared_state.PRICED, sweep_priced),
-    Step(widening_suits, lambda run: run.left() * shared_state.WIDENED, widen),
+    Step(priced_suits, lambda run: run.left() * tuning.PORTFOLIO_PRICED, sweep_priced),
+    Step(widening_suits, lambda run: run.left() * tuning.PORTFOLIO_WIDENED, widen),
     Step(in_portfolio, Run.left, improve_and_bound),
     Step(lambda run: not run.over(), Run.left, solve_model),
 )

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from kerfwise.models.engines.tuning import SET_OUT_S
 from kerfwise.models.problem.problem import Problem
 
 from . import Member, solution
@@ -131,63 +132,3 @@ class Run:
 # What the portfolio goes by: shares of the work for its members, and sizes up to which each is worth it.
 #
 # Names that end in `_S` are seconds of work, other shares are of what is left of it when the member begins.
-
-FIRST, FIRST_S = 0.03, 0.9
-"""Share of the work for a first look by the search; as many seconds at the least."""
-AT_ONCE = 0.6
-"""Share of what is left that a first look, or a sweep over all sets before it, may take at the most."""
-WITHOUT_WISHES = 0.1
-"""Share of what is left for the best plan without wishes that tie the whole order together."""
-PROOF, PROOF_SMALL, PROOF_ZONES = 0.45, 0.9, 0.75
-"""Share that the proof by ideals may take, where it fits; most take next to nothing.
-
-On small problems the search has found the best plan long since, and only the proof is left to do. Zones that linear
-programs hold have more: their sweeps find better plans than a search does.
-"""
-SET_OUT_S = 0.2
-"""Seconds below which no further member begins: each has tables of its own to make first."""
-LOOKS, SEEDS_APART = 3, 1_000_003
-"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart.
-
-With more they are so short that orders which bind tightly hold all of them up.
-"""
-DENSE, WIDENED = 0.15, 0.5
-"""Share of the pairs of contours that hard orders decide, from which on the most promising sets lead to good plans; and
-share of what is left for sweeps of these, each wider than the last."""
-FLOW_FEW = 80
-"""Contours up to which the bound by flows and its multipliers may prove a plan at once, so that they come before more
-search; with more, plans are improved at the same time."""
-FLOW_FIRST, FLOW_CARRIED, FLOW = 0.15, 0.4, 0.95
-"""Shares for the bound by flows before more search; where CP-SAT alone holds all that is asked; and at last, after that
-search or beside it: the better the plan, the more it closes."""
-SEARCH_NEST = 0.3
-"""Share for more search in small nests that flows bound well."""
-PRICED = 0.6
-"""Share for the ideals with multipliers of the flow, where these hold all that is asked of a small nest."""
-FIRST_BOUNDS = 1 / 30
-"""Share of the work beside a search in which such programs must come to their first bounds: with less work sweeps are
-far from the plan, and flows alone bound higher."""
-SEARCH_ALONE, SEARCH_BESIDE = 0.1, 0.4
-"""For larger ones shares for search alone, and then for search beside the bound, which keeps one core busy:
-the search has what that leaves of two."""
-SEARCH, SEARCH_PLAIN, SEARCH_LAST = 0.6, 0.9, 0.97
-"""Shares for more search elsewhere: where CP-SAT alone can prove anything, as statements look further back than a state
-does; where CP-SAT has the rest; and where that would not do for CP-SAT's model."""
-AT_ONCE_S, AT_ONCE_MANY_S = 1.5, 2.5
-"""A sweep over all sets is begun with, before any search, if it takes no longer. Where contours are so many that no
-bound makes the sets few, a plan known before helps less, and it may take longer."""
-SURE = 0.4
-"""Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
-COUNTED, COUNTED_FEW = 2e7, 5e6
-"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
-so few that a bound is tried anyway."""
-COUNTED_S, COUNTED_DENSE_S, COUNTED_ALONE_S, COUNTED_ALONE_CONTOURS = 15.0, 5.0, 2.5, 2500
-"""The second where orders are dense, and sets often few enough; the third where nothing but a sweep is asked for,
-beyond so many contours: there most of the work is a sweep's."""
-PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 3_000_000
-"""Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
-counted before, in less than a second: a plan is shown while many are counted, and where they are few the search need
-not be compiled. It is no part of what a plan takes, so that a plan is the same whoever looks on."""
-LONGEST, LONGEST_ZONE = 36, 80
-"""Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
-all."""

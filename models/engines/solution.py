@@ -8,17 +8,28 @@ from typing import Literal
 
 import numpy as np
 
+from kerfwise.models.engines.tuning import (
+    ARCS_LISTED_PER_S,
+    ARCS_PER_S,
+    BESIDE_GB,
+    BYTES_A_ROW,
+    FLOWS_ROWS_PER_S,
+    FREE,
+    LEAST_SHARE,
+    LOOKED_PER_S,
+    MADE_PER_S,
+    MAX_ARCS,
+    MEMORY_GB,
+    PAIRS_PER_S,
+)
+from kerfwise.models.engines.tuning import SOLUTION_ROWS_PER_S as ROWS_PER_S
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.problem.problem import Problem
 
 from . import Member
 
 Status = Literal["optimal", "feasible"]
-MEMORY_GB = 2.0
-"""What a solve may hold where nobody says more or less."""
 BYTES_PER_GB = 1e9
-BESIDE_GB, LEAST_SHARE = 0.4, 0.2
-"""What libraries, nest and problem take beside the tables of engines; and the share that is left for those anyway."""
 
 
 def table_bytes(memory_gb: float, held_bytes: float = 0.0) -> float:
@@ -99,16 +110,6 @@ class Solution:
 # Deterministic seconds, worked out from sizes alone: measured on nests of 60 to 308 contours and on routing instances
 # of 17 to 699.
 
-MAX_ARCS = 80_000
-"""Arcs between sites above which CP-SAT's model is not made: it takes longer than flows take to a better bound."""
-ROWS_PER_S = 8e6
-"""Crossings that are put in order in a second."""
-ARCS_LISTED_PER_S, ARCS_PER_S, PAIRS_PER_S = 1e6, 1e5, 2.5e4
-"""Arcs between sites that CP-SAT's model is made of: listed with their prices, and made, presolved and begun with; and
-pairs of contours that may follow each other, of which there are orders and arcs."""
-BYTES_A_ROW = 60
-"""What every crossing takes in the tables of the search while they are made."""
-
 
 def crossed_bytes(problem: Problem) -> int:
     """What crossings take, with the tables that any engine makes of them: large nests without zones have millions."""
@@ -127,3 +128,27 @@ def cpsat_s(problem: Problem) -> float:
     if arcs > MAX_ARCS:
         return math.inf
     return arcs / ARCS_LISTED_PER_S + len(problem.crossings) / ROWS_PER_S + arcs / ARCS_PER_S + pairs / PAIRS_PER_S
+
+
+def simplex_round_s(contours: int, sites: int, cuts: int) -> float:
+    """What a round of the simplex method takes in a program of so many sites, with so many cuts."""
+    return (contours + sites + 2 + cuts) * min(1.0, FREE + cuts / (2 * contours)) / FLOWS_ROWS_PER_S
+
+
+def look_s(moves: int) -> float:
+    """What a look at so many moves takes."""
+    return moves / LOOKED_PER_S
+
+
+def made_s(moves: int) -> float:
+    """What it takes to work out what so many moves cost."""
+    return moves / MADE_PER_S
+
+
+def flows_s(contours: int, sites: int) -> float:
+    """About how many deterministic seconds the first bound takes, that of a program without cuts.
+
+    Such a program takes about three rounds of the simplex method for every site, twice, and two looks at all moves.
+    """
+    rows = contours + sites
+    return made_s(sites**2) + 2 * look_s(sites**2) + 6 * sites * rows * FREE / FLOWS_ROWS_PER_S

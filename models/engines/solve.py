@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines.tuning import ENOUGH_WORK, MOVES_SHARE, PACE_KNOWN, ROUND
+from kerfwise.models.engines.tuning import SOLVE_ENOUGH as ENOUGH
+from kerfwise.models.engines.tuning import SOLVE_LEAST as LEAST
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -26,18 +29,6 @@ from .solution import Incumbent, Solution, SolveOptions
 
 Sites = NDArray[np.int64]
 Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
-
-ROUND = 0.7
-"""Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
-ENOUGH, ENOUGH_WORK = 0.9, 0.95
-"""Share of a limit in seconds, and of one of work, after which no further round is begun: a look takes no work."""
-MOVES_SHARE = 0.3
-"""Share of a limit in seconds that looking at moves over parts that are out may take: what is made of them takes as
-long again."""
-PACE_KNOWN = 0.2
-"""Share of some work from which on its pace tells how long the rest takes."""
-LEAST = 0.2
-"""Share that the first round has at the least, however long the problem has taken to be made."""
 
 
 def solve(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from kerfwise.app_modules import app_module
+from kerfwise.app_modules import app_module, expect_app
 from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
@@ -340,6 +340,8 @@ def expect_picture(suffix: str, file: str | Path | None = None) -> None:
         raise InputError(
             f"cannot draw a picture of type {suffix!r}: the file name must end in one of {known}", file=file
         )
+    if suffix.lower() == PAGE:
+        expect_app("viewer")
 
 
 def plot(nest: Nest, plan: Plan | None, path: str | Path, home: Point = (0.0, 0.0)) -> None:

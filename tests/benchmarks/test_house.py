@@ -1,4 +1,4 @@
-"""The figures of the house, counted on a tree of five files."""
+"""The figures of the house, counted on a small tree."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ FILES = {
     "two.py": "from typing import TYPE_CHECKING\n\nif TYPE_CHECKING:\n    from .three import X\n",
     "three.py": "class X:\n    def late(self) -> None:\n        from .inner.four import f\n",
     "inner/four.py": "from ..two import TYPE_CHECKING\n\n\ndef f() -> None:\n" + "    f()\n" * 60,
+    "apps/eight.py": "def g(a, b, c, d, e, f, g, h, *, i) -> None: ...\n",
     "tests/five.py": "from .. import one\n",
+    "tests/test_six.py": "import kerfwise\nfrom kerfwise.tests import five\nfrom kerfwise import solve\n",
+    "tests/test_seven.py": "from kerfwise import jobs\n",
 }
 
 
@@ -29,8 +32,9 @@ def tree(tmp_path: Path) -> Path:
 
 def test_lazy_and_typing_imports_make_a_circle_that_loading_does_not(tree: Path) -> None:
     told = {title: (figure, names) for title, figure, names in house.figures(house.read(tree))}
-    assert told["product files"][0] == "5"
+    assert told["product files"][0] == "6"
     assert told["product lines"][0] == str(sum(len(t.splitlines()) for n, t in FILES.items() if "tests" not in n))
+    assert told["apps: files, lines"][0] == "1, 1"
     assert told["circles of imports at load (files in them)"][0] == "0 (0)"
     assert told["circles, with lazy and typing imports (files in them)"] == (
         "1 (3)",
@@ -40,5 +44,7 @@ def test_lazy_and_typing_imports_make_a_circle_that_loading_does_not(tree: Path)
         "product.inner.four ← product.three",
         "product.three ← product.two",
     ]
-    assert told["functions past 60 lines, of 2"] == ("1", ["product.inner.four:f@4: 61"])
+    assert told["functions past 60 lines, of 3"] == ("1", ["product.inner.four:f@4: 61"])
     assert told["files past 500 lines"] == ("0", [])
+    assert told["functions with more than 8 parameters"] == ("1", ["product.apps.eight:g@1: 9"])
+    assert [row[:2] for row in house.test_figures(tree)] == [("test files that speak through the interface, of 2", "1")]

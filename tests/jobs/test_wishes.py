@@ -13,7 +13,7 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.models.engines.shared_state import WITHOUT_WISHES
+from kerfwise.models.engines.tuning import WITHOUT_WISHES
 from kerfwise.rules.profile.load import load_profile
 
 RULES = "rules: {zone-order: off, part-rigidity: {strength: hard, rigid_min: 0.9, tail_share: 0.4}}"

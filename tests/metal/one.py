@@ -26,7 +26,7 @@ def main(nest: str, program: Path, profile: str, before: Path | None) -> None:
     found = simulate(read_nest(nest, plant.read_options()), text, before=old, **given(plant))
     for finding in found:
         click.echo(str(finding))
-    click.echo(f"{len(read_program(text).paths)} cuts and marks burnt, findings: {len(found)}")
+    click.echo(f"{len(read_program(text, plant.material.kerf_mm).paths)} cuts and marks burnt, findings: {len(found)}")
     sys.exit(1 if found else 0)
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.dialects.load import new_dialect_text
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made, made
@@ -70,10 +71,12 @@ BEYOND: Mapping[str, str] = {
     "snake, common": SNAKE + f", {EDGES}}}}}\n",
     "snake, split": SNAKE + ", split: {halves: 4, last: 15 mm}}\n",
     "split": SNAKE.replace("snake: {gap: 30 mm}", "split: {halves: 3, last: 15 mm}") + "}\n",
+    "kerf by the control": "machine: {dialect: shop.yaml, accept_dialect: true}\n",
     "snake, links": SNAKE + ", links: {longest: 90 mm}}\n",
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
-IN_TURN = tuple(name for name in BEYOND if "snake" not in name and "split" not in name)
+IN_TURN = tuple(name for name in BEYOND if not any(word in name for word in ("snake", "split", "control")))
+SHOP = new_dialect_text("shop", "linuxcnc") + 'kerf: {left: "G41.1 D{kerf}", right: "G42.1 D{kerf}"}\n'
 ANSWERS = {"small-holes": ("spot", "skip", "cut"), "narrow": ("slit", "leave")}
 """What a plant answers where a drawing asks: another choice for each seed."""
 
@@ -100,6 +103,7 @@ def tried(
     with tempfile.TemporaryDirectory(prefix="metal-") as name:
         folder = Path(name)
         (folder / "nest.json").write_text(nest.text, encoding="utf-8")
+        (folder / "shop.yaml").write_text(SHOP, encoding="utf-8")
         answers = {question: choices[nest.seed % len(choices)] for question, choices in ANSWERS.items()}
         own = f"name: tried\nbased_on: {profile}\ndrawing: {{answers: {json.dumps(answers)}}}\n{BEYOND[cuts_with]}"
         (folder / "profile.yaml").write_text(own, encoding="utf-8")
@@ -134,7 +138,7 @@ def _burnt(asked: Tried, folder: Path, name: str, before: str | None) -> Tried:
     plan = read_plan(folder / f"{name}.plan.json")
     tabs, along_edges = tabs_of(plan), sum(planned.cut.span is not None for planned in plan.cuts)
     try:
-        cuts = len({path.order for path in read_program(text).paths})
+        cuts = len({path.order for path in read_program(text, profile.material.kerf_mm).paths})
         uncut = {"spotted": kept.spotted, "left_out": kept.left_out, "hole_limit_mm": hole_limit_mm(profile)}
         found = simulate(lined, text, before=before, tabs=tabs, **uncut, **plant(profile))
     except UnreadableProgram as error:

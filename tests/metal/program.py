@@ -1,7 +1,7 @@
 """A strict reader of the programs that kerfwise writes: what burns, in order. Written apart from the project's own.
 
 It knows the words of LinuxCNC, with and without QtPlasmaC, that occur in such programs and refuses every other one. A
-test holds it against LinuxCNC's own interpreter.
+test holds it against LinuxCNC's own interpreter. Where the control is to add the kerf (G41, G42), it is added here.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from kerfwise.tests.metal.arcs import Floats, Point, chords, sweep_rad
+from kerfwise.tests.metal.beside import Move, NoRoom, torch_ways
 
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
@@ -23,8 +24,10 @@ _HARMLESS = {
     "G": {"4", "17", "21", "40", "49", "64", "61", "80", "94"},
     "M": {"2", "30", "66", "67", "68", "190"},
 }
-"""Words that move nothing and burn nothing. G20, G41, offsets and M62 to M65 (torch off while the path goes on)
-are not among them: the project never writes them, but for M64 P0 and M65 P0, which mark where M3 has but one tool."""
+"""Words that move nothing and burn nothing. G20, offsets and M62 to M65 (torch off while the path goes on) are not
+among them: the project never writes them, but for M64 P0 and M65 P0, which mark where M3 has but one tool."""
+_ADDED = {"41": 1.0, "41.1": 1.0, "42": -1.0, "42.1": -1.0}
+"""Words by which the control adds the kerf: to the left, or to the right."""
 
 
 class UnreadableProgram(AssertionError):
@@ -76,19 +79,22 @@ class Program:
     from_corner: bool = False
 
 
-def read_program(text: str) -> Program:
-    """Read a program; coordinates are absolute, mm.
+def read_program(text: str, kerf_mm: float | None = None) -> Program:
+    """Read a program; coordinates are absolute, mm. The control adds this kerf, if any, where the program asks for it.
 
     Raises
     ------
     UnreadableProgram
-        At the first block that this reader does not know, or if the torch is still on at the end.
+        At the first block that this reader does not know, or if the torch, or the kerf beside it, is still on at the
+        end.
     """
-    reader = _Reader()
+    reader = _Reader(kerf_mm=kerf_mm)
     for number, line in enumerate(text.splitlines(), 1):
         reader.block(number, line)
     if reader.on is not None:
         raise UnreadableProgram("the program ends with the torch on")
+    if reader.held is not None:
+        raise UnreadableProgram("the program ends before G40")
     return Program(tuple(reader.paths), tuple(reader.idle), reader.resumed_after, reader.from_corner)
 
 
@@ -111,8 +117,44 @@ class _Reader:
     stepwise: bool = False
     unlit: bool = False
     torches: frozenset[int] = frozenset()
+    kerf_mm: float | None = None
+    aside_mm: float = 0.0
+    held: list[tuple[int, str]] | None = None
+    """The blocks since G41 or G42: they are run when G40 comes, once all moves between are known."""
+    named: list[Move] | None = None
+    """Where moves are only to be heard: what they name."""
+    beside: tuple[Point, list[Floats]] | None = None
+    """While held blocks are run: where the named path is, and the torch's ways of the moves to come."""
 
     def block(self, number: int, line: str) -> None:
+        if self.held is None:
+            self._block(number, line)
+        elif not any(
+            letter == "G" and _plain(value) == "40" for letter, value in _WORD.findall(_COMMENT.sub(" ", line))
+        ):
+            self.held.append((number, line))
+        else:
+            self._beside(number)
+            self._block(number, line)
+
+    def _beside(self, number: int) -> None:
+        """Run the blocks that were held, the torch half the kerf beside what they name."""
+        held, self.held = self.held or [], None
+        listener = _Reader(
+            self.at, centres_absolute=self.centres_absolute, stepwise=self.stepwise, named=[], torches=self.torches
+        )
+        for at, line in held:
+            listener._block(at, line)
+        try:
+            ways = torch_ways(listener.named, self.aside_mm) if listener.named else []
+        except NoRoom as error:
+            raise UnreadableProgram(f"the blocks before line {number}: {error}") from error
+        self.beside = self.at, ways
+        for at, line in held:
+            self._block(at, line)
+        self.beside = None
+
+    def _block(self, number: int, line: str) -> None:
         for said in _COMMENT.findall(line):
             self._comment(said.strip())
         code = _COMMENT.sub(" ", line).strip()
@@ -154,6 +196,9 @@ class _Reader:
                 self.torches = self.torches | torch if value == "64" else self.torches - torch
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
+            elif value in _ADDED and self.kerf_mm is not None and self.on is None and len(codes) == 1:
+                width_mm = values.get("D", 0.0) if value.endswith(".1") else self.kerf_mm
+                self.aside_mm, self.held = _ADDED[value] * width_mm / 2, []
             elif letter == "G" and value in ("90", "91"):
                 self.stepwise = value == "91"
             elif letter == "G" and value in ("90.1", "91.1"):
@@ -165,23 +210,31 @@ class _Reader:
             raise UnreadableProgram(f"line {number}: expected a G or M word: {line.strip()}")
 
     def _move(self, code: int, values: dict[str, float]) -> None:
-        start, base = self.at, self.at if self.stepwise else (0.0, 0.0)
+        start = self.at if self.beside is None else self.beside[0]
+        base = start if self.stepwise else (0.0, 0.0)
         end = (
             base[0] + values["X"] if "X" in values else start[0],
             base[1] + values["Y"] if "Y" in values else start[1],
         )
-        self.at = end
         self.unlit = self.unlit and code != 0
-        if code < 2:
-            way = np.array([end])
-        else:
+        way, move = np.array([end]), Move(start, end)
+        if code >= 2:
             base = (0.0, 0.0) if self.centres_absolute else start
             centre = (base[0] + values.get("I", 0.0), base[1] + values.get("J", 0.0))
             way = chords(start, centre, sweep_rad(start, centre, end, ccw=code == 3), end)
+            move = Move.arc(start, centre, end, ccw=code == 3)
+        if self.named is not None and (code >= 2 or start != end):
+            self.named.append(move)
+        if self.beside is not None:
+            ways = self.beside[1]
+            way = ways.pop(0) if code >= 2 or start != end else np.array([self.at])
+            self.beside = end, ways
+        begun, (x, y) = self.at, way[-1].tolist()
+        self.at = (x, y) if self.beside is not None else end
         if self.on is not None:
             self.points.append(way)
-        elif start != end:
-            self.idle.append((start, end))
+        elif begun != self.at:
+            self.idle.append((begun, self.at))
 
     def _start(self, number: int, tool: int) -> None:
         if self.on is not None:

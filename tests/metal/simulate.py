@@ -93,7 +93,7 @@ def simulate(
     """
     if kerf_mm <= 0:
         raise ValueError("a burn without width burns nothing: kerf_mm must be over 0")
-    drawing, now = drawing_of(nest), read_program(program) if isinstance(program, str) else program
+    drawing, now = drawing_of(nest), read_program(program, kerf_mm) if isinstance(program, str) else program
     if any(path.torches for path in now.paths):
         asked = {
             "before": before, "splash_mm": splash_mm, "edge_starts": edge_starts, "touching": touching, "slits": slits,
@@ -111,7 +111,7 @@ def simulate(
         upto = now.resumed_after
         if upto is None:
             return [_resumed("the program does not say after which cut it takes up the work")]
-        old = (path.upto(upto) for path in _on_drawing(read_program(before), drawing))
+        old = (path.upto(upto) for path in _on_drawing(read_program(before, kerf_mm), drawing))
         history = tuple(path for path in old if path is not None)
         if now.paths and now.paths[0].order != upto + 1:
             findings.append(_resumed(f"the work stopped after cut {upto}, the program begins with", now.paths[0].order))

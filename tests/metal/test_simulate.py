@@ -249,8 +249,8 @@ def test_a_kerf_without_width_is_refused() -> None:
 
 
 def test_an_unknown_word_is_refused() -> None:
-    with pytest.raises(UnreadableProgram, match="G41"):
-        judged(program([*CUTS[:3], ("B.outer", ["G41 D1", *B])]))
+    with pytest.raises(UnreadableProgram, match="G43"):
+        judged(program([*CUTS[:3], ("B.outer", ["G43 H1", *B])]))
 
 
 @pytest.mark.slow

@@ -36,7 +36,7 @@ PYTHON = (
     "apps/work_sheets/work_sheet.py",
     "apps/work_sheets/sheet_parts.py",
     "postproc/report/legend.py",
-    "postproc/report/paper.py",
+    "apps/work_sheets/paper.py",
 )
 KEYWORDS: dict[str, Any] = {"tr": None, "trn": (1, 2)}
 OPTIONS = {"parse_template_string": True}

@@ -104,7 +104,7 @@ def judged(file: Path, options: ReadOptions) -> Judged:
 
 
 WORK = 0.05
-"""The work of a plan: enough for the first good one."""
+"""The work of a plan, unless `--work` says another: enough for the first good one."""
 MOST_CPU_S = 60
 """A plan that takes more processor time than this is none, unless `--cpu` says another limit."""
 ASKS = 3
@@ -128,17 +128,17 @@ class Planned:
         return f"{self.ended} ({self.answers} answered, {self.profile}, {self.cpu_s:.0f} s): {self.said}"
 
 
-def best_planned(file: Path, profiles: Sequence[str], most_cpu_s: int) -> Planned:
+def best_planned(file: Path, profiles: Sequence[str], most_cpu_s: int, work: float = WORK) -> Planned:
     """The plan with the first profile that there is one with, else what the first profile led to."""
     tries = []
     for profile in profiles:
-        tries.append(planned(file, profile, most_cpu_s))
+        tries.append(planned(file, profile, most_cpu_s, work))
         if tries[-1].ended == "planned":
             return tries[-1]
     return tries[0]
 
 
-def planned(file: Path, profile: str, most_cpu_s: int = MOST_CPU_S) -> Planned:
+def planned(file: Path, profile: str, most_cpu_s: int = MOST_CPU_S, work: float = WORK) -> Planned:
     """How `kerfwise solve` ends with the likeliest answer to each question, how many these are, and what it says.
 
     Each try runs in a copy of this process, which has loaded all that planning needs.
@@ -147,7 +147,7 @@ def planned(file: Path, profile: str, most_cpu_s: int = MOST_CPU_S) -> Planned:
     began = resource.getrusage(resource.RUSAGE_CHILDREN)
     with tempfile.TemporaryDirectory() as folder:
         while True:
-            words = ["solve", str(file.resolve()), "-p", profile, "--no-job", "--work", str(WORK), "-o", "out.nc"]
+            words = ["solve", str(file.resolve()), "-p", profile, "--no-job", "--work", str(work), "-o", "out.nc"]
             words += [word for answer in answers for word in ("--answer", answer)]
             run = get_context("fork").Process(target=_solve, args=(words, Path(folder), most_cpu_s))
             run.start()
@@ -416,6 +416,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("files", nargs="+", metavar="FOLDER|FILE")
     parser.add_argument("-p", "--profile", action="append", help="repeatable: the first that a plan is found with")
     parser.add_argument("--cpu", type=int, default=MOST_CPU_S, metavar="S", help="processor time of a plan at most")
+    parser.add_argument("--work", type=float, default=WORK, metavar="W", help="the work of a plan")
     parser.add_argument("--alone", action="store_true", help="plan, and do not compare")
     parser.add_argument("--svg", metavar="PROFILE", help="the profile for SVG files")
     parser.add_argument("--plan", action="store_true", help="plan each file, too")
@@ -435,7 +436,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         rows.append(row)
         plan = ""
         if asked.plan:
-            made = best_planned(file, profiles, asked.cpu)
+            made = best_planned(file, profiles, asked.cpu, asked.work)
             plan = made.told()
             plans[f"{made.ended} after answers" if made.ended == "planned" and made.answers else made.ended] += 1
         if asked.verbose or row.differs or row.why:

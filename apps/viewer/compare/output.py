@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from kerfwise.apps.work_sheets.paper import Paper
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.display import Picture, PictureKind
 from kerfwise.postproc.output_files import write_files
-from kerfwise.postproc.report.paper import Paper
 from kerfwise.postproc.report.plot import pdf_bytes
 from kerfwise.postproc.report.scene import Scene
 from kerfwise.postproc.report.simple_pictures import Panel, burns_scene, draw_burns

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job.job import beside_name
 from kerfwise.jobs.request import WORK
-from kerfwise.models.engines.solution import MEMORY_GB
+from kerfwise.models.engines.tuning import MEMORY_GB
 
 from .job_edits import JobText
 from .plan_request import PlanRequest

@@ -11,16 +11,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .completion import Completion, TooMuch, complete
     from .flow import FlowBound, flow_bound
-    from .flow_work import MOST_SITES, SETTING_OUT, sets_out_s
 
-__all__ = ["MOST_SITES", "SETTING_OUT", "Completion", "FlowBound", "TooMuch", "complete", "flow_bound", "sets_out_s"]
+__all__ = ["Completion", "FlowBound", "TooMuch", "complete", "flow_bound"]
 _HOME = {
     "Completion": "completion",
     "TooMuch": "completion",
     "complete": "completion",
-    "MOST_SITES": "flow_work",
-    "SETTING_OUT": "flow_work",
-    "sets_out_s": "flow_work",
 }
 
 

@@ -12,41 +12,38 @@ from __future__ import annotations
 import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Int16s, Ints
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.tuning import COMPLETION_ADDITIONS_PER_S as ADDITIONS_PER_S
+from kerfwise.models.engines.tuning import COMPLETION_BYTES_A_NUMBER as BYTES_A_NUMBER
+from kerfwise.models.engines.tuning import COMPLETION_MOST_NEIGHBOURS as MOST_NEIGHBOURS
+from kerfwise.models.engines.tuning import COMPLETION_PATIENCE as PATIENCE
+from kerfwise.models.engines.tuning import COMPLETION_SHARE as SHARE
+from kerfwise.models.engines.tuning import COMPLETION_SHORTEST as SHORTEST
+from kerfwise.models.engines.tuning import INERTIA, MOST_NUMBERS, WORTH_SHARING
 from kerfwise.models.jit import cores, jit
 from kerfwise.models.problem.problem import Problem
 
 from .move_costs import least_moves
 
-ADDITIONS_PER_S = 6e8
 THREADS = cores()
-MOST_NEIGHBOURS = 7
-MOST_NUMBERS = 60_000_000
-"""Of all tables together."""
-SHARE, BYTES_A_NUMBER = 0.3, 8
-"""Share of the bytes given that the tables may take; a sweep with its own follows."""
 GRAIN = 64.0
 """Prices are multiples of 1 / 64: sums of them and of whole costs are then exact in doubles, below 10¹⁴."""
 DEAREST = 1e12
 """Prices stay within this, so that sums stay exact."""
-PATIENCE = 8
-"""Rounds without a better bound after which the steps become shorter."""
-SHORTEST = 0.002
-"""Steps below which no more rounds are worth it."""
-WORTH_SHARING = 2e5
-"""Additions at a place from which on other threads are worth waking."""
-INERTIA = 0.4
-"""How much of the last direction is in the next (Camerini, Fratta and Maffioli 1975)."""
 
 
 class TooMuch(Exception):
-    """A single round takes more than there is."""
+    """A single round takes more than there is; `work` deterministic seconds were spent before that was known."""
+
+    def __init__(self, work: float = 0.0) -> None:
+        super().__init__()
+        self.work = work
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -97,15 +94,18 @@ def complete(
         If one round takes `most` or more.
     """
     n = problem.n
+    lawful, first = problem.successors(), problem.first
+    earliest, latest = problem.before.sum(axis=0) + 1, n - problem.before.sum(axis=1)
+    if _additions(problem, None, lawful, earliest, latest) >= most * ADDITIONS_PER_S:  # its tables alone take long
+        raise TooMuch
     move = least_moves(problem)
     near = ng_sets(problem, move, _affordable(problem, most_neighbours, deadline.most_bytes))
     back = np.ascontiguousarray(move.T)
     back[: problem.m] += problem.site_cost[:, None]
-    lawful, first = problem.successors(), problem.first
-    earliest, latest = problem.before.sum(axis=0) + 1, n - problem.before.sum(axis=1)
-    cost = _additions(problem, near, earliest, latest)
+    cost = _additions(problem, near, lawful, earliest, latest)
     if cost >= most * ADDITIONS_PER_S:
         raise TooMuch
+    walks = Walks(back, lawful, first, earliest, latest, near.carried)
     price = best_price = heading = np.zeros(n)
     shape = (n + 1, near.size, problem.m)
     to_go, least, best = np.empty(shape), np.full(shape, np.inf), np.full(shape, np.inf)
@@ -113,8 +113,8 @@ def complete(
     bound, step, waited, spent = -np.inf, 1.0, 0, 0
     while True:
         spent += 1
-        _look_back(n, cost / max(1, n), (back, lawful, price, first, earliest, latest, near.carried, to_go, least))
-        reached = walk_on(back, lawful, price, first, near.carried, to_go, walk) + price.sum()
+        _look_back(n, cost / max(1, n), walks, price, to_go, least)
+        reached = walk_on(walks, price, to_go, walk) + price.sum()
         if reached > bound or spent == 1:
             bound, best_price, waited = reached, price, 0
             best, least = least, best
@@ -136,19 +136,21 @@ def complete(
     return Completion(best, best_price, near.near, bound, spent * cost / ADDITIONS_PER_S)
 
 
-def _look_back(n: int, additions: float, tables: tuple[NDArray[Any], ...]) -> None:
+def _look_back(n: int, additions: float, walks: Walks, price: Floats, to_go: Floats, least: Floats) -> None:
     """The whole sweep, every place by all threads (numba's own would keep the process from forking later).
 
     Where a place takes few `additions`, one thread is done before others have woken.
     """
     if additions < WORTH_SHARING:
         for k in range(n, 0, -1):
-            look_back(k, 0, 1, *tables)
+            look_back(k, 0, 1, walks, price, to_go, least)
         return
     with ThreadPoolExecutor(THREADS) as threads:
         for k in range(n, 0, -1):
-            parts = [threads.submit(look_back, k, part, THREADS, *tables) for part in range(1, THREADS)]
-            look_back(k, 0, THREADS, *tables)
+            parts = [
+                threads.submit(look_back, k, part, THREADS, walks, price, to_go, least) for part in range(1, THREADS)
+            ]
+            look_back(k, 0, THREADS, walks, price, to_go, least)
             for part in parts:
                 part.result()
 
@@ -160,31 +162,46 @@ def _affordable(problem: Problem, most: int, most_bytes: float) -> int:
     return max(0, min(most, int(np.log2(max(1, numbers / max(1, one))))))
 
 
-def _additions(problem: Problem, near: NgSets, earliest: Ints, latest: Ints) -> float:
-    """What one round takes."""
+def _additions(problem: Problem, near: NgSets | None, lawful: NDArray[np.bool_], earliest: Ints, latest: Ints) -> float:
+    """What one round takes, by `problem.successors()`; without `near` that of a walk which remembers nothing."""
     sites = np.diff(problem.first)
-    numbers = (np.diff(np.sort(near.carried, axis=2), axis=2) > 0).sum(axis=2) + 1
-    ways = np.where(problem.successors()[:-1, :-1], numbers, 0) * sites[:, None] * sites[None, :]
+    numbers = 1 if near is None else (np.diff(np.sort(near.carried, axis=2), axis=2) > 0).sum(axis=2) + 1
+    ways = np.where(lawful[:-1, :-1], numbers, 0) * sites[:, None] * sites[None, :]
     places = np.minimum(latest[:, None], latest[None, :] - 1) - np.maximum(earliest[:, None], earliest[None, :] - 1) + 1
-    return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * near.size * 4) + 1.0
+    memories = 1 if near is None else near.size
+    return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * memories * 4) + 1.0
 
 
 # The inner loops of the bound by walks, compiled by numba.
 
 
+class Walks(NamedTuple):
+    """What every round goes by: `back[t, s]` is what coming to t from s costs (home last).
+
+    Contour c may be the k-th for `earliest[c]` ≤ k ≤ `latest[c]`; `first` and `lawful` are as the problem has them,
+    `carried` as `NgSets` has it.
+    """
+
+    back: Floats
+    lawful: NDArray[np.bool_]
+    first: Ints
+    earliest: Ints
+    latest: Ints
+    carried: Int16s
+
+
 @jit(nogil=True)
 def look_back(  # pragma: no cover - compiled
-    k: int, part: int, parts: int, back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints,
-    earliest: Ints, latest: Ints, carried: Int16s, to_go: Floats, least: Floats
-) -> None:  # fmt: skip
+    k: int, part: int, parts: int, walks: Walks, price: Floats, to_go: Floats, least: Floats
+) -> None:
     """Fill `to_go[k, M, s]` for every `parts`-th contour from `part` on, `to_go[k + 1]` given.
 
     It is the least of all walks that go on from site s, the k-th, to the end and remember M.
 
-    `back[t, s]` is what coming to t from s costs (home last), `price[c]` what is paid out at contour c, which may be
-    the k-th for `earliest[c]` ≤ k ≤ `latest[c]`. Where remembering less costs no more, `to_go` is infinite.
-    `least[k, A, s]` is the least over all memories M within A.
+    `price[c]` is paid out at contour c. Where remembering less costs no more, `to_go` is infinite. `least[k, A, s]` is
+    the least over all memories M within A.
     """
+    back, lawful, first, earliest, latest, carried = walks
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     for a in range(part, n, parts):
         if k < earliest[a] or k > latest[a]:
@@ -230,10 +247,9 @@ def look_back(  # pragma: no cover - compiled
 
 
 @jit(nogil=True)
-def walk_on(  # pragma: no cover - compiled
-    back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Int16s, to_go: Floats, walk: Ints
-) -> float:  # fmt: skip
+def walk_on(walks: Walks, price: Floats, to_go: Floats, walk: Ints) -> float:  # pragma: no cover - compiled
     """The cheapest walk from home, its contours in `walk`; its cost."""
+    back, lawful, first, _, _, carried = walks
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     at, here, memory, cost = m, n, 0, np.inf
     for k in range(1, n + 1):

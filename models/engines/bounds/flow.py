@@ -18,29 +18,23 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, flows_s
+from kerfwise.models.engines.tuning import BYTES_A_MOVE, CROWD, LOOSE, RISEN, SETTING_OUT
+from kerfwise.models.engines.tuning import FLOW_LEAST as LEAST
+from kerfwise.models.engines.tuning import FLOW_LEAST_GAIN as LEAST_GAIN
+from kerfwise.models.engines.tuning import FLOW_LITTLE as LITTLE
+from kerfwise.models.engines.tuning import FLOW_PATIENCE as PATIENCE
+from kerfwise.models.engines.tuning import FLOW_STEP as STEP
+from kerfwise.models.engines.tuning import FLOWS_MOST_CONTOURS as MOST_CONTOURS
+from kerfwise.models.engines.tuning import FLOWS_MOST_SITES as MOST_SITES
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
 from .flow_program import FlowProgram
-from .flow_work import MOST_CONTOURS, MOST_SITES, SETTING_OUT, sets_out_s
-from .inequalities import Inequalities, block_inequalities
 from .move_costs import Stopped, size_without_inner, sure_crossings
-from .network import Multipliers, Network, network_of
+from .network import Inequalities, Multipliers, Network, block_inequalities, network_of
 from .separation import Flow, Separation
-
-LEAST_GAIN = 3e-4
-"""Share of the bound that the last few rounds must bring."""
-PATIENCE = 20
-LOOSE = 0.004
-"""Share of what the program costs, by which the bound may lag behind before the program is cut again."""
-CROWD = 3
-"""Inequalities per contour, beyond which those are dropped that nothing is paid for."""
-RISEN = 1e-5
-"""Share by which the bound has risen before inequalities are dropped again: else the same ones come back in turn."""
-BYTES_A_MOVE = 18.0
-"""What is kept of every move, and needed while they are gone through."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +64,7 @@ def flow_bound(
         return FlowBound(0, 0.0)
     most_sites = int(min(MOST_SITES, math.sqrt(deadline.most_bytes / BYTES_A_MOVE)))
     contours, sites = size_without_inner(problem)
-    if sites > most_sites or sets_out_s(contours, sites) > SETTING_OUT * deadline.work:
+    if sites > most_sites or flows_s(contours, sites) > SETTING_OUT * deadline.work:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem, sites = contract_sites(problem), contours
 
@@ -81,7 +75,7 @@ def flow_bound(
     try:
         network = network_of(problem, plan.route, plan.cost, most_sites, in_time)
     except Stopped:
-        return FlowBound(0, sets_out_s(contours, sites))
+        return FlowBound(0, flows_s(contours, sites))
     loop = CutLoop(network, plan, deadline, in_time)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)
@@ -157,13 +151,6 @@ def _whole(bound: float) -> int:
 #
 # The cheapest flow is a corner of what the program allows, and cuts chosen by a corner often cut off little else. A
 # flow inside breaks fewer inequalities; those that it does break, and the cheapest one as well, cut deep.
-
-STEP = 0.4
-"""How far it goes from where it was towards the cheapest flow each time."""
-LITTLE = 1e-3
-"""Less than so much along a move is none of it."""
-LEAST = 0.02
-"""What the cheapest flow must be missing of an inequality."""
 
 
 class Between:

@@ -11,15 +11,14 @@ from scipy.sparse import csr_matrix
 
 from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines.tuning import MOST_INNER
+from kerfwise.models.engines.tuning import MOVE_COSTS_ROWS as ROWS
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 
 # What every move of a network costs: a table that is worked out some rows at a time.
-
-ROWS = 100
-"""Sites from which all moves are worked out at once."""
 
 
 def costs_of(
@@ -168,9 +167,6 @@ def _surely_out(problem: Problem, over: Ints | Int32s, leave: Ints, reach: Ints)
 # the contours before that one, the cheapest way through them depends on two sites alone: that by which the block is
 # entered and that by which it is left. It is found by dynamic programming over sets (Held and Karp 1962), and a
 # program over moves has neither their sites nor cuts for them.
-
-MOST_INNER = 6
-"""Contours before the last one of a block, at the most: all their sets are gone through."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

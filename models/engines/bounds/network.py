@@ -8,14 +8,18 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.engines.tuning import ENOUGH_OF_PLAN, MORE, MORE_EACH, MOST_SPLIT
+from kerfwise.models.engines.tuning import NETWORK_ENOUGH as ENOUGH
+from kerfwise.models.engines.tuning import NETWORK_NEAREST as NEAREST
+from kerfwise.models.engines.tuning import NETWORK_ROWS as ROWS
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.problem import Links, Problem
 
-from .inequalities import Inequalities
 from .move_costs import Inside, contract_condition, costs_of, passages_of, renumber_condition, stand_for
 
 # What a flow goes over: sites, split by what their conditions ask, each with what must be out before and after it.
@@ -24,9 +28,6 @@ from .move_costs import Inside, contract_condition, costs_of, passages_of, renum
 # that site must keep clear of what comes after the neighbour, and the site follows nothing that another site forbids.
 # Where a condition can be paid for, its site is there twice: once as it asks, once paid. Blocks that their last
 # contour can stand for are there by that alone.
-
-MOST_SPLIT = 2
-"""Conditions of a site that are paid for by a site of their own, at the most."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -207,20 +208,66 @@ def _on(splits: list[_Split], route: Sequence[int], problem: Problem) -> Iterato
         here[problem.site_contour[site]] = True
 
 
+# What every plan's moves come to at least, and a cheapest flow comes to too little of.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Inequalities:
+    """For each row: moves from a site of `tail` to one of `head`, less moves to a site of `into`.
+
+    It comes to `least` at least in every plan. `tail`, `head` and `into` are (k, m + 1), home last, `least` (k,).
+    """
+
+    tail: Bools
+    head: Bools
+    into: Bools
+    least: Floats
+
+    def __len__(self) -> int:
+        return len(self.tail)
+
+    def only(self, kept: Bools) -> Inequalities:
+        """Those of them that are kept."""
+        return Inequalities(self.tail[kept], self.head[kept], self.into[kept], self.least[kept])
+
+    def joined(self, more: Inequalities) -> Inequalities:
+        """With more of them."""
+        return Inequalities(
+            np.concatenate([self.tail, more.tail]),
+            np.concatenate([self.head, more.head]),
+            np.concatenate([self.into, more.into]),
+            np.concatenate([self.least, more.least]),
+        )
+
+    def across(self, leave: Ints, reach: Ints) -> csr_matrix:
+        """How much each of some moves counts in every inequality, (k, moves)."""
+        starts = np.zeros(len(self) + 1, dtype=np.int64)
+        places, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+        for k, (tail, head, into) in enumerate(zip(self.tail, self.head, self.into, strict=True)):
+            counts = (tail[leave] & head[reach]).view(np.int8)
+            if into.any():
+                counts = counts - into[reach]
+            places.append(np.flatnonzero(counts))
+            values.append(counts[places[-1]].astype(np.float64))
+            starts[k + 1] = starts[k] + len(places[-1])
+        return csr_matrix((np.concatenate(values), np.concatenate(places), starts), shape=(len(self), len(leave)))
+
+
+def block_inequalities(problem: Problem) -> Inequalities:
+    """The contours of a contiguous block follow each other: one move less than there are leads from one to another."""
+    names, size = np.unique(problem.block, return_counts=True)
+    owner = np.append(problem.site_contour, problem.n)
+    inside = np.append(problem.block, -1)[owner][None, :] == names[size > 1][:, None]
+    least = (size[size > 1] - 1).astype(np.float64)
+    return Inequalities(inside, inside, np.zeros_like(inside), least)
+
+
 # What every move is worth by the multipliers of a linear program: the bound they prove, and what is missing.
 #
 # The program holds few moves; a bound must hold of all, and it does whatever the multipliers are.
 
-NEAREST = 3
-"""Moves from and to every site that are looked at from the start."""
-MORE, MORE_EACH = 8000, 30
-"""Moves that are added at once at the most, or so many for every contour, where those are more."""
 MARGIN_UM = 0.5
 """Plans cost whole numbers: one that is cheaper than the known one costs 1 less."""
-ENOUGH, ENOUGH_OF_PLAN = 1.0, 1e-6
-"""A move that would make the program cheaper by no more than this, or this share of the plan, is not missing."""
-ROWS = 128
-"""Sites whose moves are gone through at once."""
 
 
 class Multipliers(NamedTuple):

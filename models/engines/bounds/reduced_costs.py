@@ -15,26 +15,22 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, made_s
+from kerfwise.models.engines.tuning import REDUCED_LEAST_GAIN as LEAST_GAIN
+from kerfwise.models.engines.tuning import REDUCED_MOST_SITES as MOST_SITES
+from kerfwise.models.engines.tuning import REDUCED_PATIENCE as PATIENCE
 from kerfwise.models.problem.problem import Problem
 
 from .flow import CutLoop
-from .flow_work import made_s
 from .move_costs import Stopped
 from .network import Multipliers, Network, left_of, network_of
 
 NEVER = 1 << 38
 """µm: what is unlawful in a table costs that, or more; any plan costs less."""
-MOST_SITES = 2000
-"""Of a network: with more its program takes too long."""
 MOST_UM = 1 << 50
 """No plan is so dear, so that no move leaves the program."""
 GRAIN = 64.0
 """Multipliers are multiples of 1 / 64: sums of them and of whole costs are then exact in doubles."""
-
-
-PATIENCE, LEAST_GAIN = 8, 1e-3
-"""Rounds of cuts that must bring this share of the bound: what is left then sweeps find out in less time."""
 
 
 class Proving(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,10 +10,15 @@ import numpy as np
 from ortools.graph.python.max_flow import SimpleMaxFlow
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.engines.tuning import MOVES_PER_S, PLENTY, REST
+from kerfwise.models.engines.tuning import SEPARATION_BESIDE as BESIDE
+from kerfwise.models.engines.tuning import SEPARATION_LITTLE as LITTLE
+from kerfwise.models.engines.tuning import SEPARATION_LOOKS as LOOKS
+from kerfwise.models.engines.tuning import SEPARATION_MOST as MOST
+from kerfwise.models.engines.tuning import SEPARATION_MUCH as MUCH
 from kerfwise.models.problem.precedence import immediate
 
-from .inequalities import Inequalities, OrderCut, cut_inequalities
-from .network import Network
+from .network import Inequalities, Network
 
 # Which inequalities a flow breaks: what must lead from one place to another does so with too little, by maximum
 # flows.
@@ -22,18 +27,6 @@ from .network import Network
 # from one contour to a later one nothing before the one or after the other, nor home (Balas, Fischetti and
 # Pulleyblank 1995). The same holds of a site, as far as it is used (Fischetti, Salazar González and Toth 1997):
 # without that a flow can come to a contour at one of its sites and go on in another cycle from the next.
-
-MUCH = 0.2
-"""What may be missing of a flow where there are cuts by more."""
-MOST, PLENTY = 250, 2
-"""Inequalities in a round at the most, unless there are more contours; and how many times as many are looked for."""
-REST = 3
-"""Rounds for which ways that nothing is missing of are looked at no more, unless nothing is missing of any other."""
-LOOKS = 64
-"""Ways from one look at whether to go on to the next."""
-MOVES_PER_S, BESIDE = 1.5e7, 800
-"""Moves of a flow that a second is counted for, every time that it is looked through; so many take as long as all else
-with a way."""
 
 
 _Task = tuple[int] | tuple[int, int] | np.int64
@@ -125,8 +118,6 @@ UNIT = 1_000_000
 """Flows are whole millionths."""
 ALL = 1 << 40
 """More of these than ever flow."""
-LITTLE = 0.05
-"""What may be missing of a flow without a cut."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -229,3 +220,24 @@ class Graph:
             tail |= self._owner == way.start
         tail &= ~way.end_sites if way.end_sites is not None else self._owner != way.end
         return tail, ~tail
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OrderCut:
+    """Something goes from `tail` to `head`, each (m + 1,): once at least, or as often as the sites `through`, of one
+    contour, are used."""
+
+    tail: Bools
+    head: Bools
+    through: Bools | None = None
+
+
+def cut_inequalities(cuts: Sequence[OrderCut], sites: int) -> Inequalities:
+    """Cuts as inequalities, over so many sites and home."""
+    tail, head = (np.array([getattr(cut, name) for cut in cuts], dtype=np.bool_) for name in ("tail", "head"))
+    into = np.zeros((len(cuts), sites + 1), dtype=np.bool_)
+    for k, cut in enumerate(cuts):
+        if cut.through is not None:
+            into[k] = cut.through
+    least = np.where(into.any(axis=1), 0.0, 1.0)
+    return Inequalities(tail.reshape(-1, sites + 1), head.reshape(-1, sites + 1), into, least)

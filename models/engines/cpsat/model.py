@@ -24,7 +24,9 @@ from ortools.sat.python.cp_model import (
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.deadline import Deadline, Progress
-from kerfwise.models.engines.solution import MAX_ARCS, Incumbent, count_site_arcs
+from kerfwise.models.engines.solution import Incumbent, count_site_arcs
+from kerfwise.models.engines.tuning import MAX_ARCS, POLL_S
+from kerfwise.models.engines.tuning import MODEL_MOST_CONTOURS as MOST_CONTOURS
 from kerfwise.models.problem.evaluate import broken, general_holds, missing_ms, route_cost, times_ms
 from kerfwise.models.problem.problem import Problem
 
@@ -40,9 +42,6 @@ from .variables import (
     report_progress,
     site_arcs,
 )
-
-MOST_CONTOURS = 3_000
-"""With more the model takes too long to be made."""
 
 
 def solve_cpsat(
@@ -245,7 +244,6 @@ def _lacking(problem: Problem, k: int, position: dict[int, int]) -> int:
 # Runs CP-SAT so that it can be watched and stopped, and so that the same model gives the same answer.
 
 ENGINE = "cp-sat"
-POLL_S = 0.1
 
 
 @dataclass(frozen=True, eq=False, slots=True)

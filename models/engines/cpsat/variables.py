@@ -13,6 +13,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
 from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.tuning import VARIABLES_LOOKS as LOOKS
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
@@ -296,9 +297,6 @@ def report_progress(engine: str, progress: Progress, cost_um: int | None, bound_
 
 
 # The arcs of the route: which contour may directly follow which, by which sites, and at what cost.
-
-LOOKS = 1000
-"""Pairs of contours from one question whether to go on to the next."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,6 +1,8 @@
 """An exact dynamic program over ideals: the set already cut and the last site (Held and Karp 1962; Salii 2019)."""
 
-from .prove import STAGES, Proof, applies, priceable, prove, prove_priced, sets_out, unfit, widen
+from kerfwise.models.engines.tuning import STAGES
+
+from .prove import Proof, applies, priceable, prove, prove_priced, sets_out, unfit, widen
 from .sets import Count, count_sets
 
 __all__ = [

@@ -18,6 +18,12 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.tuning import BACKWARD_DEARER as DEARER
+from kerfwise.models.engines.tuning import BACKWARD_FIRST as FIRST
+from kerfwise.models.engines.tuning import BACKWARD_LITTLE as LITTLE
+from kerfwise.models.engines.tuning import BACKWARD_MOST_NEIGHBOURS as MOST_NEIGHBOURS
+from kerfwise.models.engines.tuning import BACKWARD_WIDER as WIDER
+from kerfwise.models.engines.tuning import SPREAD
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 
@@ -27,15 +33,6 @@ from .stretch_tables import FAR, entrance_of, never, table_of
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
-
-FIRST, WIDER, SPREAD = 0.002, 2, 0.006
-"""Shares of what a known plan costs: how much more than the least a way in may cost that is settled first, how many
-times as much next, and how much more than the best at last, as others take its place where the stretch before pays."""
-DEARER, LITTLE = 3.0, 0.15
-"""How many times as much work a sweep takes, about, that goes twice as far as the last, and what share of what is left
-one may take that settles ways in which cost still more."""
-MOST_NEIGHBOURS = 3
-"""What a walk remembers at the most."""
 
 
 def reverse_problem(problem: Problem) -> Problem:
@@ -101,7 +98,7 @@ def settle(
 
 
 def _rest(posed: Problem, relaxed: ReducedCosts) -> Completion:
-    """What is still to come of what multipliers leave, from the end to the beginning."""
+    """What is still to come of what multipliers leave, from the end to the beginning: one round, as it took before."""
     walked = reverse_problem(replace(posed, matrix=relaxed.dear, conditions=()))
     return bounds.complete(walked, None, Deadline(0.0), MOST_NEIGHBOURS)
 

@@ -13,24 +13,27 @@ import numpy as np
 from kerfwise.arrays import Floats, Int16s, Int32s, Ints
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import (
+    A_SHARE,
+    BYTES_A_NEW_ENTRY,
+    BYTES_A_NEW_SET,
+    BYTES_AN_ENTRY,
+    NEW_SETS_PER_SET,
+    STEPS_AN_ENTRY,
+    WORTH_CLEARING,
+)
+from kerfwise.models.engines.tuning import LATTICE_LOOKS as LOOKS
+from kerfwise.models.engines.tuning import SETS_ADDITIONS_PER_S as ADDITIONS_PER_S
 from kerfwise.models.jit import cores, suited
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
 
 from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Steps, arrange, leaving, promises, sweep
-from .sets import ADDITIONS_PER_S, BYTES_AN_ENTRY, Growth, Sets, additions_of, grow, growth
+from .sets import Growth, Sets, additions_of, grow, growth
 from .stretch import ConditionsByContour, CrossingAlternatives, Local, RestBound, crossing_extra_cost, localise, series
 from .stretch_tables import HOME, NARROW, dearest, entrance_of, home_from, make_moves, never
 
 THREADS = cores()
-A_SHARE = 3e7
-"""Additions that a thread does at a time, at the least."""
-STEPS_AN_ENTRY = 20
-"""Turns of inner loops that an entry takes beside its additions."""
-LOOKS = 16
-"""Times a layer is looked up from, at the most."""
-WORTH_CLEARING = 0.8
-"""A layer of which no more than this share of the entries lives is stored without the others."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -192,12 +195,6 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             if best is None or costs[k] < best:
                 best, state = int(costs[k]), int(begin[s]) + k
     return columns[::-1], state
-
-
-BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
-"""What an entry, and a set, take on top while their layer is being made; sets of one word, 16 more for each other."""
-NEW_SETS_PER_SET = 4
-"""How many new sets a set leads to at the most, where there are many."""
 
 
 class TooLarge(Exception):

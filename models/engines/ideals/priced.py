@@ -24,6 +24,8 @@ from kerfwise.models.engines.bounds.network import Network
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts, entering, reduced_costs
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import BACKWARD_MOST_NEIGHBOURS as MOST_NEIGHBOURS
+from kerfwise.models.engines.tuning import SEVERAL, WALKS
 from kerfwise.models.problem.bitsets import Masks, words
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
@@ -31,7 +33,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 
-from .backward import MOST_NEIGHBOURS, Settled, settle
+from .backward import Settled, settle
 from .lattice import sweeping
 from .priced_stretches import Priced, PricedStretches, StretchPrices
 from .stretch import ConditionsByContour, CrossingAlternatives, nothing_over, series
@@ -48,10 +50,6 @@ from .stretch_tables import (
 )
 
 ABOUT = About("network", (), "what a site asks that is split by its conditions")
-WALKS = 0.05
-"""Share of the work that bounds by walks may take."""
-SEVERAL = 3.0
-"""A sweep backwards may take as many times its even share of what is left, as most need little."""
 
 
 def price(
@@ -60,6 +58,7 @@ def price(
     deadline: Deadline,
     earlier: Sequence[StretchPrices] = (),
     swept: float = 0.0,
+    overdrawn_s: float = 0.0,
 ) -> PricedStretches | None:
     """Solve the linear program of every stretch, the last first, and sweep it backwards.
 
@@ -71,6 +70,8 @@ def price(
         Its work is that of all programs.
     swept
         Deterministic seconds of all sweeps backwards.
+    overdrawn_s
+        Deterministic seconds by which the bounds by walks may take more than is left.
     earlier
         What was found of the same problem with fewer statements: it stays where a stretch is as it was.
 
@@ -94,7 +95,8 @@ def price(
         known = earlier[k] if len(earlier) == len(groups) else None
         onward = found[-1].onward if found else home_from(problem, ends_of(problem, groups[k])[1])
         query = _Asked(parts.of(groups[k]), groups[k], before, out, onward, known)
-        here, took = query.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes))
+        left_s = deadline.work - spent + overdrawn_s
+        here, took = query.priced(route, incumbent.cost, deadline.counting(share, most_bytes=left_bytes), left_s)
         spent += took
         if here is None:
             return None
@@ -124,8 +126,11 @@ class _Asked:
     onward: Ints
     known: StretchPrices | None
 
-    def priced(self, route: Sequence[int], known: int, deadline: Deadline) -> tuple[Priced | None, float]:
-        """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there."""
+    def priced(self, route: Sequence[int], known: int, deadline: Deadline, most: float) -> tuple[Priced | None, float]:
+        """It under its multipliers, and the deterministic seconds that took; a lawful plan has `route` there.
+
+        None where a single round of the bound by walks takes `most` deterministic seconds or more.
+        """
         problem, own = self.problem, self.problem.sites_of(self.group)
         leave = ends_of(problem, self.group)[1]
         travel = travel_between(problem, self.before, own)
@@ -143,7 +148,11 @@ class _Asked:
         posed = _posed(relaxed)
         target = float(max(1, of_plan.cost - relaxed.bound))
         walked = replace(posed, matrix=relaxed.dear, conditions=())
-        rest = bounds.complete(walked, target, deadline.counting(WALKS * deadline.work), MOST_NEIGHBOURS)
+        walks = deadline.counting(WALKS * deadline.work)
+        try:
+            rest = bounds.complete(walked, target, walks, MOST_NEIGHBOURS, most)
+        except bounds.TooMuch:
+            return None, deadline.work
         entry = entering(relaxed.network, travel)
         enter = np.minimum(relaxed.network.cost[-1, :-1], FAR).astype(np.int64)
         lows = np.minimum(relaxed.dear[-1, :-1] + entry - enter, FAR)

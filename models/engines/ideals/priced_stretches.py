@@ -19,6 +19,7 @@ from kerfwise.models.engines.bounds.move_costs import Moves, best_way, open_cros
 from kerfwise.models.engines.bounds.reduced_costs import Proving, ReducedCosts
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import ROOM, UNSURE
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
@@ -30,11 +31,6 @@ from .stretch_tables import FAR, HOME, crossing_price, entrance_of, home_from, n
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
-
-ROOM = 0.0005
-"""By what share of a plan the next limit is higher where a stretch has no way up to what it promised."""
-UNSURE = 0.01
-"""By what share of a plan an end must be better from which plans may cost more than is known."""
 
 
 class StretchPrices(NamedTuple):

@@ -19,13 +19,30 @@ import numpy as np
 
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, flows_s
+from kerfwise.models.engines.tuning import (
+    AS_GOOD_AS_IT_GETS,
+    BACKWARD,
+    BOUND,
+    FIRST_WIDTH,
+    MOST_CONTOURS_PRICED,
+    MOST_SITES_BOUND,
+    MOST_SITES_PRICED,
+    OVERDRAWN_S,
+    PRICED_ALONE,
+    PRICED_WIDER,
+    SETTING_OUT,
+    STAGES,
+)
+from kerfwise.models.engines.tuning import PROVE_MOST_SITES as MOST_SITES
+from kerfwise.models.engines.tuning import PROVE_PRICED as PRICED
+from kerfwise.models.engines.tuning import PROVE_WIDENED as WIDENED
+from kerfwise.models.engines.tuning import STRETCH_WIDER as WIDER
 from kerfwise.models.problem.problem import Problem
 
 from .lattice import THREADS, Rests, TooLarge, Width, sweep_through, sweeping
 from .stretch import Local, RestBound, series
 from .stretch_bounds import (
-    WIDER,
     Ahead,
     LeastIn,
     least_rest,
@@ -43,21 +60,6 @@ if TYPE_CHECKING:
     from .priced_stretches import StretchPrices
 
 _Sweep = Callable[[int | None], Incumbent | None]
-STAGES = (0.03, 0.1, 0.4)
-"""Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
-PRICED_WIDER = 2.5
-"""How many times as much over the bound the next limit is by these, of one stretch: what sweeps take rises slowly."""
-PRICED, PRICED_ALONE, BACKWARD = 0.4, 0.5, 0.45
-"""Share of the work that is left for linear programs of the stretches, where walks do not suffice; and where nothing
-but these is tried; and share for sweeps of single stretches backwards, where there are several."""
-AS_GOOD_AS_IT_GETS = 0.8
-"""A bound that took no more than this of its share will not become better with more."""
-MOST_SITES_PRICED = 1000
-"""Sites of a stretch: its linear program takes too long with more."""
-MOST_CONTOURS_PRICED = 2500
-"""Contours up to which they are made: at 10,000 they take 0.7 GB, and nothing is left of small work for them."""
-MOST_SITES, MOST_SITES_BOUND = 4000, 1500
-"""Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +100,8 @@ def priceable(problem: Problem) -> bool:
 
 def sets_out(problem: Problem, work: float) -> bool:
     """Whether linear programs of all stretches have their first bounds well within the work of `prove_priced`."""
-    took_s = sum(bounds.sets_out_s(contours, sites) for contours, sites in _sizes(problem))
-    return took_s <= bounds.SETTING_OUT * PRICED_ALONE * work
+    took_s = sum(flows_s(contours, sites) for contours, sites in _sizes(problem))
+    return took_s <= SETTING_OUT * PRICED_ALONE * work
 
 
 def _sizes(problem: Problem) -> list[tuple[int, int]]:
@@ -157,11 +159,12 @@ def prove(
         tried = share != stages[0] or earlier
         if programs and tried and (found := rounds.priced(incumbent, earlier)) is not None:
             return found
-        most = rounds.left if not programs and rounds.least <= 0 else inf  # with as much no sweep is left, and no bound
         try:
+            most = rounds.left + (OVERDRAWN_S if programs else 0.0)  # with as much no sweep is left, but programs are
             bound = bound_by_walks(problem, incumbent, deadline.within(share * work), most)
-        except bounds.TooMuch:
-            return None
+        except bounds.TooMuch as error:
+            rounds.left -= error.work
+            return (rounds.priced(incumbent, earlier) if programs and not tried else None) or rounds.proven
         rounds.left -= bound.work
         more = programs and share == stages[0]  # linear programs come next
         last = share == stages[-1] or (bound.work <= AS_GOOD_AS_IT_GETS * share * work and not more)
@@ -279,7 +282,7 @@ class _Rounds:
         apart = len(series(self.problem)) > 1
         swept = BACKWARD * self.left if apart else 0.0
         within = self.deadline.within(part * self.deadline.work).counting(share)
-        stretches = priced.price(self.problem, incumbent, within, earlier, swept)
+        stretches = priced.price(self.problem, incumbent, within, earlier, swept, OVERDRAWN_S)
         if stretches is None:
             self.left -= share
             return self.proven
@@ -343,10 +346,6 @@ def held_by(bound: Completion | Apart | None) -> int:
 # Where the sets are too many for a sweep of all, one of few finds a plan soon. What it drops bounds all plans that it
 # could have missed, and where nothing is dropped that a better plan could be in, the plan is proven.
 
-FIRST_WIDTH, WIDENED = 256, 2
-"""States of a layer that the first sweep keeps, and how many times as many the next."""
-BOUND = 0.15
-"""Share of the work that a bound by walks may take."""
 ROUNDING = 1e-3
 """Bounds are sums of doubles, costs whole: what is under the next whole number by less is taken for it."""
 

@@ -8,6 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from kerfwise.arrays import Int16s, Int32s, Ints
+from kerfwise.models.engines.tuning import (
+    ADDITIONS_A_STATE,
+    ADDITIONS_AN_ENTRY,
+    BYTES_A_STATE,
+    BYTES_AN_ENTRY,
+    COUNTED_FASTER,
+    SHARE_KEPT,
+    SLOTS_AT_FIRST,
+    STEPS_A_SET,
+    STEPS_A_WORD,
+)
+from kerfwise.models.engines.tuning import SETS_ADDITIONS_PER_S as ADDITIONS_PER_S
 from kerfwise.models.jit import inner, jit, suited
 from kerfwise.models.problem.bitsets import LOW, ONE, Masks, bit_number, missing, words
 from kerfwise.models.problem.problem import Problem
@@ -15,10 +27,6 @@ from kerfwise.models.problem.problem import Problem
 from .stretch import OrderSets, orders_of, series
 
 # The sets that the orders allow to be cut first, layer by layer: those of one size from those one smaller.
-
-SLOTS_AT_FIRST = 1 << 12
-STEPS_A_WORD, STEPS_A_SET = 20, 30
-"""Turns of inner loops that it takes to count what may follow a set, and to find a set that follows."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -202,17 +210,6 @@ def _wider(slots: Int32s, hashes: Masks, count: int) -> Int32s:  # pragma: no co
 
 
 # Counts the sets of a problem before anything is made of them: what a sweep without any bound would take.
-
-ADDITIONS_PER_S = 1.2e10
-ADDITIONS_AN_ENTRY, ADDITIONS_A_STATE = 1200, 100
-"""Additions that it takes as long as to find, sort and look at an entry (a set and the contour cut last), and as to
-store a state of it (its last site)."""
-COUNTED_FASTER = 3
-"""How many times faster an entry is counted."""
-BYTES_AN_ENTRY, BYTES_A_STATE = 10, 4
-"""What is kept of every layer, for the way back."""
-SHARE_KEPT = 0.7
-"""Of the bytes that a sweep may take, the share for layers that are made; the rest is for that which is being made."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,15 @@ import numpy as np
 from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.tuning import ENDS, FAR_OVER, LEAST_STEP, ONE_GO, PIECE, SHARES, SOON, TWICE
+from kerfwise.models.engines.tuning import STRETCH_BYTES_A_NUMBER as BYTES_A_NUMBER
+from kerfwise.models.engines.tuning import STRETCH_DEARER as DEARER
+from kerfwise.models.engines.tuning import STRETCH_FIRST as FIRST
+from kerfwise.models.engines.tuning import STRETCH_LITTLE as LITTLE
+from kerfwise.models.engines.tuning import STRETCH_MOST_NEIGHBOURS as MOST_NEIGHBOURS
+from kerfwise.models.engines.tuning import STRETCH_NEAR as NEAR
+from kerfwise.models.engines.tuning import STRETCH_SHARE as SHARE
+from kerfwise.models.engines.tuning import STRETCH_WIDER as WIDER
 from kerfwise.models.problem.precedence import Followers
 from kerfwise.models.problem.problem import Problem
 
@@ -32,9 +41,6 @@ if TYPE_CHECKING:
 # A stretch is a problem of its own, between a home that stands for whatever comes before it and one for whatever
 # comes after. It ends at what the next stretch still costs at least from there on, so that the bounds of all
 # stretches add up, and each is found in tables of its own sites and places alone.
-
-MOST_NEIGHBOURS, SHARE, BYTES_A_NUMBER = 6, 0.25, 8
-"""What a walk remembers at the most, and the share of the bytes given that the tables of all stretches may take."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,6 +90,7 @@ def look_ahead(
     numbers = sum((len(group) + 1) * len(of) for of, group in zip(sites, groups, strict=True))
     remembered = int(np.log2(max(1.0, SHARE * deadline.most_bytes / BYTES_A_NUMBER / max(1, numbers))))
     until = np.cumsum([len(group) for group in groups]).tolist()
+    spent = 0.0
     found: list[Ahead] = []
     parts, shelf = ConditionsByContour(problem), Arena()
     for k in reversed(range(len(groups))):
@@ -96,8 +103,11 @@ def look_ahead(
         known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
         known += int(onward[ends[k][1] == own[-1]][0])
         share = deadline.counting(deadline.work * float(weight[k] / weight.sum()))
-        bound = bounds.complete(apart, known, share, min(MOST_NEIGHBOURS, remembered), most)
-        most -= bound.work
+        try:
+            bound = bounds.complete(apart, known, share, min(MOST_NEIGHBOURS, remembered), most - spent)
+        except bounds.TooMuch:
+            raise bounds.TooMuch(spent) from None
+        spent += bound.work
         kept = replace(bound, to_go=shelf.put(bound.to_go))
         found.append(Ahead(groups[k], sites[k], *ends[k], onward, kept))
     return found[::-1]
@@ -121,9 +131,6 @@ def _onward(problem: Problem, leave: Ints, following: Ahead | None) -> Ints:
 # least of that over all ways through the stretch is found by a sweep of it alone, from wherever it may be entered.
 # What is missed so in all stretches adds up (the bounds are potentials, as in the shortest paths of Johnson 1977),
 # and a sweep of one stretch has room for its own share alone.
-
-SHARES = 0.25, 0.5, 0.75, 1.0
-"""Shares of what a known plan misses in a stretch, within which the cheapest way through it is looked for."""
 
 
 def missed_in(
@@ -274,13 +281,6 @@ class LeastIn:
 
 # What plans that are looked for may cost: little at first, as the less it is the fewer states are gone through.
 
-NEAR, WIDER, FAR_OVER = 0.005, 1.6, 0.1
-"""By what share of the bound a plan may be dearer that is looked for first, how many times as much next (`wider`, where
-that is given), and from what share on limits rise by what sweeps take."""
-DEARER, LITTLE = 4.0, 0.002
-"""How many times as much work as the last one the next sweep may take where limits are far; less than that share of
-what is left says nothing of the next."""
-
 
 def rising_limits(
     least: float, known: int | None, left: Callable[[], float], wider: float = WIDER
@@ -318,14 +318,6 @@ def rising_limits(
     yield known
 
 
-SOON, FIRST, TWICE, ENDS = 0.0005, 0.002, 2.0, 0.8
-"""By what shares of the bound a plan may be dearer that is looked for first where every sweep is to come to its end,
-how many times as much next, and what share of the work that is left a sweep may take."""
-ONE_GO, LEAST_STEP = 1.5, 0.1
-"""How many steps it may be to the known plan for the next sweep to go that far, and the least step, as a share of what
-was gone so far."""
-
-
 def limits_within_work(least: float, known: int, left: Callable[[], float]) -> Iterator[int]:
     """Limits as `rising_limits` gives them, but such that the sweep to each will end with the work that is left.
 
@@ -357,9 +349,6 @@ def limits_within_work(least: float, known: int, left: Callable[[], float]) -> I
 
 
 # Many small tables kept in few large pieces of memory: the system gets these back as soon as they are not needed.
-
-PIECE = 1 << 23
-"""Numbers in a piece, 64 MB: a piece is far larger than what an allocator keeps for later."""
 
 
 class Arena:

@@ -6,10 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.tuning import ANNEAL_COLD as COLD
+from kerfwise.models.engines.tuning import ANNEAL_FALL as FALL
+from kerfwise.models.engines.tuning import ANNEAL_LONG as LONG
+from kerfwise.models.engines.tuning import ANNEAL_LOOKS as LOOKS
+from kerfwise.models.engines.tuning import ANNEAL_MOST as MOST
+from kerfwise.models.engines.tuning import ANNEAL_MUCH as MUCH
+from kerfwise.models.engines.tuning import ANNEAL_STEP as STEP
+from kerfwise.models.engines.tuning import EXCHANGES, FEW_RUINS, FORCED, HOT, JUDGE, LIVELY, LOOK, PER_TRIAL, RUINS
 from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
 
 from .conditions import lean_on_sites, literals_unmet, pieces_begun, too_close_within, too_soon, unmet
-from .exchanges import PER_TRIAL, swap_towards, three_opt
+from .exchanges import swap_towards, three_opt
 from .insertion import choose_sites, nearest_first, refresh_sites
 from .jit_tools import below, compiled, draw_share, entry, kernel_argument
 from .route_state import (
@@ -36,13 +44,6 @@ from .travel import cell_of, crossing, leg
 from .walker import Walker
 
 # A walker that anneals by ruins and exchanges: for every problem.
-
-HOT, COLD = 1.0, 0.01  # temperatures, in typical rises of the cost
-LIVELY = 0.01  # share of exchanges taken at the first temperature, on plain problems
-FALL = 25.0  # by what the temperature falls there
-LOOK = 200_000  # operations for a look at how many are taken
-LOOKS = 40
-STEP = 1.4  # between the temperatures looked at
 
 
 class AnnealingWalker(Walker):
@@ -159,12 +160,6 @@ def span_price(
 
 
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
-EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick
-MOST = 12  # contours taken out at once
-RUINS, FEW_RUINS, LONG = 0.1, 0.03, 300  # share of ruins among the moves, the rest are swaps: fewer on long routes
-FORCED = 0.3  # share of ruins in which a site is forced, where that makes sense
-MUCH = 0.4  # chance of overlooking a place where a trial is to differ
-JUDGE = 128  # trials between two looks at how many of them were lawful
 
 
 ON, FROM_TRIAL, FROM_NOTHING = range(3)

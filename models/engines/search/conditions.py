@@ -8,6 +8,7 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.engines.tuning import STEPS
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import AtLeast, Before, Enough, Lag, Pick
 
@@ -124,8 +125,6 @@ def pieces_begun(groups: Groups, contour: int, previous: int) -> int:
 
 
 # Lags, as the search reads them: contours that must keep some cuts, or some seconds, apart.
-
-STEPS = 8  # a hard lag that is kept for no time at all counts as so many broken statements, besides one for itself
 
 
 class Lags(NamedTuple):

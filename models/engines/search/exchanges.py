@@ -6,6 +6,8 @@ from typing import cast
 
 import numpy as np
 
+from kerfwise.models.engines.tuning import PER_TRIAL
+
 from .insertion import FAR
 from .jit_tools import below, chunk, compiled, draw_number, high, is_odd, rather_low, short
 from .route_state import (
@@ -311,8 +313,6 @@ def _move(tables: SearchTables, state: State, i: int, j: int, k: int, first: boo
 # Of the exchanges of three arcs (Gambardella and Dorigo 2000) each trial draws one: an arc x → y to a near contour,
 # and where the line is cut the third time; its cost is known at once, and orders are looked at only for those cheap
 # enough.
-
-PER_TRIAL = 13  # operations
 
 
 @compiled

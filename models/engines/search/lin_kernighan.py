@@ -6,10 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.tuning import BREADTH, KICKS, PER_ARC, PER_CONTOUR, PER_KICK, PER_SWAP, STILL, WIDTH
+from kerfwise.models.engines.tuning import CHAIN_BESIDE as BESIDE
+from kerfwise.models.engines.tuning import CHAIN_DRAWS as DRAWS
+from kerfwise.models.engines.tuning import CHAIN_FALL as FALL
+from kerfwise.models.engines.tuning import CHAIN_LONGEST as LONGEST
+from kerfwise.models.engines.tuning import CHAIN_NEAR as NEAR
+from kerfwise.models.engines.tuning import CHAIN_SHORT as SHORT
 
 from .jit_tools import below, compiled, draw_share, entry, kernel_argument
 from .lin_kernighan_tables import (
-    BREADTH,
     DEPTH,
     FRONT,
     HIGH,
@@ -27,14 +33,6 @@ from .route_state import BEST, COST, WORK, SearchTables, may_swap, swap_places
 from .walker import Walker
 
 # A walker that goes on by kicks and chains: for problems of arcs and few orders.
-
-NEAR, BESIDE = 0.5, 8.0
-"""What the first temperature is, in reduced costs of near arcs, and of the arcs of the first good route: orders make
-those dear."""
-FALL = 30.0
-"""By what the temperature falls."""
-STILL = 1e-6
-"""A temperature at which nothing goes uphill."""
 
 
 class ChainedWalker(Walker):
@@ -87,11 +85,6 @@ class ChainedWalker(Walker):
 # Arcs a → a', b → b', c → c', in this order along the line, become a → b', c → a', b → c': two stretches change
 # places and none is turned round (Gambardella and Dorigo 2000). Whichever of the three is broken first, x → x' say,
 # and y is where the first new arc leads: x → y, then from y's predecessor z → w, then w's predecessor v → x'.
-
-SHORT = 8
-"""Length of stretches that are moved by steps whose second new arc need not be a near one."""
-PER_ARC, PER_SWAP = 5, 20
-"""Operations for looking at an arc, and for a swap, beside those for each place."""
 
 
 @compiled
@@ -235,9 +228,6 @@ def take_back(state: ChainState, depth: int, at: int) -> None:
 
 # A chain of steps that makes the line cheaper, found by trying the best few at each place and going back.
 
-PER_CONTOUR = 10
-"""Operations for taking a contour out of the queue."""
-
 
 @compiled
 def enqueue(state: ChainState, contour: int) -> None:
@@ -297,17 +287,6 @@ def improve(tables: ChainTables, state: ChainState, contour: int) -> bool:
 
 
 # The walk by chains: a kick, chains until none is left that gains, and on from there or back, as it gets cooler.
-
-KICKS = 2
-"""Random steps of a kick."""
-WIDTH = 8
-"""Nearest arcs that a kick draws from."""
-LONGEST = 16
-"""Length of stretches that a kick moves, where but one of its arcs is a near one."""
-DRAWS = 100
-"""Draws of a kick after which there is none."""
-PER_KICK = 50
-"""Operations for a kick, beside its swaps."""
 
 
 @entry

@@ -8,23 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Int32s, Ints
+from kerfwise.models.engines.tuning import BREADTH, DETOURS, FEWEST, SAMPLE, SPARSE, TYPICAL
+from kerfwise.models.engines.tuning import CHAINS_MOST as MOST
+from kerfwise.models.engines.tuning import CHAINS_NEAREST as NEAREST
 from kerfwise.models.problem.precedence import lawful_followers
 
 from .route_state import BEST, NUMBERS, OrderLists, SearchTables
 
 # Arcs as chains of exchanges read them, and on which problems chains are tried.
 
-NEAREST = 10
-"""Arcs out of every contour that steps make."""
 UNLAWFUL = 1 << 30
 """Stands for the cost of an arc that no lawful order has; a sum of a few is a small number still."""
-SPARSE, FEWEST, MOST = 0.5, 60, 3000
-"""Chains are tried where orders decide less than this share of the pairs of contours, and for so many contours."""
-DETOURS, SAMPLE = 0.1, 60
-"""Share of arcs and contours that there is a cheaper way by, from which on costs are not taken for distances, and of
-how many contours it is counted. Where they are distances, annealing does as well or better."""
-TYPICAL = 5
-"""Nearest arcs by whose cost temperatures are chosen."""
 
 
 class ChainTables(NamedTuple):
@@ -138,8 +132,6 @@ def reduced_costs(cost: Ints, lawful: Bools) -> Ints:
 
 # The state of a search by chains: the route it stands on and the one it tries, and room to work in.
 
-BREADTH = (5, 3, 1, 1, 1, 1)
-"""Steps that are tried at each place of a chain; it is as long as this list at the most."""
 WIDEST = max(BREADTH)
 DEPTH = len(BREADTH)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Int32s, Ints
+from kerfwise.models.engines.tuning import ROUTE_STATE_NEAR as NEAR
 from kerfwise.models.problem.precedence import known_immediate_pairs
 from kerfwise.models.problem.problem import Problem
 
@@ -48,8 +49,6 @@ def make_tables(problem: Problem) -> SearchTables:
 
 
 # Which contour may stand where: precedence in lists, blocks, and who may follow whom.
-
-NEAR = 16  # neighbours of a contour that moves look at
 
 
 class OrderLists(NamedTuple):

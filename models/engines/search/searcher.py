@@ -14,6 +14,29 @@ import numpy as np
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import (
+    CHILD,
+    CHUNK,
+    FIRST_DESCENT,
+    HOTTER,
+    LARGEST_BLOCK,
+    LEAST_CONTOURS,
+    LONGER,
+    MIDDLE,
+    NEIGHBOURS,
+    PER_MOVE,
+    PER_SITE,
+    REGION_CHUNK,
+    REGIONS,
+    SETTING_UP,
+    WALKERS,
+    WHOLE,
+    WHOLE_MOST,
+    WORK_PER_S,
+)
+from kerfwise.models.engines.tuning import SEARCHER_COLD as COLD
+from kerfwise.models.engines.tuning import SEARCHER_FEW as FEW
+from kerfwise.models.engines.tuning import SEARCHER_FIRST as FIRST
 from kerfwise.models.jit import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -22,22 +45,10 @@ from .anneal import AnnealingWalker
 from .jit_tools import kernel_argument
 from .region_problem import Contractor
 from .route_state import SearchTables, make_tables
-from .tour_merging import CHILD, TourMerging, make_walkers, mergeable
+from .tour_merging import TourMerging, make_walkers, mergeable
 from .walker import CoolingPart, Schedule
 
 __all__ = ["Contractor", "Regions", "regional"]
-
-
-WORK_PER_S = 450_000_000  # elementary operations that a second of work stands for
-CHUNK = 20_000_000  # operations between two looks at the clock and at whether to stop
-WALKERS = 2
-FIRST = 0.25  # share of the first run that may go into the descent from the first route, and
-FIRST_DESCENT = 200_000  # the most operations a contour
-REGIONS = 100_000_000  # operations in each half of a route between two such looks, where it goes by regions
-WHOLE = 0.5  # share for an annealing of the whole route, where the rest can go region by region, and
-WHOLE_MOST = 400_000  # the most operations for it, times n^1.5
-FEW, HOTTER = 30, 4.0  # contours up to which annealings are hotter, and how many times: fewer are caught then
-LONGER = 1.5  # how much longer than those before it is, or there is none: the rest is better spent on regions
 
 
 class Searcher:
@@ -206,11 +217,6 @@ def _likely(budget: int, time_s: float | None) -> int:
 
 # Region after region of a route is searched, two halves of the route at a time.
 
-LEAST_CONTOURS = 150
-"""Contours from which on a route is searched by regions."""
-LARGEST_BLOCK = 40
-"""Contours that must follow each other, at the most: they are free together."""
-
 
 @dataclass(frozen=True, slots=True)
 class Stage:
@@ -226,8 +232,6 @@ class Stage:
     hot: float
 
 
-REGION_CHUNK = 20_000_000
-"""Operations between two looks at the clock."""
 STAGES = (
     Stage(4.0, 40, 300_000, 2.0),
     Stage(16.0, 120, 500_000, 4.0),
@@ -236,13 +240,6 @@ STAGES = (
     Stage(inf, 120, 4_000_000, 4.0),
 )
 """What little searches leave is soon found by small regions. The rest asks for large ones, laid out anew from above."""
-COLD = 0.05
-"""The last temperature, as a share of the same."""
-SETTING_UP, PER_SITE, PER_MOVE = 2_000_000, 1_000, 8
-"""Operations that it takes as long as to make a region's problem, and for each site of the whole, and for each move
-between two sites of the region."""
-MIDDLE = 0.3, 0.7
-"""Where a route is parted: between these shares of it."""
 
 
 def regional(problem: Problem) -> bool:
@@ -354,9 +351,6 @@ class Regions:
 
 
 # Which contours lie near each other on the sheet.
-
-NEIGHBOURS = 200
-"""Contours near a contour that are kept in mind."""
 
 
 class Nearby:

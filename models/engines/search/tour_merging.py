@@ -8,6 +8,8 @@ from functools import partial
 
 import numpy as np
 
+from kerfwise.models.engines.tuning import ANNEALINGS, EACH, MATRIX_SITES
+from kerfwise.models.engines.tuning import MERGING_LEAST as LEAST
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
@@ -17,13 +19,9 @@ from .lin_kernighan import ChainedWalker
 from .lin_kernighan_tables import chained
 from .region_problem import Contractor
 from .route_state import SearchTables, make_tables
-from .travel import MATRIX_SITES
 from .walker import CoolingPart, Elite, Pool, Walker
 
 __all__ = ["ChainedWalker", "chained"]
-
-ANNEALINGS = 2  # of each walker in a generation
-CHILD = 0.02  # the most of a run that a child may take
 
 
 class TourMerging:
@@ -91,9 +89,6 @@ class TourMerging:
 
 
 # A child of two routes: an annealing of what they do not agree about.
-
-LEAST = 8  # contours of a merged problem that is worth a search
-EACH = 400_000  # operations for each of its contours
 
 
 def merge_tours(

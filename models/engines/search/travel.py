@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Int32s, Ints, concat_ranges, unique
+from kerfwise.models.engines.tuning import MATRIX_SITES
+from kerfwise.models.engines.tuning import TRAVEL_DRAWS as DRAWS
+from kerfwise.models.engines.tuning import TRAVEL_NEAREST as NEAREST
 from kerfwise.models.problem.crossings import FORBIDDEN, in_order
 from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
 from kerfwise.models.problem.problem import Problem
@@ -16,7 +19,6 @@ from .jit_tools import compiled
 
 # Moves between sites: looked up where a matrix fits, else computed, links aside.
 
-MATRIX_SITES = 3000  # a travel matrix is kept up to this many sites
 NO_LINK = 1 << 58  # more than any move costs, µm
 
 
@@ -312,9 +314,7 @@ def crossing(crossed: Crossed, start: int, position: Ints, at: int) -> tuple[int
 
 # Arcs between contours of one site each, as the exchanges read them: small numbers, near to hand.
 
-NEAREST = 16  # ends of arcs that an exchange tries to make, the nearer the oftener
 DEAREST = 1 << 29  # the most that an arc may cost, so that sums of a few stay small numbers
-DRAWS = 4096  # numbers in `falls`
 
 
 class ArcCosts(NamedTuple):

@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.tuning import ANNEALED, COOL, HEATS, SIZE
+from kerfwise.models.engines.tuning import WALKER_SHORT as SHORT
+from kerfwise.models.engines.tuning import WALKER_SHORTEST as SHORTEST
 
 from .route_state import BEST, BROKEN, COST, WORK, SearchTables
 
@@ -125,12 +128,6 @@ class Walker(ABC):
 
 # When to anneal how long: several times, each as long as all before, and hotter or cooler by turns.
 
-SHORT = 50_000  # operations for a single annealing, times n^1.5: with less there is no time for several
-HEATS = (2.0, 4.0, 1.0)
-COOL = 2  # where to begin in them if time is short: less is lost by not going uphill
-ANNEALED = 0.5  # share for annealings that begin anew, where what they find is then bred from
-SHORTEST = 1_000_000  # operations for an annealing, times n^1.5: what one contour asks for grows with their number
-
 
 @dataclass(frozen=True, slots=True)
 class CoolingPart:
@@ -191,8 +188,6 @@ class Schedule:
 
 
 # The best routes of several annealings, and what is made of two of them.
-
-SIZE = 10  # routes kept
 
 
 @dataclass(frozen=True, eq=False, slots=True)

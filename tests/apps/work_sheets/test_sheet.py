@@ -143,9 +143,9 @@ def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
     rows = re.findall(r"\S+\.outer", "".join(page.text for page in pages).partition("in order")[2])
     assert len(rows) == len(set(rows)) == 75
 
+    from kerfwise.apps.work_sheets.paper import ROOM
     from kerfwise.encoder.readers import read_nest
     from kerfwise.models.plan.read_plan import read_plan
-    from kerfwise.postproc.report.paper import ROOM
     from kerfwise.postproc.report.picture import bare_picture
     from kerfwise.postproc.report.scene import TextLine
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.models.engines import Member, bounds, cpsat, ideals, portfolio, shared_state
+from kerfwise.models.engines import Member, bounds, cpsat, ideals, portfolio, tuning
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
@@ -180,9 +180,9 @@ def test_nothing_is_said_to_be_proven_where_programs_of_stretches_come_to_no_bou
     monkeypatch: pytest.MonkeyPatch, little: bool, note: str
 ) -> None:
     """With little work a bound by flows, which needs less, is looked for instead."""
-    monkeypatch.setattr(shared_state, "FLOW_FEW", 10)
+    monkeypatch.setattr(tuning, "FLOW_FEW", 10)
     monkeypatch.setattr(ideals, "prove_priced", lambda *_: None)
-    monkeypatch.setattr(bounds, "SETTING_OUT", 0.0 if little else inf, raising=False)
+    monkeypatch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "SETTING_OUT", 0.0 if little else inf)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     known = found(replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held)), work=0.1)
     assert "ideals: too many sets for the limit, a bound is proven" not in known.notes
@@ -201,7 +201,7 @@ def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(
     monkeypatch: pytest.MonkeyPatch, sites: int, work: float, note: str
 ) -> None:
     """Bound and search run at the same time, and neither sees how far the other is."""
-    monkeypatch.setattr(shared_state, "FLOW_FEW", 10)
+    monkeypatch.setattr(tuning, "FLOW_FEW", 10)
     monkeypatch.setattr(import_module("kerfwise.models.engines.ideals.prove"), "MOST_SITES_PRICED", sites)
     held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
     many = replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held))
@@ -248,7 +248,7 @@ def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_ar
     options = SolveOptions(work=0.3)
     plans = []
     for entries in (0.0, inf):
-        monkeypatch.setattr(shared_state, "PREVIEW_AFTER_ENTRIES", entries)
+        monkeypatch.setattr(tuning, "PREVIEW_AFTER_ENTRIES", entries)
         told.clear()
         known = run_portfolio(many, options, listen)
         assert known.incumbent is not None
@@ -290,7 +290,7 @@ def test_a_wish_is_never_worse_than_the_plan_without_it(
     if nothing_else:
         steps = [step if step.work is portfolio.plan_without_wishes else stuck(step) for step in steps]
     monkeypatch.setattr(portfolio, "STEPS", tuple(steps))
-    known, plain = found(wished, work=work), found(fewer, work=shared_state.WITHOUT_WISHES * work)
+    known, plain = found(wished, work=work), found(fewer, work=tuning.WITHOUT_WISHES * work)
     assert known.incumbent is not None
     assert plain.incumbent is not None
     assert not broken(wished, known.incumbent.route)

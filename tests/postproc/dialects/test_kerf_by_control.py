@@ -132,7 +132,6 @@ rules: {hold-small-parts: {strength: hard, tabs: all}}
 """
 
 
-@pytest.mark.scrap("the simulation does not know G41: LinuxCNC's interpreter is the second judge here")
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize("base", ["plasma-carbon-steel", full("laser-st10kp-2mm")])
 def test_tabs_slow_corners_and_arcs_are_beside_it_too(base: str, tmp_path: Path) -> None:

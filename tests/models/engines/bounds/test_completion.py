@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.engines.bounds import Completion, complete
+from kerfwise.models.engines.bounds import Completion, TooMuch, complete, completion
 from kerfwise.models.engines.bounds.flow import contract_sites
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.problem.evaluate import route_cost
@@ -71,3 +71,10 @@ def test_remembering_more_bounds_better() -> None:
     assert roots == sorted(roots)
     assert np.isfinite(roots).all()
     assert roots[0] < roots[2]
+
+
+def test_a_round_that_takes_too_much_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor are its tables made: those of a large nest take longer than the limit."""
+    monkeypatch.setattr(completion, "ng_sets", lambda *_: pytest.fail("tables were made"))
+    with pytest.raises(TooMuch):
+        complete(scattered(2, 40, 4), None, Deadline(0.0), most=1e-6)

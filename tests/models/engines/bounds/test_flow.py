@@ -13,12 +13,10 @@ from hypothesis import strategies as st
 from kerfwise.arrays import Bools
 from kerfwise.models.engines.bounds import flow, flow_bound, flow_program
 from kerfwise.models.engines.bounds.flow_program import FlowProgram
-from kerfwise.models.engines.bounds.flow_work import sets_out_s
-from kerfwise.models.engines.bounds.inequalities import block_inequalities
-from kerfwise.models.engines.bounds.network import Network, network_of
+from kerfwise.models.engines.bounds.network import Network, block_inequalities, network_of
 from kerfwise.models.engines.bounds.separation import Flow, Separation
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent, flows_s
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.moves import MovePrices
@@ -111,7 +109,7 @@ def test_where_a_first_bound_takes_longer_than_there_is_work_contours_stand_for_
 
     monkeypatch.setattr(flow, "network_of", noted)
     for work in (0.9, 1.1):
-        flow_bound(seen, best, Deadline(work * sets_out_s(seen.n, seen.m) / flow.SETTING_OUT))
+        flow_bound(seen, best, Deadline(work * flows_s(seen.n, seen.m) / flow.SETTING_OUT))
     assert sizes == [5, 10]
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.models.engines.bounds.inequalities import block_inequalities
-from kerfwise.models.engines.bounds.network import Multipliers, kinds, left_of, network_of
+from kerfwise.models.engines.bounds.network import Multipliers, block_inequalities, kinds, left_of, network_of
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.tests.models.brute import lawful
 from kerfwise.tests.models.problems import problem

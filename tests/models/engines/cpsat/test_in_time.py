@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from kerfwise.models.engines.cpsat import model, solve_cpsat
-from kerfwise.models.engines.cpsat.variables import LOOKS
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import VARIABLES_LOOKS as LOOKS
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import scattered
 

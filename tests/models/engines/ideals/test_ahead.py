@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.models.engines.bounds import completion
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge, sweep_through, sweeping
@@ -181,3 +182,25 @@ def test_bounds_that_take_more_than_there_is_are_left_alone(monkeypatch: pytest.
     assert found[0] == whatever[0]
     assert found[-1] == (None, 0)
     assert whatever[-1] == (None, 9)  # three stages of three zones
+
+
+@pytest.mark.parametrize("work", [1e-4, 1e-3, 1e-2])
+def test_bounds_by_walks_take_no_more_than_the_limit(work: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not even where a single round of all stretches takes longer, and linear programs come next."""
+    half = 20
+    bare = scattered(5, 2 * half, 8)
+    where = [[(x / 1000, y / 1000) for x, y in bare.pierce_um[list(bare.sites(i))].tolist()] for i in range(2 * half)]
+    zoned = problem(where, pairs=[(a, b) for a in range(half) for b in range(half, 2 * half)])
+    assert PROVING.priceable(zoned)
+    route = tuple(int(s) for s in zoned.first[:-1])
+    taken = []
+    back = completion._look_back
+
+    def counted(n: int, additions: float, *tables: object) -> None:
+        taken.append(n * additions / completion.ADDITIONS_PER_S)
+        back(n, additions, *tables)
+
+    monkeypatch.setattr(completion, "_look_back", counted)
+    monkeypatch.setattr(PROVING, "OVERDRAWN_S", 0.0)
+    prove(zoned, Incumbent(route, route_cost(zoned, route)), Deadline(work, most_bytes=1e9))
+    assert sum(taken) <= 2 * work  # the sweep backwards has one of its own, as long as that before it

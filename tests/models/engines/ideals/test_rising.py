@@ -17,8 +17,9 @@ from kerfwise.models.engines.bounds import complete
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge
-from kerfwise.models.engines.ideals.stretch_bounds import DEARER, limits_within_work, rising_limits
+from kerfwise.models.engines.ideals.stretch_bounds import limits_within_work, rising_limits
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
+from kerfwise.models.engines.tuning import STRETCH_DEARER as DEARER
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.routing import Instance, solve_instance
 from kerfwise.tests.tools.amount import examples, few

@@ -2,7 +2,10 @@
 
 import pytest
 
-from kerfwise.models.engines.search.walker import ANNEALED, COOL, SHORT, SHORTEST, CoolingPart, Schedule
+from kerfwise.models.engines.search.walker import CoolingPart, Schedule
+from kerfwise.models.engines.tuning import ANNEALED, COOL
+from kerfwise.models.engines.tuning import WALKER_SHORT as SHORT
+from kerfwise.models.engines.tuning import WALKER_SHORTEST as SHORTEST
 
 
 @pytest.mark.parametrize(("times", "stages"), [(0.5, 1), (1.0, 1), (2.0, 2), (3.9, 2), (4.0, 3), (9.0, 4)])

@@ -9,7 +9,7 @@ from kerfwise.postproc.report.scene import Shape
 
 
 def test_the_bars_cover_the_dark_squares_and_no_others() -> None:
-    from kerfwise.postproc.report.paper import qr_items
+    from kerfwise.apps.work_sheets.paper import qr_items
 
     text, size = "SHA256 " + "0123456789ABCDEF" * 4, 78.0
     matrix = np.array(segno.make_qr(text, error="m").matrix, dtype=bool)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.report.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, move_item, shortened
+from kerfwise.apps.work_sheets.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, move_item, shortened
 from kerfwise.postproc.report.plot import A4, fit_to_a4, pdf_bytes
 from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine, text_width
 from kerfwise.tests.paper import pages_of

@@ -9,10 +9,10 @@ from itertools import groupby
 
 import numpy as np
 
+from kerfwise.app_modules import library
 from kerfwise.languages.catalogue import ENGLISH_TEXTS, Texts
-
-from .plot import A4
-from .scene import FAINT, INK, Item, Scene, SceneLayer, Shape, Style, TextLine, text_width
+from kerfwise.postproc.report.plot import A4
+from kerfwise.postproc.report.scene import FAINT, INK, Item, Scene, SceneLayer, Shape, Style, TextLine, text_width
 
 WIDTH, HEIGHT = A4
 MARGIN, FOOT = 34.0, 30.0
@@ -210,9 +210,7 @@ def qr_items(text: str, x: float, y: float, size: float) -> Iterator[Item]:
 
     The white margin that readers ask for is left around it by whoever sets it.
     """
-    import segno  # by whoever wants a work sheet only
-
-    rows = segno.make_qr(text, error="m").matrix
+    rows = library("segno", "a work sheet", "sheets").make_qr(text, error="m").matrix
     module = size / len(rows)
     bars = []
     for k, row in enumerate(rows):
