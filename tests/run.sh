@@ -30,6 +30,7 @@ as_root() {
   elif command -v sudo >/dev/null 2>&1; then sudo "$@"
   else fail "this step needs root: $*"; fi
 }
+case " $* " in *" --all "*) all=yes ;; *) all= ;; esac
 updated=
 from_debian() {
   command -v apt-get >/dev/null 2>&1 || fail "$1 is missing: install it with your system's packages, then run this again"
@@ -59,6 +60,7 @@ programs() {
   say "Chromium, for the page"
   command -v chromium >/dev/null 2>&1 || from_debian chromium
   chromium --version
+  [ -z "$all" ] || command -v firefox-esr >/dev/null 2>&1 || command -v firefox >/dev/null 2>&1 || from_debian firefox-esr
 }
 
 environment() {
