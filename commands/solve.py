@@ -34,7 +34,12 @@ if TYPE_CHECKING:
     from kerfwise.jobs.plan_nest import OrdersOf
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.models.plan.plan import Plan
+
+
+def _plan_at_hand(path: str) -> Plan:
     from kerfwise.models.plan.read_plan import read_plan
+
+    return read_plan(Path(path))
 
 
 # What solve says when there is no plan: which hard rules contradict each other, the way out, and a picture.
@@ -204,7 +209,7 @@ def command(
     protect(inputs, options["nest"], (*outputs, *beside_program), lock_from)
     expect_as_drawn(inputs, svg, reordered_dxf)
     note_placing(inputs)
-    start = None if start_path is None else read_plan(Path(start_path))
+    start = None if start_path is None else _plan_at_hand(start_path)
     already = already_cut(inputs, lock_from, upto, redo_last, print_note)
     limits = options_for(
         inputs.nest, inputs.profile,

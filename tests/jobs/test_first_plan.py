@@ -21,6 +21,8 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.tests.commands.run_cli import kerfwise as command
+from kerfwise.tests.nest_file import nest_file
 
 PROFILE = load_profile()
 
@@ -134,6 +136,20 @@ def test_a_plan_of_another_nest_is_no_start() -> None:
     other = kerfwise.solve(row("X", "Y"), work=0.2).plan
     made = kerfwise.solve(row("A", "B"), start=other, work=0.2)
     assert made.ok
+
+
+def test_the_command_goes_on_from_a_plan_too(tmp_path: Path) -> None:
+    file, plan, damaged = (str(tmp_path / name) for name in ("row.json", "row.plan.json", "damaged.plan.json"))
+    corners = [[20, 20], [100, 20], [100, 100], [20, 100]]
+    nest_file(file, [{"id": "A", "outer": corners}, {"id": "B", "outer": [[x + 110, y] for x, y in corners]}])
+    words = ["solve", file, "--no-job", "--work", "0.05", "-o", str(tmp_path / "row.nc"), "--plan"]
+    assert command(*words, plan).code == 0
+    words.append(str(tmp_path / "again.plan.json"))
+    assert command(*words, "--start", plan).code == 0
+    Path(damaged).write_text("{}", encoding="utf-8")
+    refused = command(*words, "--start", damaged)
+    assert refused.code == 2
+    assert "damaged.plan.json: not a plan" in refused.err
 
 
 @pytest.mark.full
