@@ -14,12 +14,13 @@ from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.jobs.plan_nest import OrdersOf, plan_nest
 from kerfwise.jobs.progress import Listener, OnProgress
-from kerfwise.jobs.request import NOT_SHOWN, WORK, NoPlan, facts_of, options_for
+from kerfwise.jobs.request import NOT_SHOWN, NoPlan, facts_of, options_for
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.resume import already_cut
 from kerfwise.models.engines import OLD_NAMES, STRATEGIES, Engine, Strategy
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
 

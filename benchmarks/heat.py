@@ -24,12 +24,13 @@ from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.cooler_orders import ORDERS, CoolerOrders
+from kerfwise.jobs.cooler_orders import CoolerOrders
 from kerfwise.jobs.heat_control import cooler_orders, solve_priced
 from kerfwise.jobs.request import Request, facts_of, options_for
 from kerfwise.models.engines.baselines import random_order, realtime_order
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
+from kerfwise.models.engines.tuning import COOLER_ORDERS_DRAWN as ORDERS
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.timed_path import RoutePaths

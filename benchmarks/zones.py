@@ -32,10 +32,13 @@ import kerfwise
 from kerfwise.apps.bench.bench_child import load_kernels, peak_mb
 from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
 from kerfwise.jobs.adaptive_zones import planned_by_zones
-from kerfwise.jobs.plan_without_zones import FEW, LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS, MOST_MOVES, zoned_by
+from kerfwise.jobs.plan_without_zones import zoned_by
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
+from kerfwise.models.engines.tuning import LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS
+from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy_statements import lazy_statements

@@ -12,7 +12,20 @@ from kerfwise.encoder.facts.zones_along_route import movable, zones_along
 from kerfwise.models.engines import Member
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import SEEDS_APART
+from kerfwise.models.engines.tuning import A_CONTOUR, IN_VAIN, PROOF_CONTOURS, RUNG_CONTOURS, SEEDS_APART, TIMED_S
+from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import UNZONED_LEAST as LEAST
+from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
+from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
+from kerfwise.models.engines.tuning import UNZONED_STATED as STATED
+from kerfwise.models.engines.tuning import ZONES_A_TRY as A_TRY
+from kerfwise.models.engines.tuning import ZONES_FIRST as FIRST
+from kerfwise.models.engines.tuning import ZONES_GEOMETRY as GEOMETRY
+from kerfwise.models.engines.tuning import ZONES_LEAST_S as LEAST_S
+from kerfwise.models.engines.tuning import ZONES_RUNGS as RUNGS
+from kerfwise.models.engines.tuning import ZONES_TIMED as TIMED
+from kerfwise.models.engines.tuning import ZONES_TIMES as TIMES
+from kerfwise.models.engines.tuning import ZONES_TRIES as TRIES
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.plan import ZonesCost
 from kerfwise.rules.profile.profile import Profile
@@ -21,12 +34,6 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 from .plan_without_zones import (
-    A_CONTOUR,
-    FEW,
-    LEAST,
-    MOST_MOVES,
-    SHARE,
-    STATED,
     Free,
     is_relaxed,
     look_for,
@@ -42,24 +49,6 @@ from .request import Found, Request
 # Where the plant leaves zones to us, the best plan known without zones is looked for first, and zones are runs of it.
 # Of all plans found the cheapest is taken. If no zones that do what zones are for let it be as cheap as the one without
 # them, its runs are zones whatever their shape, or the sheet is one zone.
-
-TRIES = 2
-"""Ways to make zones along a plan that are tried, of those that do what zones are for."""
-A_TRY = 0.6
-"""Share of what is left that one of them may take, but for the last."""
-LEAST_S = 0.05
-"""Seconds of a limit that are left for it, however long its rules have taken to be stated."""
-RUNGS, FIRST = (1.0, 3.0), 0.1
-"""Limits, times powers of 10, up to which looks and tries are the same under every larger limit; and the first one."""
-RUNG_CONTOURS, PROOF_CONTOURS = 4000.0, 120.0
-"""The first of them is one at least, for so many contours: with less, stating the rules takes longer than all else. And
-one for so many is enough for a proof."""
-TIMES = 1.6
-"""How many times a limit of work all looks and tries up to it may take: a proof that just fails is of no use."""
-TIMED, TIMED_S = 0.4, 1.0
-"""Share of a limit in seconds for looks, and the first such limit, s: making the problem takes some of it."""
-IN_VAIN = 2
-"""Looks one after the other without a better plan, each longer than the last, after which there is no further one."""
 
 
 def rungs(contours: int, limit: float, first: float = FIRST) -> Iterator[float]:
@@ -386,10 +375,6 @@ def _by_zones(
         return Request(facts, stated), solve(facts, stated.statements, limits, progress, looks, start=start.route)
     except (InputError, RulesConflict):
         return None
-
-
-GEOMETRY = 60
-"""Contours up to which a plan by the zones of geometry comes first: it is mostly proven at once."""
 
 
 def zones_follow(asked: Request) -> bool:

@@ -23,6 +23,13 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.baselines import random_order
 from kerfwise.models.engines.lawful_walk import Walk
+from kerfwise.models.engines.tuning import COOLER_ATTEMPTS as ATTEMPTS
+from kerfwise.models.engines.tuning import COOLER_LOT as LOT
+from kerfwise.models.engines.tuning import COOLER_MOST_MOVES as MOST_MOVES
+from kerfwise.models.engines.tuning import COOLER_NEARBY as NEARBY
+from kerfwise.models.engines.tuning import COOLER_ORDERS_DRAWN as ORDERS
+from kerfwise.models.engines.tuning import COOLER_ROUNDS as ROUNDS
+from kerfwise.models.engines.tuning import MOST_PULLED, NEARBY_WEIGHT
 from kerfwise.models.heat_prices import HeatPrices, HeatTerms, fit_prices, priced_statements
 from kerfwise.models.physics.heat.grid import Regions, make_grid
 from kerfwise.models.physics.heat.simulate import simulate
@@ -35,16 +42,6 @@ from kerfwise.rules.statements import Statement
 
 Route = tuple[int, ...]
 
-ORDERS = 240
-"""Random orders that the first prices are fitted to."""
-ROUNDS = 3
-"""Plans made with prices, one after the other."""
-NEARBY = 30
-"""Routes simulated near the best one in each round."""
-NEARBY_WEIGHT = 4.0
-"""How much plans and routes near them count beside a random order when prices are fitted."""
-LOT = 8
-"""Routes simulated before it is asked again whether to go on."""
 
 Planner = Callable[[int, tuple[Statement, ...]], Sequence[int]]
 """Plans (candidates in cutting order) in a round, from 0, with further statements: none in round 0."""
@@ -233,11 +230,6 @@ class CoolerOrders:
 
 
 # Lawful routes that are not far from a given one: some contours elsewhere in the order, some entered elsewhere.
-
-ATTEMPTS = 20
-MOST_MOVES = 3
-MOST_PULLED = 4
-"""Contours that are entered at random, at the most."""
 
 
 def nearby(

@@ -18,6 +18,8 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.lawful_walk import route_like
 from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.tuning import FIRST_PLAN_WORK as WORK
+from kerfwise.models.engines.tuning import WORK_A_CONTOUR
 from kerfwise.models.plan.explain.alternatives import try_order
 from kerfwise.models.plan.explain.context import context_along
 from kerfwise.models.plan.plan import Plan
@@ -32,8 +34,6 @@ from .inputs import of_first_torch
 from .plan_without_zones import bans_crossings, is_relaxed, restated, searched, zoned_by
 from .request import Request, make_request
 
-WORK, WORK_A_CONTOUR = 0.03, 1e-4
-"""Work of the search that makes a first plan, and for every contour."""
 UNPRICED = "a first plan is not asked what its single moves cross"
 
 

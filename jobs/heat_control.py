@@ -15,6 +15,11 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.text import join_names
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.tuning import COOLER_ROUNDS as COOLER_ORDERS_ROUNDS
+from kerfwise.models.engines.tuning import FIRST_PRICE_SHARE, LONGEST_S, MARGIN_K, REPEATS, SOON_S
+from kerfwise.models.engines.tuning import HEAT_FIRST as FIRST
+from kerfwise.models.engines.tuning import HEAT_RAISE as RAISE
+from kerfwise.models.engines.tuning import HEAT_ROUNDS as ROUNDS
 from kerfwise.models.heat_prices import NEAR_BANDS
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.heat.grid import Grid, make_grid
@@ -32,13 +37,10 @@ from kerfwise.rules.statements import About, Lag, NoGood, Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated
 
-from .cooler_orders import ROUNDS as COOLER_ORDERS_ROUNDS
 from .cooler_orders import CoolerOrders
 from .request import Request
 from .simulation import path_of_plan, path_of_program
 
-FIRST = 0.4
-"""Share of the limits for the plan without prices: what is proven is proven there."""
 LATER = (1 - FIRST) / COOLER_ORDERS_ROUNDS
 """Share for each plan with prices."""
 
@@ -136,21 +138,6 @@ def solve_priced(
 # should not all be out before it. These demands are attempts and no statements of the rule: they may forbid orders
 # that keep to the limit. So the cost of the plan, and what is proven of it, are those without them.
 
-ROUNDS = 5
-"""Orders tried, the first included."""
-FIRST_PRICE_SHARE = 0.5
-"""Share of the limits for the first of them."""
-MARGIN_K = 1.0
-"""How far below the limit plans aim: the check makes the torch's paths in its own way, and a point of the grid that
-comes to lie on the other side of the kerf makes half a kelvin."""
-SOON_S = 30.0
-"""Where a shorter wait would do, something else is to be cut meanwhile; where not, kerfs hold the heat back, and the
-contour is to be cut before they are all there."""
-LONGEST_S = 3600.0
-"""Waits longer than this are not looked for."""
-REPEATS = 4
-RAISE = 4.0
-"""How much dearer a demand becomes that an order has not met."""
 
 Attempt = Callable[[float, tuple[Statement, ...]], Solution]
 """Solves with a share of the limits, and further statements."""

@@ -18,6 +18,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
+from kerfwise.models.engines.tuning import PASS_WORK as WORK
+from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
+from kerfwise.models.engines.tuning import WORK_SHARE
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.explain.context import solved_context
 from kerfwise.models.plan.explain.reasons import with_reasons
@@ -41,7 +45,7 @@ from .adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, rungs, zones
 from .first_plan import first_plan, paid_for, plan_at_hand
 from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
-from .plan_without_zones import FEW, SHARE, is_look_worthwhile, zoned_by
+from .plan_without_zones import is_look_worthwhile, zoned_by
 from .progress import Listener
 from .request import Found, NoPlan, Request, common_cut_advice, facts_of, make_request, ways_on
 from .resume import lock_broken_cut_first
@@ -476,10 +480,6 @@ def _solved(
 
 
 # The pierce pass: all holes of a zone, or of the sheet, in a way of their own, before the cuts that begin there.
-
-WORK = 0.5
-"""What the way of one pass may cost at the most."""
-WORK_SHARE = 0.05
 
 
 def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions) -> Plan:

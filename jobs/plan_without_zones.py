@@ -12,7 +12,22 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import LEAST_SHARE
+from kerfwise.models.engines.tuning import (
+    A_CONTOUR,
+    HELD_GB,
+    LEAST_LOOK_S,
+    LEAST_SHARE,
+    LEAST_WORK,
+    MOST_CONTOURS,
+    PROVEN_S,
+)
+from kerfwise.models.engines.tuning import UNZONED_DEARER as DEARER
+from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import UNZONED_LEAST as LEAST
+from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
+from kerfwise.models.engines.tuning import UNZONED_PROOF as PROOF
+from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
+from kerfwise.models.engines.tuning import UNZONED_STATED as STATED
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.make_plan import excuses as excused
 from kerfwise.models.plan.plan import RELAXED, ZonesCost
@@ -24,11 +39,6 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 from .request import Found, Request
-
-MOST_MOVES = 150
-"""Contours with more of which looking at every single move takes too long."""
-DEARER = 0.01
-"""Share of its cost by which a plan by zones may be dearer than one that is not asked about moves over parts."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -188,24 +198,6 @@ def bans_crossings(statements: Sequence[Statement]) -> bool:
 # Up to `FEW` contours a look has a share of the limit, always. In larger nests a plan by the zones of geometry is
 # proven within a small part of the work, and other zones are proven about as fast: a look has what these two leave.
 # It is not begun where it would have so little that all goes into its tables.
-
-SHARE = 0.15
-"""Share of a limit in which a plan without zones is looked for, at the most: of one in seconds, of which it is left so
-much, or of the work, beside it. As much again is there for a plan by other zones, and what the first plan has left."""
-LEAST, A_CONTOUR = 0.5, 0.01
-"""Work that it takes at the least, and for every contour."""
-FEW, MOST_CONTOURS = 2500, 12_000
-"""Contours up to which that share is all it has, and up to which it is looked for."""
-LEAST_WORK, LEAST_LOOK_S, PROVEN_S = 1e-4, 1e-3, 1e-3
-"""Work, and seconds by the clock, for every contour of a larger nest, with less of which a look is not begun there; and
-seconds that other zones have beside `STATED`, at the least, where there is time for them at all."""
-PROOF = 4.0
-"""How many times as long as the first plan took is kept for plans by other zones there, or half of what is left."""
-STATED = 3.0
-"""How many times as long as stating the rules took it takes there to draw zones, to state the rules by them, to make
-the problem, and to look at one plan: what comes beside a proof."""
-HELD_GB = 1e-4
-"""What facts and statements of a contour take there in memory, beside the tables of a proof."""
 
 
 def is_look_worthwhile(contours: int, limits: SolveOptions) -> bool:

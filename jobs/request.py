@@ -31,6 +31,10 @@ from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.tuning import REQUEST_ENOUGH_WORK as ENOUGH_WORK
+from kerfwise.models.engines.tuning import REQUEST_LONGER as LONGER
+from kerfwise.models.engines.tuning import REQUEST_RELAX as RELAX
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
@@ -56,10 +60,6 @@ from .time_limits import JobLimit
 
 if TYPE_CHECKING:
     from kerfwise.models.plan.conflict import Conflict
-
-
-RELAX = 0.5
-"""Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -305,9 +305,6 @@ def make_request(
 
 # The limits of a solve for one nest and one profile: whoever solves gets home and feeds from here.
 
-WORK = 30.0
-"""The deterministic limit where nobody gives another."""
-
 
 def options_for(
     nest: Nest,
@@ -406,10 +403,6 @@ class NoPlan(RulesConflict):
     def notes(self) -> tuple[str, ...]:
         """What is to be said where no contradiction was shown."""
         return self.ways if self.within_limit else (f"note: {NOT_SHOWN}", *self.ways)
-
-
-LONGER, ENOUGH_WORK = 8, 2.0
-"""How many times a limit that was too short is tried again, and the work that finds a first plan of most nests."""
 
 
 def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool) -> tuple[str, str]:

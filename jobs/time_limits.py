@@ -7,6 +7,8 @@ from dataclasses import replace
 
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.tuning import CHECKED, ENDED_S, PLANNED, SAID_S, TOLD_S
+from kerfwise.models.engines.tuning import LIMITS_LEAST_SHARE as LEAST_SHARE
 from kerfwise.models.jit import compiled_s, counted_s, made_s, running_s
 
 from .inputs import Tell
@@ -15,20 +17,8 @@ from .inputs import Tell
 # as it took to find candidates on the same nest: both look at every outline of the drawing. A picture that is drawn
 # beside the check counts only where it takes longer than that.
 
-LEAST_SHARE = 0.2
-"""Share of a limit in seconds that the planning has, whatever comes before and after it takes."""
-CHECKED, ENDED_S = 3.5, 0.7
-"""How many times as long as finding candidates the plan with its reasons, the program and the check take, once more
-where zones move; and seconds to load what is first asked for then, to write the files, and to leave."""
 DRAWN = {".svg": (1.5, 0.0), ".png": (2.5, 0.5), ".pdf": (3.5, 0.6), ".html": (2.5, 7.0)}
 """The same for a picture, by its suffix: so many times as long, and so many seconds."""
-PLANNED = 1.0
-"""How many times as long as finding candidates the plan with its reasons takes, a part of `CHECKED` that a picture
-beside the check waits for."""
-TOLD_S = 1.0
-"""A command that takes so many seconds longer than its limit says so."""
-SAID_S = 5.0
-"""What takes longer beside a limit in seconds is told."""
 
 
 class JobLimit:

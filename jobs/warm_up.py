@@ -15,6 +15,9 @@ from kerfwise.models import jit
 from kerfwise.models.engines import ideals
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import SEARCHED
+from kerfwise.models.engines.tuning import WARM_UP_COLUMNS as COLUMNS
+from kerfwise.models.engines.tuning import WARM_UP_ROWS as ROWS
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
@@ -23,10 +26,6 @@ from kerfwise.rules.profile.load import load_profile
 
 from .request import facts_of, make_request
 
-COLUMNS, ROWS = 7, 5
-"""Parts of the plate that is planned."""
-SEARCHED = 100
-"""Contours from which on a nest is searched for sure: smaller ones are often proven by a sweep in numpy."""
 BESIDE = "from kerfwise.jobs.warm_up import compile_search; compile_search()"
 
 

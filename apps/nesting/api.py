@@ -30,7 +30,7 @@ from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import ProfileLike, plant_of, reading
 from kerfwise.jobs.nest_job.request import answered
 from kerfwise.jobs.progress import Listener
-from kerfwise.jobs.request import WORK
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.rules.profile.load import DEFAULT
 from kerfwise.rules.profile.profile import Profile
 

@@ -9,7 +9,7 @@ from kerfwise.apps.resequence.result import Paths, Resequenced
 from kerfwise.jobs.inputs import ProfileLike
 from kerfwise.jobs.programs import ProgramRequest
 from kerfwise.jobs.progress import Listener, OnProgress
-from kerfwise.jobs.request import WORK
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.rules.profile.load import DEFAULT
 
 

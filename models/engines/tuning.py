@@ -1,4 +1,4 @@
-"""Every number that the engines go by: each with its unit and why it is what it is.
+"""Every number that engines go by, and jobs that share out work and time: each with its unit and its reason.
 
 `python -m kerfwise.benchmarks.tuning` makes one after the other half as large and half as large again, solves the same
 problems, and prints what that costs: docs/tuning.md. What marks a place in a table, stands for "none", or keeps sums
@@ -375,3 +375,102 @@ MOVES_SHARE = 0.3
 long again."""
 PACE_KNOWN = 0.2  # Share of some work from which on its pace tells how long the rest takes.
 SOLVE_LEAST = 0.2  # Share that the first round has at the least, however long the problem has taken to be made.
+
+# jobs/adaptive_zones.py
+
+ZONES_TRIES = 2  # Ways to make zones along a plan that are tried, of those that do what zones are for.
+ZONES_A_TRY = 0.6  # Share of what is left that one of them may take, but for the last.
+ZONES_LEAST_S = 0.05  # Seconds of a limit that are left for it, however long its rules have taken to be stated.
+ZONES_RUNGS, ZONES_FIRST = (1.0, 3.0), 0.1
+"""Limits, times powers of 10, up to which looks and tries are the same under every larger limit; and the first one."""
+RUNG_CONTOURS, PROOF_CONTOURS = 4000.0, 120.0
+"""The first of them is one at least, for so many contours: with less, stating the rules takes longer than all else. And
+one for so many is enough for a proof."""
+ZONES_TIMES = 1.6
+"""How many times a limit of work all looks and tries up to it may take: a proof that just fails is of no use."""
+ZONES_TIMED, TIMED_S = 0.4, 1.0
+"""Share of a limit in seconds for looks, and the first such limit, s: making the problem takes some of it."""
+IN_VAIN = 2
+"""Looks one after the other without a better plan, each longer than the last, after which there is no further one."""
+ZONES_GEOMETRY = 60  # Contours up to which a plan by the zones of geometry comes first: it is mostly proven at once.
+
+# jobs/plan_without_zones.py
+
+UNZONED_MOST_MOVES = 150  # Contours with more of which looking at every single move takes too long.
+UNZONED_DEARER = 0.01
+"""Share of its cost by which a plan by zones may be dearer than one that is not asked about moves over parts."""
+UNZONED_SHARE = 0.15
+"""Share of a limit in which a plan without zones is looked for, at the most: of one in seconds, of which it is left so
+much, or of the work, beside it. As much again is there for a plan by other zones, and what the first plan has left."""
+UNZONED_LEAST, A_CONTOUR = 0.5, 0.01  # Work that it takes at the least, and for every contour.
+UNZONED_FEW, MOST_CONTOURS = 2500, 12_000
+"""Contours up to which that share is all it has, and up to which it is looked for."""
+LEAST_WORK, LEAST_LOOK_S, PROVEN_S = 1e-4, 1e-3, 1e-3
+"""Work, and seconds by the clock, for every contour of a larger nest, with less of which a look is not begun there; and
+seconds that other zones have beside `STATED`, at the least, where there is time for them at all."""
+UNZONED_PROOF = 4.0
+"""How many times as long as the first plan took is kept for plans by other zones there, or half of what is left."""
+UNZONED_STATED = 3.0
+"""How many times as long as stating the rules took it takes there to draw zones, to state the rules by them, to make
+the problem, and to look at one plan: what comes beside a proof."""
+HELD_GB = 1e-4  # What facts and statements of a contour take there in memory, beside the tables of a proof.
+
+# jobs/first_plan.py
+
+FIRST_PLAN_WORK, WORK_A_CONTOUR = 0.03, 1e-4  # Work of the search that makes a first plan, and for every contour.
+
+# jobs/cooler_orders.py
+
+COOLER_ORDERS_DRAWN = 240  # Random orders that the first prices are fitted to.
+COOLER_ROUNDS = 3  # Plans made with prices, one after the other.
+COOLER_NEARBY = 30  # Routes simulated near the best one in each round.
+NEARBY_WEIGHT = 4.0  # How much plans and routes near them count beside a random order when prices are fitted.
+COOLER_LOT = 8  # Routes simulated before it is asked again whether to go on.
+COOLER_ATTEMPTS = 20  # changes of a route that are drawn for a lawful one
+COOLER_MOST_MOVES = 3  # contours that one such change moves, at the most
+MOST_PULLED = 4  # Contours that are entered at random, at the most.
+
+# jobs/heat_control.py
+
+HEAT_FIRST = 0.4  # Share of the limits for the plan without prices: what is proven is proven there.
+HEAT_ROUNDS = 5  # Orders tried, the first included.
+FIRST_PRICE_SHARE = 0.5  # Share of the limits for the first of them.
+MARGIN_K = 1.0
+"""How far below the limit plans aim: the check makes the torch's paths in its own way, and a point of the grid that
+comes to lie on the other side of the kerf makes half a kelvin."""
+SOON_S = 30.0
+"""Where a shorter wait would do, something else is to be cut meanwhile; where not, kerfs hold the heat back, and the
+contour is to be cut before they are all there."""
+LONGEST_S = 3600.0  # Waits longer than this are not looked for.
+REPEATS = 4  # times that waits of one order are made longer until no metal is too hot, at the most
+HEAT_RAISE = 4.0  # How much dearer a demand becomes that an order has not met.
+
+# jobs/time_limits.py
+
+LIMITS_LEAST_SHARE = 0.2  # Share of a limit in seconds that the planning has, whatever comes before and after it takes.
+CHECKED, ENDED_S = 3.5, 0.7
+"""How many times as long as finding candidates the plan with its reasons, the program and the check take, once more
+where zones move; and seconds to load what is first asked for then, to write the files, and to leave."""
+PLANNED = 1.0
+"""How many times as long as finding candidates the plan with its reasons takes, a part of `CHECKED` that a picture
+beside the check waits for."""
+TOLD_S = 1.0  # A command that takes so many seconds longer than its limit says so.
+SAID_S = 5.0  # What takes longer beside a limit in seconds is told.
+
+# jobs/plan_nest.py
+
+PASS_WORK = 0.5  # What the way of one pass may cost at the most.
+WORK_SHARE = 0.05  # and the most of it as a share of the work of the whole
+
+# jobs/request.py
+
+REQUEST_RELAX = 0.5
+"""Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
+REQUEST_WORK = 30.0  # The deterministic limit where nobody gives another.
+REQUEST_LONGER, REQUEST_ENOUGH_WORK = 8, 2.0
+"""How many times a limit that was too short is tried again, and the work that finds a first plan of most nests."""
+
+# jobs/warm_up.py
+
+WARM_UP_COLUMNS, WARM_UP_ROWS = 7, 5  # Parts of the plate that is planned.
+SEARCHED = 100  # Contours from which on a nest is searched for sure: smaller ones are often proven by a sweep in numpy.

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from kerfwise.jobs import time_limits
-from kerfwise.jobs.time_limits import LEAST_SHARE, CommandLimit, JobLimit
+from kerfwise.jobs.time_limits import CommandLimit, JobLimit
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.tuning import LIMITS_LEAST_SHARE as LEAST_SHARE
 
 TEN_S = SolveOptions(seed=3, time_s=10.0)
 

@@ -17,9 +17,11 @@ from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.plan_nest import plan_nest as plan_nest_main_job
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import NoPlan, options_for
-from kerfwise.jobs.time_limits import CHECKED, DRAWN, ENDED_S, LEAST_SHARE, PLANNED, CommandLimit
+from kerfwise.jobs.time_limits import DRAWN, CommandLimit
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.tuning import CHECKED, ENDED_S, PLANNED
+from kerfwise.models.engines.tuning import LIMITS_LEAST_SHARE as LEAST_SHARE
 from kerfwise.models.jit import counted_s
 from kerfwise.postproc.report import expect_picture
 from kerfwise.rules.case import nest, part, rect

@@ -20,10 +20,12 @@ from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import adaptive_zones, plan_nest, plan_without_zones
 from kerfwise.jobs.adaptive_zones import better_zones, planned_by_zones
 from kerfwise.jobs.plan_nest import solve_and_verify
-from kerfwise.jobs.plan_without_zones import FEW, MOST_CONTOURS, Free, is_look_worthwhile, look_for
+from kerfwise.jobs.plan_without_zones import Free, is_look_worthwhile, look_for
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
+from kerfwise.models.engines.tuning import MOST_CONTOURS
+from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

@@ -12,7 +12,8 @@ from kerfwise.apps.viewer.compare.sides import Side
 from kerfwise.jobs.inputs import NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.jobs.progress import Listener, OnProgress
-from kerfwise.jobs.request import WORK, NoPlan
+from kerfwise.jobs.request import NoPlan
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 
 if TYPE_CHECKING:
     pass

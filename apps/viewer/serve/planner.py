@@ -25,10 +25,11 @@ from kerfwise.jobs.nest_job.job import Job
 from kerfwise.jobs.plan_nest import PlanOnTheWay, VerifiedPlan, plan_nest
 from kerfwise.jobs.programs import check_made
 from kerfwise.jobs.progress import Listener, OnProgress, Reached
-from kerfwise.jobs.request import WORK, NoPlan, Request, facts_of, make_request, options_for
+from kerfwise.jobs.request import NoPlan, Request, facts_of, make_request, options_for
 from kerfwise.jobs.resume import lock_broken_cut_first
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.jit import made_s
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in

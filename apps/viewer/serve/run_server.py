@@ -17,8 +17,8 @@ from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.request import WORK
 from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 
 from .guard import CODE, Guard, Keys, with_error_text
 from .nest_folder import Folder

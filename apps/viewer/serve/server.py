@@ -22,8 +22,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nest_job.job import beside_name
-from kerfwise.jobs.request import WORK
 from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.postproc.output_files import expect_outputs, expect_own, output_names, write_files
 
 from .job_edits import JobText

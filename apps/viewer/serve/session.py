@@ -15,8 +15,8 @@ from typing import Any, Protocol
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.nest_job.job import beside_name
-from kerfwise.jobs.request import WORK
 from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 
 from .job_edits import JobText
 from .plan_request import PlanRequest

@@ -41,6 +41,19 @@ FIXED = {
 }
 """Marks in tables, what stands for none or for too much, grains that keep sums exact, units: nothing to tune."""
 
+SHARING = {
+    "adaptive_zones": set(),
+    "cooler_orders": set(),
+    "heat_control": {"LATER", "LISTED"},
+    "first_plan": set(),
+    "plan_nest": set(),
+    "plan_without_zones": set(),
+    "request": {"_LEAST_COMMON_MM"},
+    "time_limits": set(),
+    "warm_up": set(),
+}
+"""Jobs that share out work and time, and what else they have: a share that follows from others, what is printed."""
+
 
 def constants(source: str) -> Iterator[str]:
     """Names of a module that are numbers, or rows of numbers, by what is written there."""
@@ -62,6 +75,12 @@ def test_no_number_to_tune_stands_anywhere_else(file: Path) -> None:
         assert found == FIXED.get(file.relative_to(ENGINES).as_posix(), set()), (
             "numbers go into models/engines/tuning.py"
         )
+
+
+@pytest.mark.parametrize("name", SHARING)
+def test_no_share_of_work_or_time_stands_in_a_job(name: str) -> None:
+    found = set(constants((ENGINES.parents[1] / "jobs" / f"{name}.py").read_text(encoding="utf-8")))
+    assert found == SHARING[name], "numbers go into models/engines/tuning.py"
 
 
 def test_a_number_elsewhere_would_be_noticed() -> None:
