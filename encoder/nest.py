@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kerfwise.encoder.geometry.curve import Curve, flattened, lines_of
 from kerfwise.encoder.geometry.segment import Point
 
+from .bevels.bevel import Bevel
 from .cut import Stretch, Tab
 from .errors import InputError
 from .text import escape_text
@@ -78,6 +79,8 @@ class Contour:
     A `stretch` is no contour of a drawing: it is a way of the torch's centre `along` stretches of contours, with links
     between them, that is cut before these contours are finished, as one item of the order. One that `holds` its part
     comes before the last stretch of every other that is held so in its zone.
+
+    One with a `bevel` is drawn at the part's largest section: see `bevels`.
     """
 
     id: str
@@ -90,6 +93,7 @@ class Contour:
     source: Source = NOWHERE
     along: tuple[Stretch, ...] = ()
     holds: bool = False
+    bevel: Bevel | None = None
 
     @property
     def encloses(self) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.bevels.room import kept_candidates
 from kerfwise.encoder.candidates import CandidateBuilder
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
@@ -40,8 +41,9 @@ from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.rules.lock import check_locks
-from kerfwise.rules.profile.profile import Profile, expect_common_cuts, expect_snakes
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import common_cut_problems
+from kerfwise.rules.profile.unfit_techniques import expect_bevels, expect_common_cuts, expect_snakes
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import (
     HOPELESS,
@@ -108,6 +110,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
     check_locks(profile.locks, nest)
     expect_common_cuts(profile)
     expect_snakes(profile, nest)
+    expect_bevels(profile, nest, bool(already))
     expect_torches(profile, bool(already))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
@@ -121,6 +124,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
         leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
         began_s = running_s()
         candidates, met, made = _with_ways_along(drawn, profile, leads, already, loose)
+        candidates, met = _beside_bevels(drawn, profile, candidates, met)
         if limit is not None:
             limit.candidates_s = running_s() - began_s
     except InputError as error:
@@ -190,6 +194,17 @@ def _with_ways_along(
         rows = [row for row in rows if row.name not in unfit]
         split = {name: half for name, half in split.items() if name not in bare}
     return (*builder.build(), None)
+
+
+def _beside_bevels(
+    nest: Nest, profile: Profile, candidates: tuple[Candidate, ...], met: OlderKerfs | None
+) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
+    """Those that leave room for tilted torches, where contours have bevels."""
+    bevelling = profile.bevelling_of(nest)
+    if bevelling is None:
+        return candidates, met
+    kept = kept_candidates(nest, candidates, bevelling, profile.reach_on(nest))
+    return tuple(candidates[k] for k in kept), None if met is None else met.of_kept(kept, len(candidates))
 
 
 def common_cut_advice(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Iterator[str]:

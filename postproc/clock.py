@@ -78,6 +78,14 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
         for pierce in pierced.pop(order, ()):
             runs.append(Run(_stands(pierce.at), travels_mm=(math.dist(at, pierce.at),)))
             at = pierce.at
+        for one in toolpath.passes:
+            path = one.curve if one.tilt_deg else toolpath.path
+            share = one.feed_share * toolpath.feed_share / toolpath.passes[-1].feed_share
+            runs.append(Run(path, travels_mm=(math.dist(at, _start(path)),), feed_share=share))
+            at = _end(path)
+        if toolpath.passes:
+            order += 1
+            continue
         travels_mm = () if toolpath.linked else (math.dist(at, _start(toolpath.path)),)
         runs.append(
             Run(
@@ -150,6 +158,8 @@ def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
             begin, end = next(spans)
             pierces.append(replace(pierce, start_s=begin, end_s=end))
         begin, end = next(spans) if planned.cut.torch == 1 else (begin, end)
+        for _ in planned.passes[1:]:
+            end = next(spans)[1]
         timed_cut = replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end))
         if planned.cut.way:
             begun.append((order, timed_cut))

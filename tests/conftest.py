@@ -24,6 +24,7 @@ from kerfwise.postproc.dialects import Dialect, load_dialect
 from kerfwise.rules.flat import flatten
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.coverage import Tabs
+from kerfwise.tests.metal.layers import simulate_layers
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools.amount import register_profiles
@@ -144,6 +145,8 @@ def judged(
     """
     if profile.material.kerf_mm <= 0:
         return []
+    if any(contour.bevel is not None for contour in (nest.drawn or nest).contours):
+        return list(simulate_layers(nest, program, profile))
     program = in_linuxcnc(program, dialect.control, dialect.name)
     more = {} if old is None else {"before": in_linuxcnc(old, dialect.control, dialect.name)}
     return [*simulate(profile.as_cut(nest), program, tabs=tabs, **plant(profile), **more)]

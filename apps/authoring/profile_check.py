@@ -10,9 +10,10 @@ from kerfwise.jobs.inputs import expect_torches_fit
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.option import Members, options_of
 from kerfwise.rules.profile.load import SHIPPED, load_profile
-from kerfwise.rules.profile.profile import Profile, expect_common_cuts, expect_snakes
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import Provenance
 from kerfwise.rules.profile.sections import SECTIONS
+from kerfwise.rules.profile.unfit_techniques import expect_bevels, expect_common_cuts, expect_snakes
 from kerfwise.rules.registry import RULES
 
 Reason = Callable[[Profile], str | None]
@@ -30,6 +31,7 @@ def expect_plannable(profile: Profile) -> None:
     trusted_dialect(profile)
     expect_common_cuts(profile)
     expect_snakes(profile)
+    expect_bevels(profile)
     expect_torches_fit(profile)
     _compile_models(profile)
 
@@ -90,6 +92,7 @@ _NO_KERF_START = _unless(
     "no cut begins in an old kerf (cuts.common, cuts.snake and cuts.split are off)",
 )
 _NO_SNAKE = _unless(lambda p: p.cuts.snake.gap_mm is not None, "no row is cut as a snake (cuts.snake.gap: off)")
+_NO_BEVEL = _unless(lambda p: p.cuts.bevel.head is not None, "no head tilts (cuts.bevel.head: off)")
 _NO_LEAD = _unless(lambda p: p.leads.lead != "none", "there is no lead-in (leads.lead: none)")
 _NO_ACCELERATION = _unless(lambda p: p.time.model == "acceleration", "it is for time.model: acceleration")
 _NOT_LOGICAL = _unless(lambda p: p.heat.model == "logical", "it is for heat.model: logical")
@@ -129,6 +132,10 @@ WITHOUT_EFFECT: dict[str, Reason] = {
     "cuts.common.good_side": _NO_COMMON,
     "cuts.common.accept_loss": _NO_COMMON,
     "cuts.snake.parts": _NO_SNAKE,
+    **dict.fromkeys(
+        (f"cuts.bevel.{key}" for key in ("tilt", "turn", "most_turn", "kerfs", "corner", "run", "lies_still")),
+        _NO_BEVEL,
+    ),
     "small_holes.full_feed_hole": _unless(
         lambda p: p.small_holes.small_hole_feed < 1,
         "small holes are cut at the full feed (small_holes.small_hole_feed: 1)",

@@ -161,7 +161,7 @@ def places(outlines: Sequence[Outline], count: int) -> tuple[Floats, Ranks, Ints
     """Path lengths along contours that could be entries, the rank of each, and the number of its outline, ascending.
 
     Corners that stick out into the waste, where a scar matters least, rank before the middles of straight edges, and
-    those before `4 * count` points spread evenly.
+    those before `4 * count` points spread evenly. A tilted torch does not begin at corners.
     """
     if not outlines:
         return np.zeros(0), np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -170,7 +170,8 @@ def places(outlines: Sequence[Outline], count: int) -> tuple[Floats, Ranks, Ints
     of = np.repeat(each, np.diff(drawn.first))
     k = np.arange(len(drawn)) + of
     right = np.array([outline.right for outline in outlines])[of]
-    corners = np.flatnonzero(drawn.turn_rad * right > CORNER_RAD + TIED_RAD)
+    tilted = np.array([outline.contour.bevel is not None for outline in outlines])[of]
+    corners = np.flatnonzero((drawn.turn_rad * right > CORNER_RAD + TIED_RAD) & ~tilted)
     length_mm = drawn.starts_mm[k + 1] - drawn.starts_mm[k]
     edges = np.flatnonzero((drawn.bulge == 0) & (length_mm > around_mm[of] / (8 * count) + TIED_MM))
     groups = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,8 +12,9 @@ from typing import NamedTuple, cast, get_args
 import numpy as np
 import shapely
 
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Note
+from kerfwise.encoder.nest import Contour, Nest, Note
 from kerfwise.encoder.questions import ANSWERED, LAYER, LIKELIEST, Asking, Choice, Question
 from kerfwise.encoder.text import join_names
 
@@ -378,3 +380,29 @@ def nothing_to_cut(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use]) -> st
 
 def _word(use: Use) -> str:
     return {**SOUNDS_LIKE, "mark": "marked", "ignore": "left out"}[str(use.purpose)]
+
+
+# Bevels by layer or colour, as a plant maps them.
+
+
+def with_bevels_by_look(nest: Nest, bevels: Sequence[tuple[str, Bevel]]) -> Nest:
+    """The nest with a bevel on each outer contour and hole whose layer matches a pattern, or whose colour is its name.
+
+    The first that fits counts.
+    """
+    if not bevels:
+        return nest
+
+    def made(contour: Contour) -> Contour:
+        source = contour.source
+        found = (
+            bevel
+            for key, bevel in bevels
+            if key.lower() == source.colour.lower()
+            or re.search(key, unicodedata.normalize("NFC", source.layer), re.IGNORECASE)
+        )
+        bevel = next(found, None)
+        return contour if bevel is None else replace(contour, bevel=bevel)
+
+    parts = (replace(part, outer=made(part.outer), holes=tuple(map(made, part.holes))) for part in nest.parts)
+    return replace(nest, parts=tuple(parts))

@@ -5,11 +5,13 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import places, schema_message, spoken, strict_json
@@ -25,7 +27,7 @@ from .sheet import overridden, same_size
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
 
-PART_KEYS = ("id", "outer", "holes", "marks", "tabs")
+PART_KEYS = ("id", "outer", "holes", "marks", "tabs", "bevel")
 
 
 def read_json(data: bytes, options: ReadOptions) -> Nest:
@@ -47,6 +49,10 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     scale = mm_of(units) or 1.0
     _check_ids(document["parts"], text)
     parts = tuple(_part(entry, scale) for entry in document["parts"])
+    parts = tuple(
+        _with_bevels(part, k, entry["bevel"], scale, text) if "bevel" in entry else part
+        for k, (part, entry) in enumerate(zip(parts, document["parts"], strict=True))
+    )
     sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
     if options.sheet_size_mm is not None and not same_size(_size(sheet), options.sheet_size_mm):
         sheet, why, sheet_notes = overridden(sheet, options.sheet_size_mm)
@@ -150,6 +156,33 @@ def _part(entry: Mapping[str, Any], scale: float) -> Part:
     )
 
 
+def _with_bevels(part: Part, number: int, entry: Any, scale: float, text: str) -> Part:
+    """The part with the bevels of its contours."""
+    of_hole = {hole.id: k for k, hole in enumerate(part.holes)}
+    outer, holes = part.outer, list(part.holes)
+    several = isinstance(entry, list)
+    for k, row in enumerate(entry if several else [entry]):
+        path: list[str | int] = ["parts", number, "bevel", *([k] if several else [])]
+        name = f"{part.id}.{row.get('of', 'outer')}"
+        try:
+            bevel = Bevel.of_json(row, scale)
+            if "edges" in row:
+                raise InputError("a bevel of some edges alone is not planned yet: give the whole contour one, or none")
+            if name not in of_hole and name != outer.id:
+                known = ["outer", *(hole.id.rpartition(".")[2] for hole in holes)]
+                raise InputError(f"the part has no such contour: expected of: {' or '.join(known)}")
+            if (outer if name == outer.id else holes[of_hole[name]]).bevel is not None:
+                raise InputError("it is given a second bevel")
+        except InputError as error:
+            [(line, column)] = places(text, [path])
+            raise InputError(f"{name}: {error.message}", line=line, column=column) from None
+        if name == outer.id:
+            outer = replace(outer, bevel=bevel)
+        else:
+            holes[of_hole[name]] = replace(holes[of_hole[name]], bevel=bevel)
+    return replace(part, outer=outer, holes=tuple(holes))
+
+
 def _tab(entry: Mapping[str, Any], scale: float) -> Tab:
     x, y = entry["at"]
     return Tab((x * scale, y * scale), entry.get("width", 0.0) * scale)
@@ -246,7 +279,9 @@ def _plain_nest(document: object) -> bool:
 
 def _plain(part: object) -> bool:
     """True for a part that the schema has nothing to say about."""
-    if not isinstance(part, dict) or not isinstance(part.get("id"), str) or not part["id"] or "tabs" in part:
+    if not isinstance(part, dict) or not isinstance(part.get("id"), str) or not part["id"]:
+        return False
+    if "tabs" in part or "bevel" in part:
         return False
     many = [part.get(key, []) for key in ("holes", "marks")]
     return _plain_ring(part.get("outer")) and all(isinstance(m, list) and all(map(_plain_ring, m)) for m in many)

@@ -11,6 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.questions import Answers, Asking, Choice, Question
@@ -71,6 +72,8 @@ class ReadOptions:
         blocks, of its layer and of the file.
     spot_mm
         How long the arms of the cross are, from end to end, that marks a point.
+    bevels
+        Which bevel closed lines have, by their layer (a regular expression) or their colour.
 
     Raises
     ------
@@ -99,6 +102,7 @@ class ReadOptions:
     kerf_mm: float = 0.0
     spot_mm: float = 2.0
     quantity: str = QUANTITY
+    bevels: tuple[tuple[str, Bevel], ...] = ()
 
     def __post_init__(self) -> None:
         if self.units is not None and mm_of(self.units) is None:

@@ -252,9 +252,11 @@ class _Door:
             from .json_nest import read_json
 
             return read_json(self.data, options)
+        from .by_layer import with_bevels_by_look
         from .nest_from_drawing import nest_of, with_quantities
 
         nest = nest_of(self.drawing(options, asking), options, asking)
+        nest = with_bevels_by_look(nest, options.bevels)
         return with_quantities(nest, unicodedata.normalize("NFC", self.file.stem), options.quantity)
 
     def drawing(self, options: ReadOptions, asking: Asking) -> Drawing:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+from kerfwise.encoder.bevels.cut_nest import bevelled
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.stretches import run_of
 from kerfwise.encoder.cut import Cut
@@ -56,7 +57,10 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     excuses, used = excused_and_used(facts, stated, solution.route)
     why = entry_reasons(facts, stated, solution.route, home, links)
     across = features_cut_across(facts.whole_nest, profile.material.kerf_mm)
+    bevelling = profile.bevelling_of(nest)
+    drawn = {} if bevelling is None else {contour.id: contour for contour in bevelled(nest)}
     told = (
+        bevels_because(facts, profile),
         (small := uncut_hole_reasons(facts.whole_nest, profile.hole_limits())),
         narrow_because(facts.whole_nest, profile.material.kerf_mm),
         tabs_because(facts, profile),
@@ -81,6 +85,9 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
                 *because,
             ),
             across=tuple(one.place for one in across.get(contour.id, ())),
+            passes=bevelling.passes_of(drawn[contour.id], candidate.as_cut(contour.id))
+            if bevelling is not None and contour.id in drawn
+            else (),
         )
         for candidate, contour, way, link, (begin, end), because in zip(
             candidates, contours, ways, links, times, why, strict=True
@@ -304,7 +311,13 @@ def common_because(facts: Facts, candidate: Candidate, name: str) -> tuple[str, 
     return (f"common edges: {', '.join(candidate.out)} cut the rest of {name}, which {begins}{waits}",)
 
 
-# Why parts are held by tabs, in a sentence for each.
+# Why parts are held by tabs, and how bevels are cut, in a sentence for each.
+
+
+def bevels_because(facts: Facts, profile: Profile) -> dict[str, str]:
+    """For every contour with a bevel its passes, and what becomes of its sharp corners."""
+    bevelling = profile.bevelling_of(facts.nest)
+    return {} if bevelling is None else bevelling.reasons(facts.nest)
 
 
 def tabs_because(facts: Facts, profile: Profile) -> dict[str, str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
@@ -35,7 +36,8 @@ class PlannedCut:
     """A cut with what the plan says of it: its part, kind, torch-on length and the reasons for its place.
 
     The torch waits over the pierce, off, for `dwell_s` before the cut begins, so that metal may cool. `across` are the
-    mouths of slots, notches and necks narrower than the kerf that it cuts straight across.
+    mouths of slots, notches and necks narrower than the kerf that it cuts straight across. A bevel is cut in
+    `passes` of a torch that leans.
     """
 
     cut: Cut
@@ -45,6 +47,7 @@ class PlannedCut:
     because: tuple[str, ...] = ()
     dwell_s: float = 0.0
     across: tuple[Point, ...] = ()
+    passes: tuple[TiltedPath, ...] = ()
 
     @property
     def linked_because(self) -> str:
@@ -406,6 +409,8 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         row["tabs"] = [{"at": [round(v, 6) for v in tab.at], "width": round(tab.width_mm, 6)} for tab in cut.tabs]
     if planned.across:
         row["across"] = [[round(v, 6) for v in at] for at in planned.across]
+    if planned.passes:
+        row["passes"] = [one.as_json() for one in planned.passes]
     if planned.dwell_s:
         row["dwell_s"] = round(planned.dwell_s, 3)
     return row | ({"excused": list(cut.excused)} if cut.excused else {})

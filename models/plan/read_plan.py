@@ -11,6 +11,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import places, read_limited, schema_message, strict_json
@@ -165,7 +166,7 @@ def _plain_row(row: list[object]) -> bool:
 
 
 _PATHS = ("lead_in", "lead_out")
-_SELDOM = {"across", "dwell_s", "linked", "span", "stretch", "tabs", "torch", "together"}
+_SELDOM = {"across", "dwell_s", "linked", "span", "stretch", "tabs", "passes", "torch", "together"}
 _NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
 _CUT_KINDS: dict[str, tuple[type, ...]] = {
     "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
@@ -249,6 +250,7 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
         tuple(c["because"]),
         c.get("dwell_s", 0.0),
         tuple((float(x), float(y)) for x, y in c.get("across", ())),
+        tuple(TiltedPath.of_json(one) for one in c.get("passes", ())),
     )
 
 

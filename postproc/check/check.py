@@ -13,8 +13,10 @@ from kerfwise.postproc.check.reader.read_program import Trusted, origin_warning,
 from kerfwise.rules.judging.pierces import starts_in_older_kerfs
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Scrap
+from kerfwise.rules.profile.unfit_techniques import expect_bevels
 from kerfwise.rules.rule import Violation
 
+from .bevels import judge_bevels
 from .coverage import (
     Tabs,
     burnt_rings,
@@ -135,12 +137,18 @@ def check_program(
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
     profile = profile if planned is None else profile.at_origin(planned.origin)
+    expect_bevels(profile, nest)
     program = read_on_machine(nc_text, nest, profile, file, trusted)
+    late = list(wrong_times(program, profile, None if planned is None else planned.time_s))
+    bevels = judge_bevels(nest, program, profile, judged_by.shares)
+    program = bevels.program
     with in_steps_of(program.step_mm):
-        result = _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side)
+        result = _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side, late)
         for by in range(1, 1 + max((len(burn.torches) for burn in program.burns), default=0)):
-            other = _judge_program(judged_by, program, profile, thermometer, tabs, planned, None, side, by)
+            other = _judge_program(judged_by, program, profile, thermometer, tabs, planned, None, side, late, by)
             result = replace(result, rules=tuple(stricter(result.rules, other.rules)))
+        if bevels.violations is not None:
+            result = replace(result, rules=(judgement("bevels", bevels.violations), *result.rules))
         return replace(result, warnings=(*result.warnings, *wrong_state(program.comments, result.state)))
 
 
@@ -158,12 +166,12 @@ def _judge_program(
     planned: PlanClaims | None,
     known: JudgedCuts | None,
     side: Side | None,
+    late: Sequence[str],
     turned: int = 0,
 ) -> CheckResult:
     """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
     nest = judged_by.nest
-    notes = [*origin_warning(program, profile), *_coarse(program, profile)]
-    notes += wrong_times(program, profile, None if planned is None else planned.time_s)
+    notes = [*origin_warning(program, profile), *_coarse(program, profile), *late]
     profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
     profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))

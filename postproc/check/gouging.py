@@ -242,7 +242,11 @@ def wrong_edge_losses(nest: Nest, kerf_mm: float, accepted: Accepted) -> Iterato
     if drawn is None:
         return
     pairs = enumerate(zip(drawn.parts, nest.parts, strict=True))
-    changed = {k: (before, after) for k, (before, after) in pairs if after.outer.curve is not before.outer.curve}
+    changed = {
+        k: (before, after)
+        for k, (before, after) in pairs
+        if after.outer.curve is not before.outer.curve and before.outer.bevel is None
+    }
     if not changed:
         return
     outlines = [part.outer.curve.line(_LOSS_CHORD_MM) for part in drawn.parts]

@@ -21,6 +21,7 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .bevels import as_burnt
 from .burn_pieces import stretches_of
 from .gouging import metal_of_parts
 from .matching import Matcher
@@ -67,7 +68,9 @@ class JudgedNest:
 def judged_nest(nest: Nest, profile: Profile) -> JudgedNest:
     """The drawing's nest as the profile has it cut; kept with the drawing, for a plan and its program."""
     scrap, drawn = profile.cuts.scrap, profile.without_losses(nest.drawn or nest)
-    return _judged(drawn, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
+    judged = _judged(drawn, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
+    burnt = as_burnt(judged.nest, profile)
+    return judged if burnt is judged.nest else replace(judged, nest=burnt)
 
 
 def _treats(limits: HoleLimits) -> bool:

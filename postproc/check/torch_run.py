@@ -205,6 +205,7 @@ SENTENCES = {
     "edge-loss": "Parts that touch lose half a kerf along the edges that do, no more, and nothing else.",
     "pierce-pass": "Each cut begins at a hole of its pierce pass, within 0.05 mm, and no hole is left over.",
     "torches": "What torches cut together is the same cut, shifted by what the profile has them apart.",
+    "bevels": "Each bevel is cut on all of its face; no pass enters a part at any depth, or leaves the sheet.",
     "burnt-twice": "No stretch of a contour is burnt again, but for overcuts, leads and whole rounds a kerf apart.",
     "links": "The torch stays on from one contour to the next only where the profile allows it, off older kerfs.",
     "loose-metal": "Nothing is cut in metal that has come loose, part or waste, whatever has cut it off.",

@@ -36,6 +36,7 @@ ArcCentre = Literal["relative", "absolute", "radius", "none"]
 Positions = Literal["absolute", "incremental"]
 INCH_MM = 25.4
 Modal = Literal["motion", "x", "y", "feed"]
+Rotary = Literal["A", "B", "C"]
 FEEDS = ("mm_min", "m_min", "in_min", "mm_s", "cm_s")
 """The names of a feed in a block, by its unit."""
 PLANT = ("material", "thickness", "kerf", "amps", "volts", "gas", "pierce_height", "cut_height", "process")
@@ -149,7 +150,8 @@ class Dialect:
     )
     assumes: Mapping[str, tuple[str, ...]] = field(
         metadata=option(
-            Assumptions((*PROCESSES, "marks", "torches")), "what each program assumes of the machine, a comment each"
+            Assumptions((*PROCESSES, "marks", "torches", "bevels")),
+            "what each program assumes of the machine, a comment each",
         )
     )
     header: tuple[str, ...] = field(
@@ -328,6 +330,12 @@ class Dialect:
         metadata=option(
             SomeOrAll(("torch_on", "torch_off", "dwell")),
             "keys whose words each machine builder chooses: a copy has them changed, and this key deleted",
+        ),
+    )
+    rotary: tuple[Rotary, ...] = field(
+        default=(),
+        metadata=option(
+            SomeOrAll(get_args(Rotary)), "letters of axes that tilt and turn a torch, which it moves with X and Y"
         ),
     )
     greatest_radius_mm: float | None = field(

@@ -259,6 +259,14 @@ def fitting_dialect(profile: Profile) -> Dialect:
             f"cuts.links: the dialect '{dialect.name}' has the control add the kerf to each contour, and a link leads "
             "from one to the next with the torch on: say links: off, or leave kerf out of the dialect",
         )
+    bevel = profile.cuts.bevel
+    if bevel.head is not None and not {bevel.tilt, bevel.turn} <= {*dialect.rotary}:
+        others = [name for name in dialect_names() if {bevel.tilt, bevel.turn} <= {*load_dialect(name).rotary}]
+        raise wrong_at(
+            _said_at(profile, ("cuts", "bevel"), ("machine", "dialect")),
+            f"cuts.bevel: the dialect '{dialect.name}' has no words for axes that tilt ({bevel.tilt}) and turn "
+            f"({bevel.turn}) a torch: take {' or '.join(others)}, or say head: off",
+        )
     tabs = profile.tabs()
     if tabs is not None and not tabs.at_end and dialect.rapid == dialect.line:
         raise wrong_at(

@@ -72,6 +72,8 @@ class GcodeWriter:
         self.torches = 1
         self.kerf_mm = 0.0
         self._lit: set[int] | None = None
+        self.upright = ""
+        """Words that bring a tilted head upright: they stand in the next rapid."""
 
     def select(self, marks: bool) -> tuple[str, ...]:
         """Select the torch, or what marks, where the other was in use."""
@@ -114,6 +116,7 @@ class GcodeWriter:
         end = self._rounded(point)
         block = self._spelt(self.dialect.rapid, self._words(end), end)
         self.at = end
+        block, self.upright = f"{block} {self.upright}".rstrip(), ""
         return block
 
     def beside(self, path: Curve, left: bool) -> list[str]:
@@ -203,6 +206,21 @@ class GcodeWriter:
                 if modal:
                     self._said["feed"] = word
         return blocks
+
+    def feed_word(self, feed_mm_s: float) -> str:
+        """The word of a feed."""
+        return self.dialect.feed.format(**self._feeds(feed_mm_s))
+
+    def shares_of(self, segment: Segment) -> Iterator[tuple[str, float]]:
+        """The blocks of a line or an arc without its feed, each with what share of it is done then."""
+        length_mm, done_mm = segment.length_mm, 0.0
+        for piece in self._pieces(segment) if segment.is_arc else (segment,):
+            done_mm += piece.length_mm
+            end = self._rounded(piece.end)
+            if end != self.at:
+                block = self._arc(piece, end) if piece.is_arc else self._spelt(self.dialect.line, self._words(end), end)
+                self.at = end
+                yield block, min(done_mm / length_mm, 1.0)
 
     def called_path(
         self,

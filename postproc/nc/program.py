@@ -39,6 +39,7 @@ from .gcode import (
 )
 from .head_comments import name_comments, program_names, reading_comments, setting_comments
 from .kerf_by_control import keeps_left
+from .tilted import bevel_passes
 from .toolpaths import SHA_DIGITS, Toolpath, expect_same_nest, toolpaths
 
 ARCS_REFITTED = "ARCS REFITTED WITHIN"
@@ -179,6 +180,7 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, "ASSUMES", f"THE CONTROL ADDS A KERF OF {number(profile.material.kerf_mm, 3)} MM")
     of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
     of += ["torches"] if machine.torches.several else []
+    of += ["bevels"] if any(planned.passes for planned in plan.cuts) else []
     for assumption in (text for key in of for text in dialect.assumes.get(key, ())):
         yield comment(dialect, "ASSUMES", assumption.format(**powers_of(dialect, profile)))
 
@@ -306,10 +308,15 @@ def _body(
         for more, planned in enumerate(toolpath.together, order + 1):
             yield cut_comment(more, names.get(planned.cut.contour, ""), planned.cut, toolpath.marks, dialect)
         toolpath = toolpath if x == y == 0 else replace(toolpath, path=toolpath.path.moved(-x, -y))
-        yield from _cut(order, name, toolpath, profile, pen, stays_on=lit)
+        if toolpath.passes:
+            yield from bevel_passes(order, name, toolpath, (x, y), profile, pen)
+        else:
+            yield from _cut(order, name, toolpath, profile, pen, stays_on=lit)
         order += (not toolpath.planned.cut.way) + len(toolpath.together)
     yield comment(dialect, "HOME")
     yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
+    if pen.upright:
+        pen.upright = f"{profile.cuts.bevel.tilt}0 {profile.cuts.bevel.turn}0"
     yield pen.rapid(profile.machine.home)
     yield from dialect.footer
 

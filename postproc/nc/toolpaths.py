@@ -10,6 +10,8 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from kerfwise.encoder.bevels.cut_nest import bevelled
+from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.cut import Cut, Span, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
@@ -29,6 +31,7 @@ class Toolpath:
 
     One that is `pierced` begins at a hole that was pierced in a pass before.
     The torch follows it at `feed_share` of the cut feed, unlit along the stretches `unlit`, mm from its start.
+    A contour with a bevel is cut in `passes`; `path` is then that of the last one, at its root, without loops.
     """
 
     planned: PlannedCut
@@ -39,6 +42,7 @@ class Toolpath:
     unlit: tuple[tuple[float, float], ...] = ()
     pierced: bool = False
     together: tuple[PlannedCut, ...] = ()
+    passes: tuple[TiltedPath, ...] = ()
 
     @property
     def pieces(self) -> tuple[Curve, ...]:
@@ -70,6 +74,8 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         if planned.cut.torch > 1:
             others.setdefault(planned.cut.together, []).append(planned)
     edge_starts = outside(nest, [p.cut.pierce for p in first])
+    bevelling = profile.bevelling_of(nest)
+    drawn = {} if bevelling is None else {contour.id: contour for contour in bevelled(nest)}
     paths, pierced = [], {pierce.contour for pierce in plan.pierces}
     for planned, edge_start in zip(first, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
@@ -80,7 +86,10 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         edge_start = unpierced and not planned.cut.linked
         mark, hole = contour.kind == "mark", planned.cut.contour in pierced
         together = tuple(others.get(planned.cut.contour, ()))
-        paths.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole, together))
+        passes: tuple[TiltedPath, ...] = ()
+        if bevelling is not None and contour.id in drawn:
+            passes = bevelling.passes_of(drawn[contour.id], cut)
+        paths.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole, together, passes))
     return tuple(paths)
 
 

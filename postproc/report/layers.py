@@ -140,6 +140,19 @@ def stretch_layer(nest: Nest, view: View, begun: Sequence[tuple[int, Cut]]) -> S
     return SceneLayer("stretches", tuple(items))
 
 
+def bevel_layer(view: View, cuts: Sequence[PlannedCut]) -> SceneLayer:
+    """The ways of tilted torches: a line where they go at the top face, dots where their jet comes out below."""
+    items: list[Item] = []
+    top = Style(stroke=scene.STRETCH, width=1.2 * view.line_width)
+    below = Style(stroke=scene.STRETCH, width=0.9 * view.line_width, dash=(1.5 * view.line_width, 2 * view.line_width))
+    for k, planned in enumerate(cuts, 1):
+        for one in (path for path in planned.passes if path.tilt_deg):
+            for depth_mm, style in ((0.0, top), (one.thickness_mm, below)):
+                lines = [view.path(Curve.of(line.coords, closed=False)) for line in one.lines(depth_mm)]
+                items += [Shape((line,), style, closed=False, cut=k) for line in lines]
+    return SceneLayer("bevels", tuple(items))
+
+
 def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
     """A dot where the torch pierces, a ring where it begins off the sheet or in an older kerf.
 

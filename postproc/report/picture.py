@@ -21,6 +21,7 @@ from .label_fit import TextPlace
 from .labels import Label, nested_metal, number_areas, place_labels, place_names
 from .layers import (
     across_layer,
+    bevel_layer,
     contour_layer,
     direction_layer,
     home_layer,
@@ -180,6 +181,7 @@ def _drawn(
         layers += [
             travel_layer(view, cuts, home, shares, pierced, begun),
             *([stretch_layer(nest, view, begun)] if begun else []),
+            *([bevel_layer(view, plan.cuts)] if plan is not None and any(one.passes for one in plan.cuts) else []),
             direction_layer(nest, view, cuts),
             lead_layer(view, cuts),
             pierce_layer(nest, view, cuts),

@@ -143,6 +143,7 @@ SHARE_OF_POWER = Quantity(
 AMPS = Quantity("a current", {"A": Fraction(1)}, "A", at_most=2000.0, at_least=None, above=0.0, example="45")
 VOLTS = Quantity("a voltage", {"V": Fraction(1)}, "V", at_most=1000.0, at_least=None, above=0.0, example="120")
 FLOW = Quantity("a flow", {"m3/h": Fraction(1), "l/min": Fraction(60, 1000)}, "m3/h", at_most=1e4, example="2.5")
+MASS = Quantity("a mass", {"kg": Fraction(1)}, "kg", at_most=1e6, example="5")
 ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", at_most=1e9, example="300")
 
 

@@ -9,6 +9,8 @@ from typing import cast
 
 import shapely
 
+from kerfwise.encoder.bevels.cut_nest import BevelOptions, bevelled, with_bevels
+from kerfwise.encoder.bevels.room import Bevelling, plan_bevels
 from kerfwise.encoder.bridges import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.snake import SnakeOptions
@@ -221,14 +223,44 @@ class Profile(ProfileSections):
         Raises
         ------
         InputError
-            If a bridge of the nest is narrower than the kerf, or a part has no room to lose what it is to lose.
+            If a bridge of the nest is narrower than the kerf, a part has no room to lose what it is to lose, or the
+            sheet has none for a bevel.
         """
         expect_wider(nest, self.material.kerf_mm)
         cut_nest = self.without_losses(with_small_holes(nest, self.hole_limits()))
         cut_nest = with_slits(cut_nest, self.material.kerf_mm) if self.cuts.narrow == "slit" else cut_nest
         cut_nest = with_scrap(cut_nest, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
+        bevels = self.bevel_options()
+        cut_nest = cut_nest if bevels is None else with_bevels(cut_nest, bevels)
         law = self.corner_feed()
         return cut_nest if law is None else with_corner_times(cut_nest, law, self.material.kerf_mm)
+
+    def bevel_options(self) -> BevelOptions | None:
+        """How bevels are cut; None where the machine has no head that tilts."""
+        bevel, material = self.cuts.bevel, self.material
+        if bevel.head is None:
+            return None
+        upright = () if bevel.kerfs and bevel.kerfs[0][0] == 0 else ((0.0, material.kerf_mm),)
+        return BevelOptions(
+            material.thickness_mm,
+            (*upright, *bevel.kerfs),
+            bevel.corner,
+            bevel.run_mm,
+            bevel.most_turn,
+            bevel.lies_still,
+            self.plant.plate.density_kg_m3,
+        )
+
+    def bevelling_of(self, nest: Nest) -> Bevelling | None:
+        """Which corners of a nest as it is cut have loops; None where no contour has a bevel.
+
+        Raises
+        ------
+        InputError
+            For bevels that cannot be cut as they are drawn.
+        """
+        options = self.bevel_options()
+        return None if options is None or next(bevelled(nest), None) is None else plan_bevels(nest, options)
 
     def as_answered(self) -> Profile:
         """The profile with what `drawing.answers` says of slots narrower than the kerf, and of small holes.
@@ -302,7 +334,7 @@ class Profile(ProfileSections):
         return ReadOptions(
             units=drawing.units,
             layers=Layers(**{name: getattr(drawing.layers, name) for name in PURPOSES}),
-            colours=drawing.layers.colour,
+            colours=(*drawing.layers.colour, *((key, "cut") for key, _ in drawing.layers.bevel)),
             linetypes=drawing.layers.linetype,
             answers=drawing.answers,
             quantity=drawing.quantity,
@@ -314,6 +346,7 @@ class Profile(ProfileSections):
             margin_mm=drawing.margin_mm,
             join_tolerance_mm=drawing.join_tolerance_mm,
             refit_arcs_mm=drawing.refit_arcs_mm,
+            bevels=drawing.layers.bevel,
         )
 
 
@@ -365,62 +398,6 @@ def reach_of(nest: Nest, machine: Machine) -> Box | None:
     (x0, x1), (y0, y1) = (span or (-math.inf, math.inf) for span in (machine.travel_x_mm, machine.travel_y_mm))
     frame = frame_of(nest, machine)
     return *frame.on_drawing((x0, y0)), *frame.on_drawing((x1, y1))
-
-
-# Whether common edges can be cut once as a profile asks.
-
-
-def expect_common_cuts(profile: Profile) -> None:
-    """Refuse what does not go together with common cuts.
-
-    Raises
-    ------
-    InputError
-        With what to change.
-    """
-    strict = profile.rules_of_direction("outer")
-    if profile.common_options() is not None and strict and profile.cuts.common.good_side == "part":
-        raise InputError(
-            f"cuts.common: {' and '.join(strict)} leaves outer contours one direction, so that of two parts with a "
-            "common edge one gets the bad side of the kerf: free the direction, or accept that "
-            "(cuts.common.good_side: any)",
-            file=profile.file or None,
-        )
-
-
-# Whether rows can be cut as snakes as a profile asks.
-
-
-def expect_snakes(profile: Profile, nest: Nest | None = None) -> None:
-    """Refuse what does not go together with snakes.
-
-    Raises
-    ------
-    InputError
-        With what to change.
-    """
-    if (group := profile.cuts.in_stretches) and (why := next(_no_snakes(profile, nest), None)):
-        raise InputError(f"cuts.{group}: {why}, or leave cuts.{group} out", file=profile.file or None)
-
-
-def _no_snakes(profile: Profile, nest: Nest | None) -> Iterator[str]:
-    cuts, limit, price = profile.cuts, profile.temperature_limit(), profile.objective
-    if profile.tabs() is not None:
-        yield "a part that tabs hold is cut in one round: turn off the rule that leaves tabs"
-    if cuts.pierce_pass is not None:
-        yield "what is left of a part begins at no hole: say cuts.pierce_pass: off"
-    if profile.machine.torches.several:
-        yield "stretches are planned for one torch: say machine: {torches: {count: 1}}"
-    if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
-        yield "a way over the gaps of a row may cut metal off in which scrap lines are cut: leave these out"
-    if profile.corner_feed() is not None:
-        yield "slower corners are counted for whole rounds: say corners.corner_feed: 1"
-    if limit is not None:
-        yield f"{limit.rule} simulates whole rounds: turn it off"
-    if price.heat and profile.heat.absorbed_power_w:
-        yield "the price of heat is simulated for whole rounds: say objective: {heat: 0}"
-    if price.distortion:
-        yield "the price of distortion is simulated for whole rounds: say objective: {distortion: 0}"
 
 
 # What is said aloud about where a sheet lies on its machine, before anything is planned.

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.narrow_features import Narrow
@@ -31,6 +32,7 @@ from kerfwise.rules.options.quantities import (
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
 
+from .bevel_section import BevelPairs, BevelSection
 from .plant_sections import Heat, Machine, Material, Prices
 from .time_section import Time
 
@@ -181,6 +183,9 @@ class Cuts:
         default=Snake(), metadata=option(Members(Snake), "rows of neighbours, cut out along one side and back")
     )
     split: Split = field(default=Split(), metadata=option(Members(Split), "rounds that are cut in two stretches"))
+    bevel: BevelSection = field(
+        default=BevelSection(), metadata=option(Members(BevelSection), "bevels, cut by a head that tilts")
+    )
 
     @property
     def in_stretches(self) -> str:
@@ -326,6 +331,13 @@ class LayerMap:
     )
     linetype: tuple[tuple[str, Purpose], ...] = field(
         default=(), metadata=option(_LOOKS, "what lines of a type are for, as in {dashed: mark, CENTER: ignore}")
+    )
+    bevel: tuple[tuple[str, Bevel], ...] = field(
+        default=(),
+        metadata=option(
+            BevelPairs(),
+            "layers (regular expressions) or colours whose closed lines have a bevel, as in {'^V45$': V 45 top}",
+        ),
     )
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 Point = tuple[float, float]
+Axes = tuple[float, float, float]
 
 
 class MissingInterpreter(AssertionError):
@@ -36,7 +37,10 @@ def find_rs274() -> str:
 
 @dataclass(slots=True)
 class Burn:
-    """One stretch with a tool on (torch $0, scribe $1): its points (arcs as chords within the tolerance), mm."""
+    """One stretch with a tool on (torch $0, scribe $1): its points (arcs as chords within the tolerance), mm.
+
+    `axes` are A, B and C at the end of each line and arc, the first where it begins, degrees.
+    """
 
     tool: int
     points: list[Point]
@@ -44,6 +48,7 @@ class Burn:
     length_mm: float = 0.0
     feeds_mm_min: list[float] = field(default_factory=list)
     sweeps_rad: list[float] = field(default_factory=list)
+    axes: list[Axes] = field(default_factory=list)
 
     @property
     def pierce(self) -> Point:
@@ -167,6 +172,7 @@ class _Machine:
         self.feed_mm_min = 0.0
         self.on: set[int] = set()
         self.burn: Burn | None = None
+        self.axes: Axes = (0.0, 0.0, 0.0)
         self.run = Run()
 
     def follow(self, calls: list[Call]) -> None:
@@ -187,7 +193,8 @@ class _Machine:
 
     def _call(self, block: int | None, name: str, argument: str) -> None:
         if name in ("STRAIGHT_TRAVERSE", "STRAIGHT_FEED"):
-            x, y = _numbers(argument)[:2]
+            x, y, _, *axes = _numbers(argument)[:6]
+            self._turn(axes)
             self._line(block, name == "STRAIGHT_TRAVERSE", (x * self.unit_mm, y * self.unit_mm))
         elif name == "ARC_FEED":
             self._arc(block, _numbers(argument))
@@ -220,13 +227,18 @@ class _Machine:
             self._warn(block, f"tool ${tool} started while ${min(self.on)} is on")
         self.on.add(tool)
         if self.burn is None:
-            self.burn = Burn(tool, [self.run.position], block)
+            self.burn = Burn(tool, [self.run.position], block, axes=[self.axes])
             self.run.burns.append(self.burn)
 
     def _stop(self, tool: int) -> None:
         self.on.discard(tool)
         if self.burn is not None and self.burn.tool not in self.on:
             self.burn = None
+
+    def _turn(self, axes: list[float]) -> None:
+        self.axes = (axes[0], axes[1], axes[2])
+        if self.burn is not None:
+            self.burn.axes.append(self.axes)
 
     def _line(self, block: int | None, rapid: bool, end: Point) -> None:
         start, self.run.position = self.run.position, end
@@ -242,6 +254,7 @@ class _Machine:
 
     def _arc(self, block: int | None, values: list[float]) -> None:
         ex, ey, cx, cy, turn = (v * self.unit_mm for v in values[:5])
+        self._turn(values[6:9])
         start, end, centre = self.run.position, (ex, ey), (cx, cy)
         if math.dist(start, end) < 0.75e-4 * self.unit_mm:  # the same printed position is a full circle
             end = start

@@ -15,7 +15,7 @@ from kerfwise.encoder.slits import narrow_because
 from kerfwise.encoder.small_holes import uncut_hole_reasons
 from kerfwise.encoder.text import join_names, unknown
 from kerfwise.models.heat_prices import HEAT
-from kerfwise.models.plan.make_plan import common_because, tabs_because
+from kerfwise.models.plan.make_plan import bevels_because, common_because, tabs_because
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import (
@@ -108,7 +108,7 @@ def explained(
         uncut_hole_reasons(facts.whole_nest, profile.hole_limits()).get(contour, ""),
         narrow_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
         planned.linked_because,
-        tabs_because(facts, profile).get(contour, ""),
+        tabs_because(facts, profile).get(contour, "") or bevels_because(facts, profile).get(contour, ""),
         planned.pierced_because,
         "".join(common_because(facts, facts.candidates[setting.candidates[k]], contour)),
         facts.nest.contours[number].source.told(),

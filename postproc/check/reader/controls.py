@@ -153,6 +153,7 @@ class Control:
     Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off;
     where it has stopped it stands for `rests_s`.
     `kerf_mm` is the kerf that it adds itself where a program says so (G41, G42), None where no program may.
+    `rotary` are the letters of the axes that tilt and turn a torch, in this order, "" where none does.
     """
 
     title: str
@@ -202,6 +203,7 @@ class Control:
     stands_s: float = 0.0
     rests_s: float = 0.0
     kerf_mm: float | None = None
+    rotary: str = ""
 
     @property
     def has_own_words(self) -> bool:

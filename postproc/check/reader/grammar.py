@@ -74,7 +74,7 @@ def motion_of(block: Block, modal: float | None, control: Control) -> float | No
             return word.value
         if word.value == NO_MOTION:
             return None
-    letters = "XYIJ" if modal in ARCS and not control.bare else "XY"
+    letters = ("XYIJ" if modal in ARCS and not control.bare else "XY") + control.rotary
     return modal if any(letter in block.words for letter in letters) else None
 
 
@@ -99,7 +99,7 @@ def refuse_conflicts(block: Block, motion: float | None, control: Control) -> No
         switches = word.value in control.starts or word.value in control.stops
         letters = "" if switches else _USES_M.get(word.value, "")
         _note(users, word.text, letters.replace("$", "") if control.beam else letters)
-    _note(users, "the motion", _USES_MOTION[motion])
+    _note(users, "the motion", _USES_MOTION[motion] + ("" if motion is None else control.rotary))
     for letter, word in block.words.items():
         if letter == "F" or (letter == "S" and control.beam):
             continue
@@ -286,7 +286,7 @@ class ModalState:
         if motion is None:
             return
         self.motion = motion
-        if not any(letter in block.words for letter in "XYIJR"):
+        if not any(letter in block.words for letter in "XYIJR" + self.control.rotary):
             if motion > 1:
                 raise block.refused("an arc without its end, I, J or R; write at least I and J")
             if motion == 1:
@@ -297,11 +297,37 @@ class ModalState:
         end = self._end(block)
         if motion == 0.0:
             self.track.rapid(end, block.line)
+            if self.control.rotary:
+                self.track.axes = self._turned(block)
             return
         feed_mm_s = self._feed_mm_s(block)
+        if self.control.rotary:
+            self._feed_turning(block, end, feed_mm_s)
+            return
         for segment in (Segment(self.track.at, end),) if motion == 1.0 else self._arc(end, block):
             self.track.feed(segment, feed_mm_s, block.line)
         self.track.at = end
+
+    def _feed_turning(self, block: Block, end: Point, feed_mm_s: float) -> None:
+        """A line or an arc in which the torch tilts and turns evenly; without either it does so on the spot."""
+        before, turned = self.track.axes or (0.0, 0.0), self._turned(block)
+        if self.motion == 1.0 and end == self.track.at:
+            self.track.turn(turned, feed_mm_s * 60 / self.unit_mm, block.line)
+            return
+        pieces = (Segment(self.track.at, end),) if self.motion == 1.0 else self._arc(end, block)
+        for count, segment in enumerate(pieces, 1):
+            share = count / len(pieces)  # an arc of more than half a turn comes in two halves
+            there = tuple(a + (b - a) * share for a, b in zip(before, turned, strict=True))
+            self.track.feed(segment, feed_mm_s, block.line, there)
+        self.track.at = end
+
+    def _turned(self, block: Block) -> tuple[float, ...]:
+        """Where the axes that tilt and turn the torch are after a block, degrees."""
+        before = self.track.axes or (0.0, 0.0)
+        return tuple(
+            (at if letter not in block.words else block.of(letter) + (0.0 if self.absolute else at))
+            for letter, at in zip(self.control.rotary, before, strict=True)
+        )
 
     def _modes(self, block: Block) -> None:
         for word in block.g:

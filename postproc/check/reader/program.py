@@ -27,6 +27,7 @@ class Burn:
     path, one each. `powers` are the S words of a laser that it moves with, `pierce_powers` those that it stands with.
     Along the stretches `unlit` of its path, mm from its start, the torch is off, as over tabs. The further `torches`
     burn with the first one. What such a one burns is a burn of its own, once `expand_torches` has made it: of `torch`.
+    `axes` are the tilt and the turn of the torch at each vertex of its path, degrees; () on machines without.
     """
 
     tool: int
@@ -46,6 +47,12 @@ class Burn:
     unlit: tuple[tuple[float, float], ...] = ()
     torches: tuple[int, ...] = ()
     torch: int = 1
+    axes: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def tilted(self) -> bool:
+        """Whether the torch leans anywhere on its way."""
+        return any(tilt != 0 for tilt, _ in self.axes)
 
     @property
     def feeds_mm_s(self) -> tuple[float, ...]:
@@ -177,6 +184,7 @@ class _Open:
     pierce_powers: set[float] = field(default_factory=set)
     unlit: list[tuple[float, float]] = field(default_factory=list)
     torches: tuple[int, ...] = ()
+    axes: list[tuple[float, ...]] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -206,6 +214,7 @@ class Track:
     tab_mm: float = 0.0
     torches: tuple[int, ...] = ()
     preheat_s: float = 0.0
+    axes: tuple[float, ...] = ()
     _closed: _Open | None = None
     _over: list[tuple[Segment, float]] = field(default_factory=list)
 
@@ -250,6 +259,7 @@ class Track:
                 o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
                 tuple(o.step_feeds_mm_s), o.wait_s, o.held_s,
                 tuple(sorted(o.powers)), tuple(sorted(o.pierce_powers)), tuple(o.unlit), o.torches,
+                axes=(*o.axes, self.axes) if self.axes else (),
             )
         )  # fmt: skip
         self._closed, self._over = (o, []) if self.tab_mm > 0 and o.tool == 0 and o.rows else (None, [])
@@ -297,11 +307,20 @@ class Track:
         elif self.open is None:
             self.begin(tool, line)
 
-    def feed(self, segment: Segment, feed_mm_s: float, line: int) -> None:
-        """Move along a line or an arc at cutting feed; one of no length is no move."""
+    def turn(self, axes: tuple[float, ...], deg_min: float, line: int) -> None:
+        """Turn the torch where it stands; with a tool on that is a place of its path."""
+        before, self.axes = self.axes or (0.0, 0.0), axes
+        self.clock_s += max(abs(b - a) for a, b in zip(before, axes, strict=True)) / deg_min * 60
+        if self.open is not None:
+            self.open.rows.append((*self.at, 0.0))
+            self.open.axes.append(before)
+
+    def feed(self, segment: Segment, feed_mm_s: float, line: int, axes: tuple[float, ...] = ()) -> None:
+        """Move along a line or an arc at cutting feed, the axes turning to `axes`; one of no length is no move."""
         length_mm = segment.length_mm
         if length_mm <= 0:
             return
+        before, self.axes = self.axes or (0.0,) * len(axes), axes
         seconds = length_mm / feed_mm_s
         self.clock_s += seconds
         self.at = segment.end
@@ -314,6 +333,7 @@ class Track:
             if length_mm > _NOTHING_MM:
                 self.open.step_feeds_mm_s.append(feed_mm_s)
             self.open.rows.append((*segment.start, segment.bulge))
+            self.open.axes.append(before)
 
     def _idle(self, length_mm: float, line: int) -> None:
         self.idle_mm += length_mm

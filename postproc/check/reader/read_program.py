@@ -93,6 +93,8 @@ def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
     machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
     by_machine = pierce_dwell_of(profile, dialect) == "machine"
     control = control_for(dialect, machine.dialect)
+    if (bevel := profile.cuts.bevel).head is not None and dialect.rotary:
+        control = replace(control, rotary=bevel.tilt + bevel.turn)
     if dialect.kerf is not None:
         control = replace(control, kerf_mm=material.kerf_mm)
     pierce_s = max(machine.pierce_time_s - control.stands_s, 0.0)

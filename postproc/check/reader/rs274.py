@@ -279,7 +279,7 @@ def blocks(text: str, machine: Machine) -> Iterator[Block]:
             as_written = row
             if machine.further is not None:
                 row = machine.further.plain(row, line, machine.moves)
-            block = block_of(row, line)
+            block = block_of(row, line, control.rotary)
             if machine.filter is not None and (row is as_written or row.code):
                 machine.filter.pass_(raw, row, line, machine.moves.absolute)
             if not machine.tools.ended:

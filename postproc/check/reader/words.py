@@ -18,6 +18,7 @@ _LINE_NUMBER = re.compile(r"N[0-9]{1,9}(?:\.[0-9]{1,9})?(?![0-9.])")
 _WHOLE = re.compile(r"[0-9]{1,3}(?:\.0*)?")
 _TENTHS = re.compile(r"[0-9]{1,3}(?:\.[0-9]?0*)?")
 _PLACE = (-2e6, 2e6)
+_ANGLE = (-36e3, 36e3)
 BOUNDS: Mapping[str, tuple[float, float]] = {
     "X": _PLACE, "Y": _PLACE, "I": _PLACE, "J": _PLACE, "R": _PLACE,
     "F": (0.0, 1e6), "S": (0.0, 1e6), "P": (0.0, 3600.0), "Q": (0.0, 1e4), "E": (0.0, 63.0), "$": (-1.0, 2.0),
@@ -72,8 +73,8 @@ class Block(NamedTuple):
         return InputError(message, line=self.line, column=shown.column if shown else None)
 
 
-def block_of(row: Row, line: int) -> Block:
-    """The words of a row.
+def block_of(row: Row, line: int, rotary: str = "") -> Block:
+    """The words of a row; `rotary` are the letters of axes that tilt and turn a torch.
 
     Raises
     ------
@@ -101,7 +102,9 @@ def block_of(row: Row, line: int) -> Block:
             continue
         column = row.columns[at]
         found = _WORD.match(code, at)
-        if found is None or (found["letter"] not in "GM" and found["letter"] not in BOUNDS):
+        if found is None or (
+            found["letter"] not in "GM" and found["letter"] not in BOUNDS and found["letter"] not in rotary
+        ):
             raise InputError(_cannot_read(code, at), line=line, column=column)
         word = Word(found["letter"], float(found["number"]), found[0], column)
         at = found.end()
@@ -119,7 +122,7 @@ def block_of(row: Row, line: int) -> Block:
             raise InputError(
                 f"two {word.letter} words in one block: not supported here; delete one", line=line, column=column
             )
-        low, high = BOUNDS[word.letter]
+        low, high = BOUNDS.get(word.letter, _ANGLE)
         if not low <= word.value <= high:
             raise InputError(
                 f"{word.text} is not supported here: expected {word.letter} from {low:.10g} to {high:.10g}",

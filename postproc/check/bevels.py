@@ -1,0 +1,499 @@
+"""Bevels as a program cuts them: held against parts and sheet at every depth, and made plain for the rest of the check.
+
+A tilted torch burns elsewhere at every depth. What it burns there is found here anew, from the program's own words and
+the nest as drawn: no pass enters a part or leaves the sheet, each bevel is cut on all of its face, and loops and leads
+lie in waste that no other cut has burnt. The other promises and the rules then see one upright burn along each contour
+in the place of its tilted passes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely import ops
+
+from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.curve import Curve, lines_of
+from kerfwise.encoder.geometry.segment import Point, Segment
+from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.postproc.dialects import pierce_dwell_of
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
+from .torch_run import tolerance_mm
+
+_RULE = "bevels"
+_TURN_RAD = math.radians(2)
+_ANGLE_DEG = 0.01
+_SHARE = 0.8
+"""A pass follows a contour where it covers so much of the way that it should go."""
+_SAMPLE_MM, _NEAR_MM, _WAIT_S = 0.5, 0.06, 2e-3
+_STEPS = 17
+"""Depths that are looked at, beside the roots, for each 20 mm and at the least."""
+_MITRE = 50.0
+_KG = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """One slope of a bevel: the lean of the jet, positive where it leaves the part downwards, and its root's depth."""
+
+    lean_deg: float
+    root_mm: float
+
+
+def slopes_of(contour: Contour, thickness_mm: float) -> tuple[list[Slope], bool]:
+    """The slopes of a contour's bevel from the top face down, and whether it has a square face besides."""
+    bevel = contour.bevel
+    if bevel is None:
+        return [], True
+    both = bevel.kind in ("X", "K")
+    share = (0.5, 0.5) if both else (1.0, 0.0) if bevel.side != "bottom" else (0.0, 1.0)
+    sloped_mm = thickness_mm - bevel.land_mm
+    found = []
+    if share[0]:
+        found.append(Slope(bevel.angle_deg, share[0] * sloped_mm))
+    if share[1]:
+        found.append(Slope(-bevel.angle_deg, thickness_mm - share[1] * sloped_mm))
+    return found, bevel.land_mm > 0
+
+
+def cut_away_mm(contour: Contour, depth_mm: float, thickness_mm: float) -> float:
+    """How far the face lies behind the contour as drawn, at a depth."""
+    away = [0.0]
+    for slope in slopes_of(contour, thickness_mm)[0]:
+        over_mm = slope.root_mm - depth_mm if slope.lean_deg > 0 else depth_mm - slope.root_mm
+        away.append(over_mm * math.tan(math.radians(abs(slope.lean_deg))))
+    return max(away)
+
+
+def half_width_mm(lean_deg: float, profile: Profile) -> float:
+    """Half of what a jet at this angle burns away, measured level."""
+    rows = dict([(0.0, profile.material.kerf_mm), *profile.cuts.bevel.kerfs])
+    angles = sorted(rows)
+    kerf_mm = float(np.interp(abs(lean_deg), angles, [rows[a] for a in angles]))
+    return kerf_mm / (2 * math.cos(math.radians(lean_deg)))
+
+
+def as_burnt(nest: Nest, profile: Profile) -> Nest:
+    """The nest with its bevelled contours where upright kerfs would have to run to cut them at their roots."""
+    if profile.cuts.bevel.head is None or not any(c.bevel for c in nest.contours):
+        return nest
+    thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
+    wider = {
+        c.id: 0.0 if square else round(half_width_mm(slopes[-1].lean_deg, profile) - kerf_mm / 2, 9)
+        for c in nest.contours
+        if c.bevel is not None
+        for slopes, square in (slopes_of(c, thickness_mm),)
+    }
+    return _moved_out(nest, tuple(wider.items()))
+
+
+@cached_with_nest(most=2)
+def _moved_out(nest: Nest, wider: tuple[tuple[str, float], ...]) -> Nest:
+    by = dict(wider)
+
+    def made(contour: Contour) -> Contour:
+        if not by.get(contour.id):
+            return contour
+        out = by[contour.id] if contour.kind == "outer" else -by[contour.id]
+        area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
+        largest = max(shapely.get_parts(area), key=shapely.area)
+        points = shapely.get_coordinates(largest.exterior)[:-1]
+        return replace(contour, curve=Curve(np.column_stack([points, np.zeros(len(points))])))
+
+    parts = [replace(p, outer=made(p.outer), holes=tuple(map(made, p.holes))) for p in nest.parts]
+    return with_parts(nest, tuple(parts))
+
+
+# What a tilted burn is at each depth.
+
+
+@dataclass(frozen=True, eq=False)
+class _Jet:
+    """A tilted burn in fine steps: the torch's point at the top face, and where the jet goes for each mm downwards."""
+
+    burn: Burn
+    at: Floats
+    aside: Floats
+    lean_deg: float
+    steady: bool
+    half_mm: float
+
+    def line(self, depth_mm: float, some: Any = slice(None)) -> shapely.LineString:
+        """Its way at a depth, or a stretch of it."""
+        return shapely.LineString((self.at + depth_mm * self.aside)[some])
+
+    def burnt(self, depth_mm: float) -> shapely.Geometry:
+        """What it burns at a depth."""
+        return shapely.buffer(self.line(depth_mm), self.half_mm)
+
+
+def _jet(burn: Burn, profile: Profile) -> _Jet:
+    at, aside = [], []
+    rows = burn.path.vertices.tolist()
+    leans = {round(tilt, 6) for tilt, _ in burn.axes}
+    for k, ((x, y, bulge), after) in enumerate(zip(rows, [*rows[1:], rows[-1]], strict=True)):
+        (tilt, turn), (tilt_to, turn_to) = burn.axes[k], burn.axes[min(k + 1, len(rows) - 1)]
+        segment = Segment((x, y), (after[0], after[1]), bulge if k + 1 < len(rows) else 0.0)
+        widest = max(abs(segment.sweep_rad), math.radians(abs(turn_to - turn)), math.radians(abs(tilt_to - tilt)))
+        count = max(1, math.ceil(widest / _TURN_RAD))
+        if segment.is_arc:
+            count = max(count, segment.chords_within(0.005))
+        for share in (j / count for j in range(count)):
+            at.append(segment.point_at(share))
+            lean, way = (math.radians(a + (b - a) * share) for a, b in ((tilt, tilt_to), (turn, turn_to)))
+            aside.append((math.tan(lean) * math.cos(way), math.tan(lean) * math.sin(way)))
+    lean_deg = max(leans, key=abs)
+    return _Jet(burn, np.array(at), np.array(aside), lean_deg, len(leans) == 1, half_width_mm(lean_deg, profile))
+
+
+def _root_ring(contour: Contour, slope: Slope, profile: Profile) -> shapely.LinearRing | None:
+    """The way of the jet's middle round a contour at the root of a slope."""
+    out = half_width_mm(slope.lean_deg, profile) * (1 if contour.kind == "outer" else -1)
+    area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
+    pieces = [one for one in shapely.get_parts(area) if one.area > 0]
+    return max(pieces, key=shapely.area).exterior if pieces else None
+
+
+# The judgement, and the program that the rest of the check sees.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class BevelsJudged:
+    """A program with one upright burn along each contour, and what is wrong with its bevels; None without any."""
+
+    program: NcProgram
+    violations: tuple[Violation, ...] | None = None
+
+
+def judge_bevels(
+    nest: Nest, program: NcProgram, profile: Profile, shares: Mapping[str, tuple[float, float]]
+) -> BevelsJudged:
+    """Judge the tilted burns of a program; `nest` has its bevels as they are drawn.
+
+    `shares` are the least and the greatest share of the cut feed at which small holes are cut.
+    """
+    drawn = nest.drawn or nest
+    bevelled = [c for c in drawn.contours if c.bevel is not None]
+    tilted = [k for k, burn in enumerate(program.burns) if burn.tilted]
+    if not bevelled and not tilted:
+        return BevelsJudged(program)
+    jets = {k: _jet(program.burns[k], profile) for k in tilted}
+    found: list[tuple[tuple[str, ...], str]] = []
+    passes = _passes(bevelled, jets, profile, found)
+    for k, jet in jets.items():
+        if not any(k in of for of in passes.values()):
+            found.append(((), f"line {jet.burn.line}: a tilted burn follows no bevel of the nest"))
+    share_of = {k: shares.get(name, (1.0, 1.0)) for name, of in passes.items() for k in of}
+    found += _unsteady(jets, share_of, profile)
+    upright, upright_line = _upright_of(bevelled, program, profile)
+    found += _loose(drawn, bevelled, passes, upright, profile)
+    found += _metal(drawn, bevelled, jets, passes, upright_line, profile)
+    found += _meeting(program, jets, passes, bevelled, upright, profile)
+    burns: list[Burn] = []
+    last = {of[-1]: (name, of) for name, of in passes.items() if of}
+    contours = {c.id: c for c in bevelled}
+    for k, burn in enumerate(program.burns):
+        if k not in jets:
+            burns.append(burn)
+        elif k in last:
+            contour = contours[last[k][0]]
+            slopes, square = slopes_of(contour, profile.material.thickness_mm)
+            if not square:
+                burns.append(_made_upright(jets[k], contour, slopes[-1], profile))
+    violations = tuple(Violation(_RULE, names, text) for names, text in found)
+    return BevelsJudged(replace(program, burns=tuple(burns)), violations)
+
+
+def _passes(
+    bevelled: Sequence[Contour], jets: dict[int, _Jet], profile: Profile, found: list[tuple[tuple[str, ...], str]]
+) -> dict[str, list[int]]:
+    """The burns that make each bevel, in the order of its slopes."""
+    taken: dict[str, list[int]] = {}
+    for contour in bevelled:
+        taken[contour.id] = []
+        for slope in slopes_of(contour, profile.material.thickness_mm)[0]:
+            ring = _root_ring(contour, slope, profile)
+            near = []
+            for k, jet in jets.items():
+                if ring is None or abs(jet.lean_deg - slope.lean_deg) > _ANGLE_DEG:
+                    continue
+                line = jet.line(slope.root_mm)
+                if not shapely.dwithin(shapely.box(*ring.bounds), line, 1.0):
+                    continue
+                along_mm = shapely.intersection(ring, shapely.buffer(line, _NEAR_MM)).length
+                if along_mm >= _SHARE * ring.length:
+                    near.append(k)
+            if not near:
+                text = (
+                    f"{contour.id}: no pass that leans by {slope.lean_deg:g} degrees is along it {slope.root_mm:g} mm"
+                )
+                found.append(((contour.id,), f"{text} below the top face"))
+                continue
+            if len(near) > 1:
+                lines = " and ".join(str(jets[k].burn.line) for k in near)
+                found.append(((contour.id,), f"{contour.id}: the same slope is cut more than once, in lines {lines}"))
+            taken[contour.id].append(near[0])
+    return taken
+
+
+def _unsteady(
+    jets: dict[int, _Jet], shares: Mapping[int, tuple[float, float]], profile: Profile
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Burns whose torch changes its lean, turns too far, or waits or moves otherwise than it should."""
+    machine, most = profile.machine, profile.cuts.bevel.most_turn
+    waits_s = machine.pierce_time_s if pierce_dwell_of(profile) == "program" else 0.0
+    for k, jet in jets.items():
+        burn = jet.burn
+        where = f"line {burn.line}"
+        if not jet.steady:
+            yield (), f"{where}: the torch changes its lean while it burns"
+        turned = max(abs(turn) for _, turn in burn.axes)
+        if turned > most + _ANGLE_DEG:
+            yield (), f"{where}: the head turns to {turned:g} degrees, cuts.bevel.most_turn is {most:g}"
+        feed = machine.cut_feed_mm_s * math.cos(math.radians(jet.lean_deg))
+        low, high = (feed * share for share in shares.get(k, (1.0, 1.0)))
+        for other in burn.feeds_mm_s:
+            if not low * (1 - 1e-3) - 1e-2 <= other <= high * (1 + 1e-3) + 1e-2:
+                yield (), f"{where}: it cuts at {other * 60:.0f} mm/min, at its lean that should be {high * 60:.0f}"
+        if abs(burn.pierce_s - waits_s) > _WAIT_S:
+            yield (), f"{where}: the torch stands for {burn.pierce_s:g} s before it moves, expected {waits_s:g} s"
+
+
+def _upright_of(
+    bevelled: Sequence[Contour], program: NcProgram, profile: Profile
+) -> tuple[dict[str, int], dict[str, shapely.Geometry]]:
+    """The upright burn along each contour that has a square face, and its way."""
+    kerf_mm, found, lines = profile.material.kerf_mm, dict[str, int](), dict[str, shapely.Geometry]()
+    plain = [k for k, burn in enumerate(program.burns) if not burn.tilted and burn.tool == 0 and burn.path.segments]
+    paths = lines_of([program.burns[k].path for k in plain], 0.005)
+    for contour in bevelled:
+        if not slopes_of(contour, profile.material.thickness_mm)[1]:
+            continue
+        ring = _root_ring(contour, Slope(0.0, 0.0), profile)
+        for k, line in zip(plain, paths, strict=True):
+            if ring is None or not shapely.dwithin(shapely.box(*ring.bounds), line, 1.0):
+                continue
+            if shapely.intersection(ring, shapely.buffer(line, tolerance_mm(kerf_mm))).length >= _SHARE * ring.length:
+                found[contour.id], lines[contour.id] = k, line
+                break
+    return found, lines
+
+
+def _loose(
+    nest: Nest,
+    bevelled: Sequence[Contour],
+    passes: dict[str, list[int]],
+    upright: dict[str, int],
+    profile: Profile,
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Several passes: they follow each other, and what the first of them sets loose lies still by its weight."""
+    material, least_kg = profile.material, profile.cuts.bevel.lies_still
+    for contour in bevelled:
+        of = [*passes[contour.id], *([upright[contour.id]] if contour.id in upright else [])]
+        if len(of) < 2:
+            continue
+        if max(of) - min(of) != len(of) - 1:
+            yield (contour.id,), f"{contour.id}: other cuts come between the passes of its bevel"
+        part = next(p for p in nest.parts if p.id == contour.part)
+        mass_kg = part.polygon.area * material.thickness_mm * profile.plant.plate.density_kg_m3 * _KG
+        if least_kg is None or mass_kg < least_kg - 1e-6:
+            says = "nobody says when a part does" if least_kg is None else f"from {least_kg:g} kg on parts do"
+            yield (
+                (contour.id,),
+                f"{contour.id}: its passes after the first cut in loose metal, and {part.id} of {mass_kg:.3g} kg does "
+                f"not lie still: {says} (cuts.bevel.lies_still)",
+            )
+
+
+def _depths(bevelled: Sequence[Contour], thickness_mm: float) -> list[float]:
+    count = _STEPS * max(1, math.ceil(thickness_mm / 20))
+    roots = {slope.root_mm for c in bevelled for slope in slopes_of(c, thickness_mm)[0]}
+    return sorted({*np.linspace(0.0, thickness_mm, count).round(6).tolist(), *roots})
+
+
+def _face(contour: Contour, away_mm: float, sharp: bool) -> shapely.Geometry:
+    """What a contour goes round where its face lies so far behind it; inner corners `sharp`, or round."""
+    area = shapely.make_valid(contour.polygon)
+    if not away_mm:
+        return area
+    by = -away_mm if contour.kind == "outer" else away_mm
+    if sharp:
+        return shapely.buffer(area, by, join_style="mitre", mitre_limit=_MITRE)
+    return shapely.buffer(area, by, quad_segs=32)
+
+
+def _section(part: Part, depth_mm: float, thickness_mm: float) -> shapely.Geometry:
+    """The metal of a part at a depth."""
+    metal = _face(part.outer, cut_away_mm(part.outer, depth_mm, thickness_mm), sharp=True)
+    for hole in part.holes:
+        metal = shapely.difference(metal, _face(hole, cut_away_mm(hole, depth_mm, thickness_mm), sharp=True))
+    return metal
+
+
+def _metal(
+    nest: Nest,
+    bevelled: Sequence[Contour],
+    jets: dict[int, _Jet],
+    passes: dict[str, list[int]],
+    upright: dict[str, shapely.Geometry],
+    profile: Profile,
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Parts that are burnt, burns off the sheet, and faces that are not cut: each once, at the first depth found."""
+    thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
+    allowed = tolerance_mm(kerf_mm)
+    sheet = shapely.buffer(shapely.make_valid(nest.sheet.polygon), allowed)
+    shapely.prepare(sheet)
+    tree = shapely.STRtree([part.outer.polygon for part in nest.parts])
+    said: set[tuple[str, int | str]] = set()
+    for depth_mm in _depths(bevelled, thickness_mm):
+        sections: dict[int, shapely.Geometry] = {}
+        burnt = {k: jet.burnt(depth_mm) for k, jet in jets.items()}
+        at = f"{depth_mm:.3g} mm below the top face"
+        for k, area in burnt.items():
+            where = f"line {jets[k].burn.line}"
+            if ("sheet", k) not in said and not shapely.covers(sheet, area):
+                said.add(("sheet", k))
+                yield (), f"{where}: it burns beyond the sheet, {at}"
+            for number in tree.query(area).tolist():
+                part = nest.parts[number]
+                if number not in sections:
+                    sections[number] = shapely.buffer(_section(part, depth_mm, thickness_mm), -allowed)
+                if (part.id, k) not in said and shapely.intersects(sections[number], area):
+                    said.add((part.id, k))
+                    x, y = shapely.get_coordinates(
+                        shapely.point_on_surface(shapely.intersection(sections[number], area))
+                    )[0]
+                    yield (), f"{where}: it burns into {part.id} {at}, at ({x:.1f}, {y:.1f})"
+        for contour in bevelled:
+            of = [burnt[k] for k in passes[contour.id]]
+            if contour.id in upright:
+                of.append(shapely.buffer(upright[contour.id], kerf_mm / 2))
+            if not of or ("face", contour.id) in said:
+                continue
+            half_mm = max([jets[k].half_mm for k in passes[contour.id]] or [0.0])
+            if (place := _left(contour, depth_mm, thickness_mm, shapely.union_all(of), half_mm, allowed)) is not None:
+                said.add(("face", contour.id))
+                x, y = place
+                text = f"{contour.id}: its face is not cut {at}, at ({x:.1f}, {y:.1f})"
+                yield (contour.id,), text
+
+
+def _left(
+    contour: Contour, depth_mm: float, thickness_mm: float, burnt: shapely.Geometry, half_mm: float, allowed: float
+) -> Point | None:
+    """A place of the face at a depth that no burn comes near, but for what a round jet leaves of inner corners.
+
+    Where two edges bend into the part the jet turns about one place of the root, from which the face is no further than
+    it lies behind the contour, and half the jet.
+    """
+    away_mm = cut_away_mm(contour, depth_mm, thickness_mm)
+    inside = _face(contour, away_mm, sharp=False)
+    ring = shapely.segmentize(shapely.boundary(inside), _SAMPLE_MM)
+    points = shapely.points(shapely.get_coordinates(ring))
+    far = ~shapely.dwithin(burnt, points, allowed)
+    if not far.any():
+        return None
+    drawn = shapely.make_valid(contour.polygon)
+    waste = shapely.difference(shapely.buffer(drawn, 9 * half_mm), drawn) if contour.kind == "outer" else drawn
+    middles = shapely.buffer(waste, -half_mm, quad_segs=32)  # where the middle of the jet may be at the root
+    far &= shapely.dwithin(middles, points, half_mm + away_mm + allowed / 2)
+    if not far.any():
+        return None
+    x, y = shapely.get_coordinates(points[far][0])[0].tolist()
+    return float(x), float(y)
+
+
+def _meeting(
+    program: NcProgram,
+    jets: dict[int, _Jet],
+    passes: dict[str, list[int]],
+    bevelled: Sequence[Contour],
+    upright: dict[str, int],
+    profile: Profile,
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Loops and leads of tilted burns that meet another cut: there the jet would find no metal, or leave it early."""
+    thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
+    contours = {c.id: c for c in bevelled}
+    aside: dict[int, shapely.Geometry] = {}
+    whole: dict[int, shapely.Geometry] = {}
+    own: dict[int, set[int]] = {}
+    depths = _depths(bevelled, thickness_mm)
+    for name, of in passes.items():
+        mine = {*of, *([upright[name]] if name in upright else [])}
+        for k, slope in zip(of, slopes_of(contours[name], thickness_mm)[0], strict=False):
+            own[k] = mine
+            ring = _root_ring(contours[name], slope, profile)
+            off = [] if ring is None else list(_off(jets[k], ring, slope))
+            areas = [shapely.buffer(jets[k].line(z, some), jets[k].half_mm) for z in depths for some in off]
+            aside[k] = shapely.union_all(areas) if areas else shapely.Point()
+            whole[k] = shapely.union_all([jets[k].burnt(z) for z in depths])
+    lines = lines_of([b.path for b in program.burns if b.path.segments], 0.005)
+    drawn = dict(zip([k for k, b in enumerate(program.burns) if b.path.segments], lines, strict=True))
+    for k, area in aside.items():
+        for other, line in drawn.items():
+            if other in own.get(k, {k}) or other == k or program.burns[other].tool != 0:
+                continue
+            burnt = whole.get(other)
+            if burnt is None:
+                burnt = shapely.buffer(line, kerf_mm / 2)
+            if shapely.intersects(area, burnt):
+                one, two = program.burns[k].line, program.burns[other].line
+                yield (), f"line {one}: a loop or a lead of a tilted burn meets what is cut from line {two} on"
+
+
+def _off(jet: _Jet, ring: shapely.LinearRing, slope: Slope) -> Iterator[slice]:
+    """The stretches of a burn that do not run along its contour: leads and loops."""
+    near = shapely.dwithin(ring, shapely.points(jet.at + slope.root_mm * jet.aside), _NEAR_MM)
+    k = 0
+    while k < len(near):
+        if near[k]:
+            k += 1
+            continue
+        end = k
+        while end < len(near) and not near[end]:
+            end += 1
+        yield slice(max(k - 1, 0), min(end + 1, len(near)))
+        k = end
+
+
+def _made_upright(jet: _Jet, contour: Contour, slope: Slope, profile: Profile) -> Burn:
+    """The burn as an upright one at its root, without its loops: they are judged above."""
+    ring = _root_ring(contour, slope, profile)
+    assert ring is not None
+    points = jet.at + slope.root_mm * jet.aside
+    near = shapely.dwithin(ring, shapely.points(points), _NEAR_MM)
+    on = np.flatnonzero(near)
+    rows: list[tuple[float, float]] = [(float(x), float(y)) for x, y in points[: on[0]]]
+    for a, b in zip(on, [*on[1:], None], strict=True):
+        rows.append((float(points[a, 0]), float(points[a, 1])))
+        if b is not None and b > a + 1:
+            rows += _short_way(ring, points[a], points[b])
+    rows += [(float(x), float(y)) for x, y in points[on[-1] + 1 :]]
+    kept = [rows[0], *(q for p, q in pairwise(rows) if math.dist(p, q) > 1e-7)]
+    path = Curve.of(kept, closed=False)
+    cosine = math.cos(math.radians(jet.lean_deg))
+    feed = max(jet.burn.feeds_mm_s) / cosine
+    return replace(jet.burn, path=path, axes=(), step_feeds_mm_s=(feed,) * len(path.segments))
+
+
+def _short_way(ring: shapely.LinearRing, begin: Floats, end: Floats) -> list[tuple[float, float]]:
+    """The points of a ring between two places on it, the shorter way."""
+    line = shapely.LineString(ring.coords)
+    low, high = (float(line.project(shapely.Point(at))) for at in (begin, end))
+    turned = low > high
+    low, high = min(low, high), max(low, high)
+    if high - low <= line.length / 2:
+        points = list(ops.substring(line, low, high).coords)
+    else:
+        points = [*ops.substring(line, high, line.length).coords, *ops.substring(line, 0.0, low).coords]
+        turned = not turned
+    return [(float(x), float(y)) for x, y in (points[::-1] if turned else points)[1:-1]]

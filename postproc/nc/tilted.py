@@ -1,0 +1,71 @@
+"""Blocks of a torch that tilts: the passes of a contour with a bevel, each from its pierce to where it goes off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from kerfwise.encoder.bevels.tilted_path import TiltedPath
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.postproc.dialects import pierce_dwell_of
+from kerfwise.rules.profile.profile import Profile
+
+from .gcode import GcodeWriter, comment, number
+from .toolpaths import Toolpath
+
+_DEG_DECIMALS = 4
+_SAME_DEG = 10**-_DEG_DECIMALS / 2
+
+
+def bevel_passes(
+    order: int, name: str, toolpath: Toolpath, corner: Point, profile: Profile, pen: GcodeWriter
+) -> Iterator[str]:
+    """The blocks of all passes; `corner` is the point of the drawing that is the program's zero.
+
+    An upright pass follows the path of the cut itself. Between two passes the torch is off.
+    """
+    machine, words, cut = profile.machine, profile.cuts.bevel, toolpath.planned.cut
+    small_hole = toolpath.feed_share / toolpath.passes[-1].feed_share
+    waits = pierce_dwell_of(profile, pen.dialect) == "program"
+    for count, one in enumerate(toolpath.passes, 1):
+        lean = f"TILT {number(one.tilt_deg, 3)}" if one.tilt_deg else "UPRIGHT"
+        text = f"ZONE {cut.zone} {cut.direction.upper()} PASS {count} OF {len(toolpath.passes)} {lean}"
+        yield comment(pen.dialect, f"CUT {order}", name, text)
+        feed_mm_s = machine.cut_feed_mm_s * one.feed_share * small_hole
+        yield from pen.select(False)
+        if one.tilt_deg:
+            path = one.moved(-corner[0], -corner[1])
+            pen.upright = f"{words.tilt}{number(one.tilt_deg, 3)} {words.turn}{_degrees(path.steps[0].begin_deg)}"
+            yield pen.rapid(path.start)
+            yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
+            yield from _followed(path, feed_mm_s, words.turn, profile.material.thickness_mm, pen)
+            yield from pen.stop(False)
+            pen.upright = f"{words.tilt}0"
+        else:
+            yield pen.rapid(toolpath.path.point_at(0.0))
+            yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
+            yield from pen.path(toolpath.path, feed_mm_s)
+            yield from pen.stop(False)
+
+
+def _followed(path: TiltedPath, feed_mm_s: float, turn: str, thickness_mm: float, pen: GcodeWriter) -> Iterator[str]:
+    """The blocks that follow a path, the head turning with it: its angle stands where it changes."""
+    said, in_force = path.steps[0].begin_deg, ""
+    for step in path.steps:
+        if step.segment.length_mm == 0:
+            reach_mm = abs(path.slope) * thickness_mm
+            deg_min = math.degrees(feed_mm_s / reach_mm) * 60  # no point of the jet moves faster than it cuts
+            yield f"{pen.dialect.line} {turn}{_degrees(step.end_deg)} F{number(deg_min, 3)}"
+            said, in_force = step.end_deg, ""
+            continue
+        for block, share in pen.shares_of(step.segment):
+            degrees = step.begin_deg + (step.end_deg - step.begin_deg) * share
+            if abs(degrees - said) > _SAME_DEG:
+                block, said = f"{block} {turn}{_degrees(degrees)}", degrees
+            if in_force != (word := pen.feed_word(feed_mm_s)):
+                block, in_force = f"{block} {word}", word
+            yield block
+
+
+def _degrees(value: float) -> str:
+    return number(value, _DEG_DECIMALS)

@@ -1,0 +1,199 @@
+"""The simulation in layers: what tilted torches burn at each depth, by arithmetic of its own.
+
+It shares nothing with the planner, the check or the reader of programs: it has the drawing, the thickness, the
+kerfs and the words of the program, which it runs as LinuxCNC does. A jet is a line through the metal. At each depth
+it burns a disc, and discs must meet no part, leave no face standing, and lie on the sheet.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.rules.profile.profile import Profile
+
+Floats = NDArray[np.float64]
+LAYERS = 7
+DISC = 12
+STEP_MM = 0.5
+DEEP_MM = 0.06
+"""How far a jet may reach into a part."""
+LOOK_MM = 0.12
+"""How far from its face the waste must be burnt."""
+_WORDS = re.compile(r"([A-Z])(-?\d+\.?\d*)")
+
+
+@dataclass(frozen=True, slots=True)
+class LayerFinding:
+    """What is wrong at one depth, and where."""
+
+    kind: str
+    name: str
+    depth_mm: float
+    at: tuple[float, float]
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.name}, {self.depth_mm:.2f} mm deep at ({self.at[0]:.2f}, {self.at[1]:.2f})"
+
+
+def jets_of(program: str, tilt: str = "A", turn: str = "C") -> list[Floats]:
+    """Each stretch with the torch on, as rows of x, y, tilt and turn, close together."""
+    state = {"X": 0.0, "Y": 0.0, tilt: 0.0, turn: 0.0}
+    motion, lit, jets = 0, False, list[list[Floats]]()
+    for raw in program.splitlines():
+        line = re.sub(r"\([^)]*\)", "", raw).strip()
+        words = {letter: float(number) for letter, number in _WORDS.findall(line) if letter != "N"}
+        codes = {float(n) for letter, n in _WORDS.findall(line) if letter == "G"}
+        if words.get("M") == 3:
+            lit = True
+            jets.append([])
+        elif words.get("M") == 5:
+            lit = False
+        motion = next((int(code) for code in codes if code in (0, 1, 2, 3)), motion)
+        after = state | {letter: value for letter, value in words.items() if letter in state}
+        if after == state or 4.0 in codes:
+            continue
+        if lit:
+            assert motion, f"a rapid with the torch on: {raw}"
+            jets[-1].append(_moved(state, after, motion, words.get("I", 0.0), words.get("J", 0.0), tilt, turn))
+        state = after
+    return [np.concatenate(rows) for rows in jets if rows]
+
+
+def _moved(a: dict[str, float], b: dict[str, float], motion: int, i: float, j: float, tilt: str, turn: str) -> Floats:
+    start, end = np.array([a["X"], a["Y"]]), np.array([b["X"], b["Y"]])
+    if motion == 1:
+        length = float(np.hypot(*(end - start)))
+        count = _count(length, a[turn] - b[turn])
+        share = np.linspace(0.0, 1.0, count + 1)
+        points = start + share[:, None] * (end - start)
+    else:
+        centre, radius = start + np.array([i, j]), math.hypot(i, j)
+        first = math.atan2(-j, -i)
+        sweep = math.atan2(*(end - centre)[::-1]) - first
+        sweep = sweep % math.tau if motion == 3 else -(-sweep % math.tau)
+        count = _count(radius * abs(sweep), max(abs(a[turn] - b[turn]), math.degrees(abs(sweep))))
+        share = np.linspace(0.0, 1.0, count + 1)
+        points = centre + radius * np.column_stack([np.cos(first + sweep * share), np.sin(first + sweep * share)])
+    leans = a[tilt] + share * (b[tilt] - a[tilt])
+    return np.column_stack([points, leans, a[turn] + share * (b[turn] - a[turn])])
+
+
+def _count(length_mm: float, turned_deg: float) -> int:
+    return max(1, math.ceil(length_mm / STEP_MM), math.ceil(abs(turned_deg) / 1.0))
+
+
+def simulate_layers(nest: Nest, program: str, profile: Profile) -> list[LayerFinding]:
+    """Burn a program layer by layer; a finding once for each kind and name."""
+    drawn, thickness_mm = nest.drawn or nest, profile.material.thickness_mm
+    jets = jets_of(program, profile.cuts.bevel.tilt, profile.cuts.bevel.turn)
+    found: dict[tuple[str, str], LayerFinding] = {}
+    for depth_mm in np.linspace(0.0, thickness_mm, LAYERS).tolist():
+        for one in _at_depth(drawn, jets, depth_mm, thickness_mm, profile):
+            found.setdefault((one.kind, one.name), one)
+    return list(found.values())
+
+
+def _radius_mm(lean_deg: float, profile: Profile) -> float:
+    table = sorted({0.0: profile.material.kerf_mm, **dict(profile.cuts.bevel.kerfs)}.items())
+    kerf_mm = float(np.interp(abs(lean_deg), [row[0] for row in table], [row[1] for row in table]))
+    return kerf_mm / 2 / math.cos(math.radians(lean_deg))
+
+
+def _behind_mm(contour: Contour, depth_mm: float, thickness_mm: float) -> float:
+    """How far the face lies behind the line that is drawn."""
+    bevel = contour.bevel
+    if bevel is None:
+        return 0.0
+    tan, land = math.tan(math.radians(bevel.angle_deg)), bevel.land_mm
+    if bevel.kind in ("X", "K"):
+        return max(0.0, abs(depth_mm - thickness_mm / 2) - land / 2) * tan
+    from_land = thickness_mm - depth_mm if bevel.side == "top" else depth_mm
+    return max(0.0, from_land - land) * tan
+
+
+def _at_depth(
+    nest: Nest, jets: Sequence[Floats], depth_mm: float, thickness_mm: float, profile: Profile
+) -> Iterator[LayerFinding]:
+    ways, radii = [], []
+    for jet in jets:
+        lean, turn = np.radians(jet[:, 2]), np.radians(jet[:, 3])
+        aside = depth_mm * np.tan(lean)
+        ways.append(jet[:, :2] + aside[:, None] * np.column_stack([np.cos(turn), np.sin(turn)]))
+        radii.append(_radius_mm(float(np.abs(jet[:, 2]).max()), profile))
+    angle = np.linspace(0.0, math.tau, DISC, endpoint=False)
+    round_ = np.column_stack([np.cos(angle), np.sin(angle)])
+    for way, radius in zip(ways, radii, strict=True):
+        disc = (way[:, None, :] + (radius * round_)[None, :, :]).reshape(-1, 2)
+        inside = shapely.contains_xy(shapely.buffer(nest.sheet.polygon, DEEP_MM), disc)
+        if not inside.all():
+            yield _found("beyond the sheet", "", depth_mm, disc[~inside][0])
+        for part in nest.parts:
+            burnt = _in_metal(part, disc, depth_mm, thickness_mm)
+            if burnt.any():
+                yield _found("burnt", part.id, depth_mm, disc[burnt][0])
+    trees = [(cKDTree(way), radius) for way, radius in zip(ways, radii, strict=True)]
+    for part in nest.parts:
+        for contour in part:
+            if contour.encloses and (left := _standing(contour, trees, max(radii), depth_mm, thickness_mm)) is not None:
+                yield _found("left standing", contour.id, depth_mm, left)
+
+
+def _found(kind: str, name: str, depth_mm: float, at: Floats) -> LayerFinding:
+    return LayerFinding(kind, name, depth_mm, (float(at[0]), float(at[1])))
+
+
+def _in_metal(part: Part, points: Floats, depth_mm: float, thickness_mm: float) -> NDArray[np.bool_]:
+    """Points deeper in the part than allowed."""
+    x0, y0, x1, y1 = part.polygon.bounds
+    inside = (points[:, 0] > x0) & (points[:, 0] < x1) & (points[:, 1] > y0) & (points[:, 1] < y1)
+    inside[inside] = shapely.contains_xy(part.polygon, points[inside])
+    for contour in part:
+        if contour.encloses and inside.any():
+            away = shapely.distance(contour.line, shapely.points(points[inside]))
+            inside[inside] = away > _behind_mm(contour, depth_mm, thickness_mm) + DEEP_MM
+    return inside
+
+
+def _standing(
+    contour: Contour, trees: Sequence[tuple[cKDTree, float]], widest_mm: float, depth_mm: float, thickness_mm: float
+) -> Floats | None:
+    """A place beside the face, on the waste's side, that nothing has burnt; inner corners keep a round rest."""
+    behind_mm = _behind_mm(contour, depth_mm, thickness_mm)
+    line = shapely.LineString(shapely.get_coordinates(contour.line))
+    at_mm = np.arange(0.0, line.length, 1.7)
+    on, ahead = (shapely.get_coordinates(shapely.line_interpolate_point(line, at_mm + d)) for d in (0.0, 1e-3))
+    along = (ahead - on) / np.maximum(np.hypot(*(ahead - on).T), 1e-12)[:, None]
+    right = np.column_stack([along[:, 1], -along[:, 0]])
+    to_waste = right if contour.curve.is_ccw == (contour.kind == "outer") else -right
+    look = on + to_waste * (LOOK_MM - behind_mm)
+    corners = _inner_corners(contour)
+    if len(corners):
+        rest_mm = 3 * (behind_mm + widest_mm) + 1
+        clear = cKDTree(corners).query(on)[0] > rest_mm
+        look = look[clear]
+    burnt = np.zeros(len(look), np.bool_)
+    for tree, radius in trees:
+        burnt |= tree.query(look, distance_upper_bound=radius + 0.02)[0] <= radius + 0.02
+    return None if burnt.all() else look[~burnt][0]
+
+
+def _inner_corners(contour: Contour) -> Floats:
+    """Where the contour bends into the part."""
+    found = []
+    segments = contour.curve.segments
+    for before, after in zip(segments, [*segments[1:], segments[0]], strict=True):
+        (ax, ay), (bx, by) = before.tangent_at(1.0), after.tangent_at(0.0)
+        left = ax * by - ay * bx
+        outwards = left if contour.curve.is_ccw == (contour.kind == "outer") else -left
+        if outwards < -0.02:
+            found.append(after.start)
+    return np.array(found).reshape(-1, 2)

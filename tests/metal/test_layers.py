@@ -1,0 +1,72 @@
+"""Bevels burnt in layers: programs of made nests leave every part whole and every face cut, at every depth."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.request import facts_of, make_request
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.tests.metal.bevel_nests import made_nest
+from kerfwise.tests.metal.layers import jets_of, simulate_layers
+
+FEW = (0, 3)
+
+
+def planned(seed: int) -> tuple[Nest, Profile, str] | None:
+    """The nest of a seed with its program; None where there is no room, which is refused."""
+    nest, profile = made_nest(seed)
+    try:
+        done = solve_and_verify(make_request(facts_of(nest, profile), profile), profile, SolveOptions(work=0.05))
+    except (InputError, RulesConflict):
+        return None
+    assert done.verdict.ok, done.verdict
+    return nest, profile, done.program
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_programs_of_made_nests_burn_no_part_and_leave_no_face(seed: int) -> None:
+    made = planned(seed)
+    assert made is not None
+    nest, profile, program = made
+    assert [str(one) for one in simulate_layers(nest, program, profile)] == []
+
+
+@pytest.mark.full
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 240, 20))
+def test_two_hundred_made_nests(first: int) -> None:
+    made = [one for one in map(planned, range(first, first + 20)) if one is not None]
+    assert len(made) >= 15
+    found = [f"{nest.file}: {f}" for nest, profile, program in made for f in simulate_layers(nest, program, profile)]
+    assert found == []
+
+
+def damages(program: str) -> Iterator[tuple[str, str]]:
+    """Programs with one thing wrong, and which kind of finding that makes."""
+    lean = re.compile(r" A(-?)([1-9][0-9.]*)")
+    yield "tilts more", lean.sub(lambda m: f" A{m[1]}{float(m[2]) + 4:g}", program, count=1)
+    yield "tilts the other way", lean.sub(lambda m: f" A{'' if m[1] else '-'}{m[2]}", program, count=1)
+    yield "stays upright", re.sub(r" A-?[0-9.]+", "", program)
+
+
+def test_the_simulation_can_fail() -> None:
+    made = planned(FEW[0])
+    assert made is not None
+    nest, profile, program = made
+    for name, damaged in damages(program):
+        assert simulate_layers(nest, damaged, profile), name
+
+
+def test_jets_are_read_as_the_control_runs_them() -> None:
+    text = "G0 X10 Y0 A45 C0\nM3 S1\nG4 P1\nG1 X20 F600\nG3 X20 Y20 I0 J10 C180\nM5\n"
+    (jet,) = jets_of(text)
+    assert jet[0].tolist() == [10, 0, 45, 0]
+    assert jet[-1].round(9).tolist() == [20, 20, 45, 180]
+    assert jet[len(jet) // 2, 0] > 20
