@@ -1,1 +1,1 @@
-"""Rules: facts and a plant's profile become statements; one rule, one file in `catalogue/`."""
+"""Rules: facts and a plant's profile become statements; one rule, one folder in `catalogue/`."""

@@ -131,9 +131,8 @@ def all_pages() -> str:
 
 def _with_picture(name: str, page: str) -> str:
     """The page with its picture above the settings."""
-    return page.replace(
-        "\n### Settings\n", f"\n![{name}, wrong and right](rule-pictures/{name}.svg)\n\n### Settings\n", 1
-    )
+    picture = f"../rules/catalogue/{name.replace('-', '_')}/picture.svg"
+    return page.replace("\n### Settings\n", f"\n![{name}, wrong and right]({picture})\n\n### Settings\n", 1)
 
 
 # Which text is the source of each rule: `kerfwise rules --texts`, and the end of docs/rules.md.
@@ -144,7 +143,7 @@ HEAD = """\
 A rule may stand in several texts. This is which of them engines obey, and which one the check judges by.
 
 - **A shipped rule** is stated by its Python, in `rules/catalogue`, for every engine but `minizinc`. So nobody needs
-  MiniZinc who has no model files. Its file in `rules/minizinc/rules` is the same rule by other means, for the engine
+  MiniZinc who has no model files. The file in its folder is the same rule by other means, for the engine
   `minizinc` and for rule authors to read and to copy. The check judges by neither: it measures, by `violations()`. All
   three have to admit the same plans: `kerfwise rules test NAME` compares them on every plan of small nests, and
   `python -m kerfwise.benchmarks.flattened` compares the statements of both texts [one by one](flattened.md).
@@ -177,15 +176,15 @@ def _rows() -> Iterator[str]:
         file = rule_file(name)
         twin = f"`{file.name}`" if file.exists() else "none"
         place = f"no: {rule.takes_no_file}" if rule.takes_no_file else "yes"
-        yield f"| `{name}` | `{name.replace('-', '_')}.py` | {twin} | {place} |"
+        yield f"| `{name}` | `{name.replace('-', '_')}/__init__.py` | {twin} | {place} |"
 
 
 # A new rule's files, made from templates: three in a checkout of kerfwise, or one of a plant's own, with its cases.
 
 FILES = {
-    "rule.py.txt": "rules/catalogue/{module}.py",
-    "rule.mzn.txt": "rules/minizinc/rules/{module}.mzn",
-    "cases.py.txt": "rules/cases/{module}.py",
+    "rule.py.txt": "rules/catalogue/{module}/__init__.py",
+    "rule.mzn.txt": "rules/catalogue/{module}/{module}.mzn",
+    "cases.py.txt": "rules/catalogue/{module}/cases.py",
 }
 """Template → where what is made of it goes in a checkout."""
 OF_A_PLANT = {"python": ("outside.py.txt", ".py"), "mzn": ("outside.mzn.txt", ".mzn")}
@@ -209,7 +208,7 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     module = name.replace("-", "_")
     paths = {template: root / place.format(module=module) for template, place in FILES.items()}
     for path in paths.values():
-        if not is_checkout(root) or not is_folder(path.parent):
+        if not is_checkout(root):
             raise InputError(
                 f"{root} is no source checkout of kerfwise: say --python or --mzn for a rule of your own in any "
                 "folder, or name the checkout with --into"
@@ -217,14 +216,25 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
         if is_there(path):
             raise InputError("the file is there already; choose another name, or remove it", file=path)
     try:
+        path.parent.mkdir(exist_ok=True)
         for template, path in paths.items():
             _write(template, path, name)
+        _add_package(root / "pyproject.toml", module)
     except OSError as error:
         for file in paths.values():
             with contextlib.suppress(OSError):
                 file.unlink()
+        with contextlib.suppress(OSError):
+            path.parent.rmdir()
         raise InputError(f"cannot write: {error.strerror}", file=path) from None
     return tuple(paths.values())
+
+
+def _add_package(pyproject: Path, module: str) -> None:
+    """List the folder of a new rule among the packages of a wheel."""
+    above = '    "kerfwise.rules.catalogue",\n'
+    text = pyproject.read_text(encoding="utf-8")
+    pyproject.write_text(text.replace(above, f'{above}    "kerfwise.rules.catalogue.{module}",\n', 1), encoding="utf-8")
 
 
 def new_outside_rule(name: str, language: str, folder: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Every rule there is: one module of `catalogue/` each, found without being listed anywhere."""
+"""Every rule there is: one folder of `catalogue/` each, found without being listed anywhere."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def collect(modules: Iterable[ModuleType]) -> dict[str, Rule[Any]]:
 
 
 def catalogue_modules() -> list[ModuleType]:
-    """The modules of `catalogue/`, by name."""
+    """The rules' packages in `catalogue/`, by name."""
     names = sorted(m.name for m in pkgutil.iter_modules(catalogue.__path__))
     return [importlib.import_module(f"{catalogue.__name__}.{name}") for name in names]
 

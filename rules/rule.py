@@ -67,7 +67,7 @@ class NoGoodIds:
 
 
 class Rule(ABC, Generic[OptionsT]):
-    """One rule of cutting; one file of `catalogue/` holds one.
+    """One rule of cutting; one folder of `catalogue/` holds one.
 
     The class docstring is the rule's page, under the headings `HEADINGS`; a plant's rule may leave out `OTHER_CUTS`.
     `sentence` says in one line what the rule asks, `source` where it comes from. `strengths` are those a profile may

@@ -24,7 +24,6 @@ from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.quantities import DURATION
 from kerfwise.rules.options.yaml_positions import Problems, compose, deepest, entries, items, plain, shape
 
-from . import cases as folder
 from .case import Case, CaseKind, Rows, circle, cut, part, rect
 from .case import nest as nest_of
 from .registry import RULES
@@ -52,10 +51,10 @@ def cases_of(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> tuple[Case, .
         return model_cases(own_cases, own_cases.file.path)
     if own_cases.brought:
         return _beside(own_cases)
-    name = rule.replace("-", "_")
-    module = f"{folder.__name__}.{name}"
+    module = f"{type(known[rule]).__module__}.cases"
     if importlib.util.find_spec(module) is None:
-        raise InputError(f"rule {rule} has no cases: expected the file rules/cases/{name}.py")
+        folder = rule.replace("-", "_")
+        raise InputError(f"rule {rule} has no cases: expected the file rules/catalogue/{folder}/cases.py")
     cases: tuple[Case, ...] = importlib.import_module(module).CASES
     return cases
 

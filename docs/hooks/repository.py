@@ -2,7 +2,7 @@
 
 CONTRIBUTING.md and CHANGELOG.md stand at the root, where people look for them, and become pages of the site. A link to
 another file of the repository, such as `../postproc/check`, is right where the repository is read; the site has no such
-file, and shows its path instead.
+file, and shows its path instead. The pictures of rules stand in the folders of the rules, and become files of the site.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ def on_files(files: Files, config: Any, **_: Any) -> Files:
     for name, page in AT_ROOT.items():
         text = (_root(config) / name).read_text(encoding="utf-8")
         files.append(File.generated(config, page, content=_moved(text)))
+    for path in sorted(_root(config).glob("rules/catalogue/*/picture.svg")):
+        files.append(File.generated(config, f"rule-pictures/{path.parent.name}.svg", abs_src_path=str(path)))
     return files
 
 
@@ -35,6 +37,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, **_: Any) -> str:
         name = target.removeprefix("../")
         if name in AT_ROOT:
             return f"[{text}]({AT_ROOT[name]}{anchor})"
+        if name.endswith("/picture.svg"):
+            return f"[{text}](rule-pictures/{Path(name).parent.name}.svg)"
         if not (_root(config) / name).exists():
             return link[0]  # mkdocs says that it leads nowhere
         return text if text.strip("`").endswith(name) else f"{text} (`{name}`)"

@@ -1,1 +1,1 @@
-"""The catalogue: one rule, one module. A new module is found by itself."""
+"""The catalogue: a folder for each rule, with its statements and judgement, cases, text in MiniZinc and picture."""

@@ -6,12 +6,12 @@ import hashlib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, expect_readable, read_limited
 from kerfwise.encoder.text import escape_text
+from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.registry import RULES
 
 TYPES = ("int", "bool", "string")
@@ -205,7 +205,7 @@ def shipped_text(rule_id: str) -> str | None:
     """The model file of a shipped rule; None where no shipped rule of that name has one."""
     if rule_id not in RULES:
         return None
-    file = resources.files("kerfwise.rules.minizinc.rules") / f"{rule_id.replace('-', '_')}.mzn"
+    file = rule_file(rule_id)
     return file.read_text(encoding="utf-8") if file.is_file() else None
 
 

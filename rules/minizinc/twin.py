@@ -7,7 +7,6 @@ import inspect
 from collections.abc import Iterable, Set
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -23,7 +22,9 @@ from kerfwise.encoder.nest import Nest
 from . import __path__ as _path
 
 MODELS = Path(_path[0])
-"""The model files."""
+"""The files that the rules' model files stand on."""
+CATALOGUE = MODELS.parent / "catalogue"
+"""A folder for each rule, which has its model file."""
 OptionsT = TypeVar("OptionsT")
 
 
@@ -85,7 +86,7 @@ def pairs_without(pairs: Ints, dropped: Set[tuple[int, int]]) -> Ints:
 
 def rule_file(rule: str) -> Path:
     """The model file that states the rule of that id, whether there is one or not."""
-    return MODELS / "rules" / f"{_name(rule)}.mzn"
+    return CATALOGUE / _name(rule) / f"{_name(rule)}.mzn"
 
 
 @cache
@@ -97,9 +98,9 @@ def twin_of(rule: str) -> Twin[Any]:
     >>> type(twin_of("heat-lag")).__name__, type(twin_of("zone-order")).__name__
     ('HeatLagTwin', 'Twin')
     """
-    if not _name(rule).isidentifier() or find_spec(f"{__package__}.rules.{_name(rule)}") is None:
+    if not (CATALOGUE / _name(rule) / "model_data.py").is_file():
         return Twin()
-    module = importlib.import_module(f"{__package__}.rules.{_name(rule)}")
+    module = importlib.import_module(f"kerfwise.rules.catalogue.{_name(rule)}.model_data")
     (cls,) = (
         cls
         for _, cls in inspect.getmembers(module, inspect.isclass)

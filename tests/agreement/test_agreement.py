@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kerfwise.rules.catalogue.heat_lag import HeatLag
-from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
+from kerfwise.rules.catalogue.heat_lag.model_data import HeatLagTwin
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.agreement.agree import agreement

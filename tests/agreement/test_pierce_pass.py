@@ -11,7 +11,7 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.jobs.request import options_for
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.pierce import meeting_holes
-from kerfwise.rules.minizinc.rules.pierce import met_holes
+from kerfwise.rules.catalogue.pierce.model_data import met_holes
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.sections import Cuts
 from kerfwise.rules.stating.state_rules import state_rules

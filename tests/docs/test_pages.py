@@ -18,7 +18,7 @@ PAGES = [*sorted(ROOT.glob("*.md")), *sorted(DOCS.glob("**/*.md")), ROOT / "exam
 SITE = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
 AT_ROOT = {"contributing.md", "changelog.md"}
 """Pages that the site takes from the root."""
-MADE_ON_THE_WAY = "/long_parts_last."
+MADE_ON_THE_WAY = "/long_parts_last"
 """In the names of the files that the reader of docs/writing-a-rule.md makes."""
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import inspect
-import pkgutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from kerfwise.rules import cases
+from kerfwise.rules import catalogue
 from kerfwise.rules.case import Case
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.registry import RULES
@@ -55,12 +55,21 @@ def test_each_option_is_shown_by_a_case(rule: str) -> None:
         for option in options_of(RULES[rule].Options)
         if all(getattr(options, option.name) == option.default for options in given)
     }
-    file = f"rules/cases/{rule.replace('-', '_')}.py"
+    file = f"rules/catalogue/{rule.replace('-', '_')}/cases.py"
     assert unseen == BY_THEIR_DEFAULT.get(rule, set()), f"{file}: no case gives these another value than their default"
 
 
-def test_every_file_of_cases_is_of_a_rule() -> None:
-    assert sorted(m.name for m in pkgutil.iter_modules(cases.__path__)) == sorted(r.replace("-", "_") for r in RULES)
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_has_all_that_is_its_own_in_its_folder(rule: str) -> None:
+    folder = Path(catalogue.__path__[0], rule.replace("-", "_"))
+    files = {path.name for path in folder.iterdir() if path.is_file()}
+    assert files >= {"__init__.py", "cases.py", "picture.svg"}
+    assert {name for name in files if not name.endswith(".mzn")} <= {
+        "__init__.py",
+        "cases.py",
+        "model_data.py",
+        "picture.svg",
+    }
 
 
 def test_comparison_can_fail() -> None:

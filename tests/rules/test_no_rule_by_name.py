@@ -13,8 +13,10 @@ import kerfwise
 from kerfwise.rules.registry import RULES
 
 HOUSE = Path(kerfwise.__file__).parent
-ABOVE = ("rules/catalogue/", "rules/cases/", "tests/", "benchmarks/", "examples/")
+ABOVE = ("rules/catalogue/", "tests/", "benchmarks/", "examples/")
 """Rules themselves and their cases, and what chooses rules as a profile does: tests, benchmarks and examples."""
+OTHER_HALF = "/model_data.py"
+"""Of a rule: what its text in MiniZinc reads. It may know its own rule and no other."""
 CATALOGUE = re.compile(r"(^|\.)rules\.catalogue(\.|$)|^catalogue(\.|$)")
 PLAIN = {name for name in RULES if "-" not in name}
 """Ids that are words besides: `locks` is a key of profiles, `pierce` a place in plans, facts and pictures."""
@@ -50,7 +52,7 @@ WORDS = {
 
 def files() -> list[str]:
     found = (file.relative_to(HOUSE).as_posix() for file in HOUSE.rglob("*.py"))
-    return sorted(f for f in found if not f.startswith((*ABOVE, ".", "build/", "dist/")))
+    return sorted(f for f in found if f.endswith(OTHER_HALF) or not f.startswith((*ABOVE, ".", "build/", "dist/")))
 
 
 def named(text: str, file: str = "") -> Iterator[str]:
@@ -72,9 +74,9 @@ def named(text: str, file: str = "") -> Iterator[str]:
 
 
 def _own_rule(file: str) -> str | None:
-    """The catalogue's module that a file of `rules/minizinc/rules` is the other half of."""
+    """The catalogue's module that this file is the other half of."""
     folder, _, name = file.rpartition("/")
-    return f"rules.catalogue.{name.removesuffix('.py')}" if folder == "rules/minizinc/rules" else None
+    return folder.replace("/", ".") if f"/{name}" == OTHER_HALF else None
 
 
 @pytest.mark.parametrize("file", [file for file in files() if file not in ALLOWED])
@@ -113,5 +115,5 @@ def test_the_search_lets_words_be() -> None:
 
 def test_the_other_half_of_a_rule_may_know_it_and_no_other() -> None:
     one = "from kerfwise.rules.catalogue.heat_lag import HeatLagOptions"
-    assert list(named(one, "rules/minizinc/rules/heat_lag.py")) == []
-    assert list(named(one, "rules/minizinc/rules/locks.py")) != []
+    assert list(named(one, "rules/catalogue/heat_lag/model_data.py")) == []
+    assert list(named(one, "rules/catalogue/locks/model_data.py")) != []

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from kerfwise.apps.authoring.rules_verb import command
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules import run_cases as runner
-from kerfwise.rules.pages import FILES, new_rule, rule_page
+from kerfwise.rules.pages import new_rule, rule_page
 from kerfwise.rules.registry import RULES
 
 
@@ -75,9 +75,8 @@ def test_case_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def checkout(root: Path) -> Path:
-    for place in FILES.values():
-        (root / place).parent.mkdir(parents=True)
-    (root / "pyproject.toml").touch()
+    (root / "rules" / "catalogue").mkdir(parents=True)
+    (root / "pyproject.toml").write_text('packages = [\n    "kerfwise.rules.catalogue",\n]\n', encoding="utf-8")
     return root
 
 
@@ -85,19 +84,21 @@ def test_new_rule_is_three_files(tmp_path: Path) -> None:
     out = said("new", "bars-last", "--into", str(checkout(tmp_path)))
     made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.*") if p.suffix in (".py", ".mzn"))
     assert made == [
-        "rules/cases/bars_last.py",
-        "rules/catalogue/bars_last.py",
-        "rules/minizinc/rules/bars_last.mzn",
+        "rules/catalogue/bars_last/__init__.py",
+        "rules/catalogue/bars_last/bars_last.mzn",
+        "rules/catalogue/bars_last/cases.py",
     ]
+    assert '    "kerfwise.rules.catalogue.bars_last",\n' in (tmp_path / "pyproject.toml").read_text(encoding="utf-8")
     assert f"pip install -e {tmp_path.resolve()}" in out
     assert "next: kerfwise rules test bars-last" in out
-    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[1]).read_text(encoding="utf-8")
-    assert "bars_last_holds =" in (tmp_path / made[2]).read_text(encoding="utf-8")
+    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[0]).read_text(encoding="utf-8")
+    assert "bars_last_holds =" in (tmp_path / made[1]).read_text(encoding="utf-8")
     assert "$" not in "".join((tmp_path / name).read_text(encoding="utf-8") for name in made)
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
-    taken = checkout(tmp_path) / "rules/cases/bars_last.py"
+    taken = checkout(tmp_path) / "rules/catalogue/bars_last/cases.py"
+    taken.parent.mkdir()
     taken.write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="the file is there already"):
         new_rule("bars-last", tmp_path)

@@ -77,7 +77,8 @@ def test_the_page_works(copy: Path) -> None:
 
 
 def _taken(copy: Path) -> Path:
-    (copy / "rules/minizinc/rules/long_parts_final.mzn").write_text("", encoding="utf-8")
+    (copy / "rules/catalogue/long_parts_final").mkdir()
+    (copy / "rules/catalogue/long_parts_final/long_parts_final.mzn").write_text("", encoding="utf-8")
     return copy
 
 

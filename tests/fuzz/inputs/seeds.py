@@ -322,7 +322,11 @@ PYTHON_WORDS = tuple(
 def rule_file(name: str) -> bytes:
     """A rule that works, as a plant writes it: in MiniZinc or Python; `shipped.mzn` is one of the catalogue."""
     if name == "shipped.mzn":
-        return (ROOT / "rules/minizinc/rules/level_ahead.mzn").read_bytes().replace(b"level_ahead_holds", b"rule_holds")
+        return (
+            (ROOT / "rules/catalogue/level_ahead/level_ahead.mzn")
+            .read_bytes()
+            .replace(b"level_ahead_holds", b"rule_holds")
+        )
     with tempfile.TemporaryDirectory() as folder:
         return new_outside_rule("rule", {"plant.mzn": "mzn", "plant.py": "python"}[name], Path(folder)).read_bytes()
 

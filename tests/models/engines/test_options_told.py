@@ -21,8 +21,8 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.catalogue.heat_lag.model_data import HeatLagTwin
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
 from kerfwise.rules.minizinc.twin import Fields, TwinCase, twin_of
 from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.profile.load import load_profile
@@ -54,7 +54,7 @@ NOT_SHOWN = {
 @pytest.mark.parametrize(("rule", "option"), EACH, ids=[f"{rule}-{option.key}" for rule, option in EACH])
 def test_minizinc_is_told(rule: str, option: Option) -> None:
     seen = untold(rule, option)
-    file = f"rules/minizinc/rules/{rule.replace('-', '_')}.py (or .mzn)"
+    file = f"rules/catalogue/{rule.replace('-', '_')}/model_data.py (or the .mzn beside it)"
     assert not [told for told in seen if told is False], f"{rule}: {option.key} changes nothing in MiniZinc: {file}"
     assert seen or rule in STATE_NOTHING or (rule, option.key) in NOT_SHOWN, (
         f"no nest shows what {rule}: {option.key} changes: does statements() in rules/catalogue read it?"

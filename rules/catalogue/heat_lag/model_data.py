@@ -35,7 +35,12 @@ class HeatLagTwin(Twin[HeatLagOptions]):
 
     def further(self, options: HeatLagOptions, weight_mm: float | None) -> Iterator[Further]:
         if options.lag_s > 0:
-            yield Further(rule_file("heat-lag-seconds"), "heat_lag_missing_ms", weight_mm, round(options.lag_s * 1000))
+            yield Further(
+                rule_file("heat-lag").with_name("heat_lag_seconds.mzn"),
+                "heat_lag_missing_ms",
+                weight_mm,
+                round(options.lag_s * 1000),
+            )
 
 
 def heating_pairs(nest: Nest, radius_mm: float) -> list[tuple[int, int]]:

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.rules.catalogue.marks_first import MarksFirst, MarksFirstOptions
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
 from kerfwise.rules.rule import Ids, Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Contiguous, Precede
-
-from .marks_first import MarksFirst, MarksFirstOptions
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import FactOptions, Facts

@@ -1,1 +1,0 @@
-"""The cases of rules: one module per rule, named as the rule's module in `catalogue/`, with a tuple `CASES`."""

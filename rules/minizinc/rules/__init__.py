@@ -1,1 +1,0 @@
-"""The rules in MiniZinc: a model file each, and beside it what that needs besides the facts."""
