@@ -63,10 +63,13 @@ class InputError(KerfwiseError):
 
 
 class RulesConflict(KerfwiseError):
-    """The hard rules cannot all hold; `reasons` names the statements that clash, a sentence each."""
+    """The hard rules cannot all hold; `reasons` names the statements that clash, a sentence each.
 
-    def __init__(self, message: str, reasons: tuple[str, ...] = ()) -> None:
-        self.message, self.reasons = message, reasons
+    It is `proven` where an engine has shown that no plan exists.
+    """
+
+    def __init__(self, message: str, reasons: tuple[str, ...] = (), *, proven: bool = False) -> None:
+        self.message, self.reasons, self.proven = message, reasons, proven
         super().__init__("\n".join([escape_text(message), *(f"  - {escape_text(r)}" for r in reasons)]))
 
 

@@ -177,10 +177,12 @@ def plan_nest(
             until = Deadline.of(limit.without_plan())
             conflict = None if listener.interrupted else find_conflict(facts, profile, until)
         except NotAnswered:
-            raise NoPlan(error, facts, profile, within_limit=False, ways=ways_on(limits, engine, relax)) from error
+            raise NoPlan(
+                error, facts, profile, within_limit=False, ways=ways_on(limits, engine, relax, error.proven)
+            ) from error
         if conflict is not None and conflict.alone:
             conflict = replace(conflict, notes=(*conflict.notes, *common_cut_advice(facts.nest, profile)))
-        ways = () if listener.interrupted else ways_on(limits, engine, relax)
+        ways = () if listener.interrupted else ways_on(limits, engine, relax, error.proven)
         raise NoPlan(error, facts, profile, conflict, ways=ways) from error
     limit.ended(verified.judging_s)
     return FinishedPlan(Inputs(nest, profile), verified.facts, verified)

@@ -375,6 +375,7 @@ def _expect(name: str, value: object, expected: str, fits: bool) -> None:
 
 
 NOT_SHOWN = "which rules contradict each other, if any do, was not shown within the limit"
+FEWEST_NOT_SHOWN = "how few of the hard rules contradict each other was not shown within the limit"
 
 
 class NoPlan(RulesConflict):
@@ -404,7 +405,7 @@ class NoPlan(RulesConflict):
         within_limit: bool = True,
         ways: tuple[str, ...] = (),
     ) -> None:
-        super().__init__(why.message, why.reasons)
+        super().__init__(why.message, why.reasons, proven=why.proven)
         self.ways = () if conflict is not None else ways
         self.why, self.facts, self.profile, self.conflict = why, facts, profile, conflict
         self.within_limit = within_limit
@@ -417,11 +418,17 @@ class NoPlan(RulesConflict):
     @property
     def notes(self) -> tuple[str, ...]:
         """What is to be said where no contradiction was shown."""
-        return self.ways if self.within_limit else (f"note: {NOT_SHOWN}", *self.ways)
+        not_shown = FEWEST_NOT_SHOWN if self.why.proven else NOT_SHOWN
+        return self.ways if self.within_limit else (f"note: {not_shown}", *self.ways)
 
 
-def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool) -> tuple[str, str]:
+RELAXING = "--relax (in Python relax=True), which lets the cheapest hard rules give way"
+
+
+def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool, proven: bool = False) -> tuple[str, ...]:
     """What was tried within limits that have come to nothing, and what to try, one line each.
+
+    Where it is proven that there is no plan, nothing but relaxing helps.
 
     Examples
     --------
@@ -430,6 +437,8 @@ def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool) -> tuple[str, s
     >>> ways_on(SolveOptions(work=0.5), "portfolio", True)[1]
     'try: --work 4, which counts work and not the clock (in Python work=4)'
     """
+    if proven:
+        return () if relaxed else (f"try: {RELAXING}",)
     who = "all engines" if engine == "portfolio" else f"the engine {engine}"
     spent = f"work {limits.work:g}" if limits.time_s is None else f"{limits.time_s:g} s"
     looked = "then for a contradiction among the hard rules, and none was shown"
@@ -441,5 +450,5 @@ def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool) -> tuple[str, s
     if engine != "portfolio":
         tries.append("all engines, without --engine (in Python engine=)")
     if not relaxed:
-        tries.append("or --relax (in Python relax=True), which lets the cheapest hard rules give way")
+        tries.append(f"or {RELAXING}")
     return f"tried: {who} for {spent}, {looked}", f"try: {'; '.join(tries)}"

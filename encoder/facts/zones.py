@@ -268,13 +268,18 @@ def _ideals(size: int, within: bytes, begun: bytes, most: float) -> tuple[float,
     ideals, started = 0.0, 0.0
     while len(layer) and ideals + started <= most:
         ideals += len(layer)
-        grown = []
-        for k in range(size):
-            next_ = layer[((layer & needs[k]) == needs[k]) & ((layer & bit[k]) == 0)]
-            started += len(next_) * float(half_done[k])
-            grown.append(next_ | bit[k])
+        grown, counts = [], np.zeros(size, dtype=np.int64)
+        for first in range(0, len(layer), _SETS_AT_ONCE):
+            sets = layer[first : first + _SETS_AT_ONCE, None]
+            ready = ((sets & needs) == needs) & ((sets & bit) == 0)
+            counts += ready.sum(axis=0)
+            grown.append((sets | bit)[ready])
+        started += sum(count * adds for count, adds in zip(counts.tolist(), half_done.tolist(), strict=True))
         layer = unique(np.concatenate(grown))
     return ideals, started
+
+
+_SETS_AT_ONCE = 2000
 
 
 def merge_zones(zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_kj: float | None = None) -> Ints:

@@ -14,6 +14,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines.tuning import EARLY_LONG as LONG
+from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
@@ -55,6 +56,45 @@ def plan_from_its_end(problem: Problem) -> Incumbent | None:
         backwards.append(last)
     route = tuple(reversed(backwards))
     return None if broken(problem, route) else Incumbent(route, route_cost(problem, route))
+
+
+# Sums that no order can hold: some contours of which none can come last, or none first.
+
+
+def impossible(problem: Problem) -> tuple[Condition, ...]:
+    """Hard conditions that show that no order holds them all; none where that is not shown.
+
+    A contour leaves the set where it may come last in it: no order puts another of the set behind it, and with all of
+    these out, and what else helps, its conditions hold for some way to cut it. What is left has no last contour, and so
+    no order. Likewise from the beginning. Runs, moves and lags are not asked.
+    """
+    hard = [c for c in problem.conditions if c.cost is None]
+    if not hard:
+        return ()
+    of = np.array([c.contour for c in hard])
+    row = np.repeat(np.arange(len(hard)), [len(c.members) for c in hard])
+    member: Ints = np.fromiter(chain.from_iterable(c.members for c in hard), dtype=np.int64)
+    weight: Ints = np.fromiter(chain.from_iterable(c.weights for c in hard), dtype=np.int64)
+    weight[member == of[row]] = 0
+    bound = np.array([c.bound for c in hard])
+    when = np.array([-1 if c.when is None else c.when for c in hard])
+    before, helps = problem.before, np.maximum(weight, 0)
+    for last, order in ((True, before), (False, before.T)):
+        left = np.ones(problem.n, dtype=np.bool_)
+        while left.any():
+            inside = weight if last else np.zeros_like(weight)
+            value = np.zeros(len(hard), dtype=np.int64)
+            np.add.at(value, row, np.where(left[member], inside, helps))
+            unmet = value < bound
+            shut = np.zeros(problem.m, dtype=np.bool_)
+            shut[when[unmet & (when >= 0)]] = True
+            shut |= np.isin(problem.site_contour, of[unmet & (when < 0)])
+            at_end = left & ~order[:, left].any(axis=1)
+            leaves = at_end & ~np.logical_and.reduceat(shut, problem.first[:-1])
+            if not leaves.any():
+                return tuple(c for c, wrong in zip(hard, unmet & at_end[of], strict=True) if wrong)
+            left &= ~leaves
+    return ()
 
 
 class _Sums:

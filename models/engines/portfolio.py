@@ -65,6 +65,8 @@ def run_portfolio(
         run.offer(Incumbent(start, route_cost(problem, start)), "search")
     elif first_plan.wants_early(problem):
         run.offer(first_plan.plan_from_its_end(problem), "search")
+        if run.known.incumbent is None and show_impossible(run):
+            return run.known
     if earlier is not None:
         run.known.priced = earlier.priced
         run.known.take_bound(earlier)
@@ -73,8 +75,17 @@ def run_portfolio(
         if step.suits(run):
             step.work(run, step.share(run))
     run.offer(run.preview, "search")  # what was shown is not lost, where the work was ended early
+    if run.known.incumbent is None and not run.known.infeasible:
+        show_impossible(run)
     run.known.work = run.deadline.spent
     return run.known
+
+
+def show_impossible(run: Run) -> bool:
+    """Whether sums alone show that no order holds."""
+    run.known.against = tuple(dict.fromkeys(c.about for c in first_plan.impossible(run.problem)))
+    run.known.infeasible = bool(run.known.against)
+    return run.known.infeasible
 
 
 def dense(problem: Problem) -> bool:

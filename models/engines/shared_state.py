@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from kerfwise.models.engines.tuning import SET_OUT_S
 from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import About
 
 from . import Member, solution
 from .deadline import Deadline, Progress
@@ -24,6 +25,7 @@ class SharedState:
     """What is known of a problem so far, who found it, and what was chosen why.
 
     `priced` is what a proof has found out of every stretch of the order, where it was begun.
+    `against` are the statements that show that there is no plan, where they are known.
     `unable` says why the one member that was asked for cannot find a plan; empty where it can, or all may run.
     """
 
@@ -32,6 +34,7 @@ class SharedState:
     bound_um: int = 0
     proved_by: str = ""
     infeasible: bool = False
+    against: tuple[About, ...] = ()
     work: float = 0.0
     notes: list[str] = field(default_factory=list)
     unable: str = ""
@@ -54,7 +57,7 @@ class SharedState:
 
     def take_bound(self, fewer: SharedState) -> None:
         """What is proven of the problem with fewer statements is proven of it: a bound, or that there is no plan."""
-        self.infeasible = self.infeasible or fewer.infeasible
+        self.infeasible, self.against = self.infeasible or fewer.infeasible, self.against or fewer.against
         if fewer.proved_by:
             self.raise_bound(fewer.bound_um, fewer.proved_by)
 

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.tuning import ENOUGH_WORK, MOVES_SHARE, PACE_KNOWN, ROUND
@@ -78,7 +78,8 @@ def solve(
         known = run_portfolio(problem, limits, deadline, _still_lawful(problem, candidates, posed), known, hear)
         spent += known.work
         if known.incumbent is None:
-            raise _unable(options.member, known.unable) if known.unable else _no_plan(known.infeasible)
+            against = tuple(about.sentence for about in known.against[:MOST_DETAILS])
+            raise _unable(options.member, known.unable) if known.unable else _no_plan(known.infeasible, against)
         candidates = problem.site_candidate[list(known.incumbent.route)]
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
         began_s = deadline.seconds
@@ -174,7 +175,7 @@ def _unable(member: Member | None, why: str) -> InputError:
 
 def _no_plan(infeasible: bool, reasons: tuple[str, ...] = ()) -> RulesConflict:
     if infeasible:
-        return RulesConflict("no plan meets every hard rule", reasons)
+        return RulesConflict("no plan meets every hard rule", reasons, proven=True)
     return RulesConflict(
         "no plan that meets every hard rule was found within the limit (none is proven impossible)", reasons
     )
