@@ -79,11 +79,15 @@ def check_command(made: str | None, plan: str | None, feed: float | None, kerf: 
 def explain_command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
     """Explain the position and entry of CONTOUR (such as P3.outer), and what moving it would cost."""
     from kerfwise.jobs.explainer import Explainer
+    from kerfwise.jobs.inputs import differences
     from kerfwise.models.plan.explain import as_text, explanation_as_json
     from kerfwise.models.plan.read_plan import read_plan
 
     inputs = read_inputs(**given, last=plan)
-    explanation = Explainer(inputs, read_plan(plan)).explain(contour)
+    planned = read_plan(plan)
+    explanation = Explainer(inputs, planned).explain(contour)
+    for text in differences(planned, inputs):
+        print_note(text)
     click.echo(explanation_as_json(explanation) if as_data else as_text(explanation, everything))
 
 

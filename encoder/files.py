@@ -214,8 +214,8 @@ def strict_json(text: str) -> Any:
     ------
     InputError
         If an object has a key twice: with the line and column of the second, and those of the first in words.
-    ValueError, RecursionError
-        As `json.loads` does.
+    ValueError
+        As `json.loads` does, and for brackets in brackets, thousands deep.
 
     Examples
     --------
@@ -227,9 +227,11 @@ def strict_json(text: str) -> Any:
     """
     try:
         value = json.loads(text, parse_constant=str, object_pairs_hook=_object)
+        return _shown(value)
     except _Twice:
         raise _refusal(text) from None
-    return _shown(value)
+    except RecursionError:
+        raise ValueError("brackets in brackets, thousands deep") from None
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -309,7 +311,7 @@ def schema_message(error: ValidationError) -> str:
             return "nothing in it"
         case "minItems" | "maxItems" if isinstance(error.instance, list):
             words = {"minItems": "at least", "maxItems": "at most"}
-            return f"{len(error.instance)} given, expected {words[error.validator]} {bound}"
+            return f"a list of {len(error.instance)} given, expected {words[error.validator]} {bound}"
         case "minimum" | "maximum" | "exclusiveMinimum":
             words = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "over"}
             return f"{value} given, expected {words[error.validator]} {bound}"

@@ -16,7 +16,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.motion import ConstantFeed
 from kerfwise.models.physics.time_and_cost import Cost, Job, TimeReport, machine_feeds, times_of
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.read_plan import expect_plan_of, read_plan
+from kerfwise.models.plan.read_plan import expect_named_alike, expect_plan_of, read_plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.read_program import (
@@ -292,6 +292,7 @@ def check_made(
     judged = source if isinstance(source, Plan) else read_plan(source)
     for text in differences(judged, inputs):
         tell(text)
+    expect_named_alike(judged, inputs.nest)
     return check_plan(inputs.nest, judged, inputs.profile)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
@@ -68,12 +69,13 @@ def plan_in(text: str, path: str | Path = "the plan") -> Plan:
     except json.JSONDecodeError as error:
         message = f"not a plan: expected JSON as solve writes it with --plan ({error.msg})"
         raise InputError(message, file=path, line=error.lineno, column=error.colno) from None
-    except (ValueError, RecursionError) as error:  # a number of thousands of digits; brackets thousands deep
+    except ValueError as error:  # a number of thousands of digits
         raise InputError(f"not a plan: {error}", file=path) from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
     _check_schema(data, text, path)
     _check_order(data, path)
+    _check_proof(data["solve"], path)
     try:
         return _plan_of(data)
     except InputError as error:
@@ -87,11 +89,8 @@ def _check_order(data: dict[str, Any], path: str | Path) -> None:
     if data.get("resumed_after", 0) != count:
         says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {count} cuts as already cut"
         raise InputError(f"the plan is damaged: {says}", file=path)
-    if sorted(cut["order"] for cut in already) != list(range(1, count + 1)):
-        raise InputError("the plan is damaged: the order of what is already cut does not count 1, 2, 3 …", file=path)
-    if sorted(cut["order"] for cut in cuts) != list(range(count + 1, count + len(cuts) + 1)):
-        counts = ", ".join(str(count + k) for k in (1, 2, 3))
-        raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
+    _expect_counted(already, 1, "what is already cut", path)
+    _expect_counted(cuts, count + 1, "its cuts", path)
     for cut in (*data.get("already_cut", []), *data["cuts"]):
         if "stretch" in cut and not 1 <= cut["order"] <= count + len(cuts) + 1:
             says = f"a stretch of {cut['contour']} comes before cut {cut['order']}, which there is not"
@@ -300,6 +299,35 @@ def profile_change(plan: Plan, profile: Profile) -> str:
     return f"{text}that was '{own}'{begins}: give it with -p (in Python profile=)"
 
 
+def _expect_counted(cuts: list[dict[str, Any]], first: int, what: str, path: str | Path) -> None:
+    """The order of these cuts is so many numbers from the first on, each once."""
+    orders = Counter(cut["order"] for cut in cuts)
+    missing = next((k for k in range(first, first + len(cuts)) if k not in orders), None)
+    if missing is not None:
+        counts = ", ".join(str(first + k) for k in range(3))
+        twice = next((f", and {k} is there {n} times" for k, n in sorted(orders.items()) if n > 1), "")
+        says = f"the order of {what} does not count {counts} …: {missing} is missing{twice}"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+
+
+def _check_proof(solve: dict[str, Any], path: str | Path) -> None:
+    """No plan costs less than what is proven, and the gap is the one between the two."""
+    cost, bound, gap = (solve.get(key) for key in ("objective", "bound", "gap"))
+    if bound is None or cost is None:
+        return
+    if bound > cost + _SAME_COST * max(1.0, abs(cost)):
+        says = f"its bound, {bound:g} mm, is over its objective, {cost:g} mm"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+    share = (cost - bound) / cost if cost > 0 else 0.0
+    if gap is not None and abs(gap - share) > _SAME_GAP:
+        says = f"its gap is {gap:g}, and its objective and bound make {share:.3g}"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+
+
+_SAME_COST, _SAME_GAP = 1e-4, 1e-3
+"""Shares by which costs, and gaps, may differ: they are rounded in the file."""
+
+
 # Whether a plan is one of a nest: what is drawn, timed or explained of it is looked up there.
 
 OFF_MM = 1.0
@@ -325,6 +353,28 @@ def expect_plan_of(plan: Plan, nest: Nest, once: bool = True) -> None:
         )
 
 
+def expect_named_alike(plan: Plan, nest: Nest) -> None:
+    """Refuse a plan that has a contour of this nest as another part or kind; what else is wrong with it is judged.
+
+    Raises
+    ------
+    InputError
+        With the number of the cut.
+    """
+    for number, planned in enumerate((*plan.already_cut, *plan.cuts), 1):
+        if planned.cut.contour in nest.index and (says := _named_otherwise(planned, nest, number)):
+            text = f"the plan is not one of {nest.file or 'the nest'}: {says}; give the nest that it was made from"
+            raise InputError(text, file=nest.file or None)
+
+
+def _named_otherwise(planned: PlannedCut, nest: Nest, number: int) -> str:
+    contour = nest.contour(planned.cut.contour)
+    if (planned.part, planned.kind) == (contour.part, contour.kind):
+        return ""
+    said, meant = (_kind_of(one.kind, one.part) for one in (planned, contour))
+    return f"cut {number} has {contour.id} as {said}, and it is {meant}"
+
+
 def _not_of(plan: Plan, nest: Nest, once: bool) -> Iterator[str]:
     cut_at: dict[str, int] = {}
     for number, planned in enumerate((*plan.already_cut, *plan.cuts), 1):
@@ -336,11 +386,8 @@ def _not_of(plan: Plan, nest: Nest, once: bool) -> Iterator[str]:
         contour = nest.contour(name)
         if once and name in cut_at:
             yield f"cut {number} is of {name}, as cut {cut_at[name]} is already"
-        elif (planned.part, planned.kind) != (contour.part, contour.kind):
-            yield (
-                f"cut {number} has {name} as {_kind_of(planned.kind, planned.part)}, and it is "
-                f"{_kind_of(contour.kind, contour.part)}"
-            )
+        elif says := _named_otherwise(planned, nest, number):
+            yield says
         elif (off_mm := contour.curve.project((x, y))[1]) > OFF_MM:
             yield f"cut {number} enters {name} at ({x:.1f}, {y:.1f}), {off_mm:.1f} mm off it"
         cut_at[name] = number

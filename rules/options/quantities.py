@@ -16,6 +16,13 @@ from kerfwise.encoder.text import nearest
 
 from .kind import NUMBER, Choice, Number, OptionKind, Unfit, digits, scalar_text
 
+SPELT_ELSEWHERE = {
+    "ipm": "in/min", "inch/min": "in/min", "mpm": "m/min", "mmpm": "mm/min", "mm/m": "mm/min", "mm/sec": "mm/s",
+    "inch": "in", "inches": "in", "millimetre": "mm", "millimeter": "mm", "sec": "s", "secs": "s", "seconds": "s",
+    "msec": "ms", "millis": "ms", "minutes": "min", "mins": "min",
+}  # fmt: skip
+"""Units as charts and controls spell them, and the name that they have here."""
+
 
 @dataclass(frozen=True, slots=True)
 class Quantity(OptionKind):
@@ -40,7 +47,9 @@ class Quantity(OptionKind):
             raise self.refuse(node)
         number, unit = found[1], found[2] or self.bare
         if unit not in self.units:
-            raise Unfit(f"unknown unit {unit!r} in {found[0]!r}: expected {self.expected()}", node)
+            meant = SPELT_ELSEWHERE.get(unit.lower())
+            hint = f": did you mean {meant}?" if meant in self.units else f": expected {self.expected()}"
+            raise Unfit(f"unknown unit {unit!r} in {found[0]!r}{hint}", node)
         value = float(Fraction(number) * self.units[unit])
         if (self.at_least is not None and value < self.at_least) or (self.above is not None and value <= self.above):
             raise self.refuse(node)

@@ -16,6 +16,8 @@ _MOST_PLACES = 4
 """Places that a message names for a key."""
 _ALIKE = 0.85
 """So much like a valid key of its section a key is a misspelling of that, whatever others there are."""
+_LIKE_ELSEWHERE = 0.7
+"""A key of another section is named only where it is as much like what stands there."""
 _TOP = ("based_on", "locks", "models", "own_rules", "python", "rules")
 """Keys of a profile that are no sections."""
 
@@ -33,11 +35,13 @@ def where_it_belongs(key: str, valid: Sequence[str], rules: Mapping[str, Rule[An
     "there is no key 'kerf' here, it belongs under material: {kerf: …}"
     """
     guess = nearest(key, valid)
-    if guess is not None and SequenceMatcher(None, key, guess).ratio() > _ALIKE:
-        return ""
+    if guess is not None and (key in SECTIONS or SequenceMatcher(None, key, guess).ratio() > _ALIKE):
+        return ""  # `machine` in prices is a beginning of machine_hour, not that section
     if places := where_keys_stand(key, rules, section):
         return f"there is no key {key!r} here, it belongs under {_either(places)}"
     guess = nearest(key, _every_key(rules)) if guess is None else None
+    if guess is not None and SequenceMatcher(None, key, guess).ratio() < _LIKE_ELSEWHERE:
+        return ""
     places = where_keys_stand(guess, rules, section) if guess is not None else ()
     return f"there is no key {key!r} here; did you mean {_either(places)}?" if places else ""
 

@@ -80,6 +80,33 @@ def test_rows_that_are_none_of_the_nest(
     assert WRONG[wrong] in line
 
 
+@pytest.mark.parametrize("wrong", [other_kind, other_part], ids=lambda change: change.__name__)
+def test_the_check_refuses_another_part_or_kind_and_judges_the_rest(
+    wrong: Callable[[Rows], None], plan: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plate.json").write_bytes(seeds.nest_bytes("rich"))
+    for change, code in ((wrong, 2), (renamed, 1), (twice, 1)):
+        rows = [dict(row) for row in plan["cuts"]]
+        change(rows)
+        Path("plate.plan.json").write_text(json.dumps({**plan, "nest": {"file": "plate.json"}, "cuts": rows}))
+        ended = kerfwise("check", "plate.json", "plate.plan.json")
+        assert ended.code == code, ended.err
+        assert (WRONG[change] in ended.err) == (code == 2)
+
+
+def test_explain_says_that_the_nest_is_another(
+    plan: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plate.json").write_bytes(seeds.nest_bytes("rich"))
+    of_another = {"file": "plate.json", "sha256": "0" * 64}
+    Path("plate.plan.json").write_text(json.dumps({**plan, "nest": of_another}))
+    ended = kerfwise("explain", "plate.json", "plate.plan.json", "G.outer")
+    assert ended.code == 0
+    assert "note: the nest is not the one the plan was made with" in ended.err
+
+
 NUMBERS = {
     "a length under 0": (("cuts", 0, "length_mm"), -5, "cuts 1, length_mm"),
     "a time under 0": (("cuts", 1, "start_s"), -1, "cuts 2, start_s"),

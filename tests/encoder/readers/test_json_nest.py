@@ -123,10 +123,10 @@ REFUSED = "not a kerfwise-nest/1 file: "
         (drop("parts", 1, "id"), "part number 2: 'id' missing", 80),
         (put("parts", 1, "id", value=""), "part number 2, id: nothing in it", 81),
         (drop("parts", 0, "outer"), "part 'P1': 'outer' missing", 9),
-        (put("parts", 0, "outer", value=[[1, 1]]), "part 'P1', outer: 1 given, expected at least 2", 11),
+        (put("parts", 0, "outer", value=[[1, 1]]), "part 'P1', outer: a list of 1 given, expected at least 2", 11),
         (
             put("parts", 0, "outer", 1, value=[1, 2, 3, 4]),
-            "part 'P1', outer, vertex 2: 4 given, expected at most 3",
+            "part 'P1', outer, vertex 2: a list of 4 given, expected at most 3",
             16,
         ),
         (

@@ -42,7 +42,7 @@ def test_there_and_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda d: d["cuts"][2].update(entry=[1]), "cuts 3, entry: 1 given, expected at least 2"),
+        (lambda d: d["cuts"][2].update(entry=[1]), "cuts 3, entry: a list of 1 given, expected at least 2"),
         (lambda d: d["cuts"][2].update(entry=[1, float("nan")]), 'cuts 3, entry 2: "NaN" given, expected a number'),
         (lambda d: d["cuts"][0].update(pierce=[1e9, 0]), "cuts 1, pierce 1: 1000000000.0 given, expected at most"),
         (lambda d: d["cuts"][0].update(contour=["A"]), 'cuts 1, contour: ["A"] given, expected a text'),
@@ -56,7 +56,16 @@ def test_there_and_back(tmp_path: Path) -> None:
             "the plan is damaged: its lead_out crosses or touches itself more than 10000 times",
         ),
         (lambda d: d["cuts"][1].update(excused=[1]), "cuts 2, excused 1: 1 given, expected a text"),
-        (lambda d: d["cuts"][1].update(order=1), "the order of its cuts does not count 1, 2, 3"),
+        (lambda d: d["cuts"][1].update(order=1), "not count 1, 2, 3 …: 2 is missing, and 1 is there 2 times"),
+        (lambda d: d["cuts"].pop(0), "the order of its cuts does not count 1, 2, 3 …: 1 is missing"),
+        (
+            lambda d: d["solve"].update(objective=900.0, bound=1e6, gap=0.0),
+            "its bound, 1e+06 mm, is over its objective, 900 mm",
+        ),
+        (
+            lambda d: d["solve"].update(objective=900.0, bound=450.0, gap=0.1),
+            "its gap is 0.1, and its objective and bound make 0.5",
+        ),
         (lambda d: d.update(cuts={}), "cuts: an object given, expected a list"),
         (lambda d: d.update(nest=[]), "nest: [] given, expected an object"),
         (lambda d: d["totals"].update(cut_mm=None), "totals, cut_mm: null given, expected a number"),
@@ -71,6 +80,12 @@ def test_what_does_not_fit_is_named_with_its_place(
     message = damaged(tmp_path, change)
     assert said in message
     assert "the plan is damaged: " in message
+
+
+def test_brackets_thousands_deep(tmp_path: Path) -> None:
+    (tmp_path / "deep.plan.json").write_text("[" * 100_000)
+    with pytest.raises(InputError, match="not a plan: brackets in brackets, thousands deep"):
+        read_plan(tmp_path / "deep.plan.json")
 
 
 def test_the_line_is_told(tmp_path: Path) -> None:

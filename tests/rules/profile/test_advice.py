@@ -124,6 +124,21 @@ BELONGS = {
 }
 
 
+def test_a_beginning_of_a_key_is_not_taken_for_a_section(tmp_path: Path) -> None:
+    answer = told(tmp_path, "prices: {machine: 60}")
+    assert "prices: unknown key 'machine': did you mean 'machine_hour'?" in answer
+    assert "belongs under" not in answer
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [("machine: {cut_feed: 100 ipm}", "in/min"), ("material: {thickness: 0.25 inch}", "in"),
+     ("machine: {pierce_time: 1 sec}", "s")],
+)  # fmt: skip
+def test_a_unit_that_is_spelt_otherwise_elsewhere(text: str, unit: str, tmp_path: Path) -> None:
+    assert told(tmp_path, text).endswith(f": did you mean {unit}?")
+
+
 @pytest.mark.parametrize("text", BELONGS)
 def test_a_key_in_the_wrong_section_is_told_where_it_belongs(text: str, tmp_path: Path) -> None:
     assert told(tmp_path, text) == BELONGS[text]
@@ -137,6 +152,7 @@ def test_a_key_in_the_wrong_section_is_told_where_it_belongs(text: str, tmp_path
         ("rules: {no-islands: {longest: 20}}", "rules.no-islands"),
         ("machine: {colour: red}", "machine"),
         ("material: {longest: 20}", "material"),
+        ("rules: {part-rigidity: {tial: 5}}", "rules.part-rigidity"),
     ],
 )
 def test_a_key_of_a_group_is_advised_in_its_own_section_only(text: str, where: str, tmp_path: Path) -> None:
