@@ -1,11 +1,12 @@
 """How far `kerfwise distort` may be trusted: meshes made finer, published shrinkage beside ours, and what it costs.
 
-Usage: python -m kerfwise.benchmarks.distortion [convergence] [literature] [strip] [speed]
+Usage: python -m kerfwise.benchmarks.distortion [convergence] [literature] [zones] [strip] [speed]
 
 convergence: the mean over the parts of each part's worst error, of three plans, on meshes of ever finer cells.
 literature: the force with which the band beside a cut pulls when it is cold, beside published formulas that were fitted
-to measurements. strip: strips of 2.4 m in 20 mm plate, the nest whose parts the papers warn of. speed: CPU seconds and
-memory for 40 contours on 3000 × 1500 mm and 115 on 6000 × 1500 mm, at the default mesh.
+to measurements. zones: how deep from the cut metal gets over 720 °C, beside measured widths of heat-affected zones.
+strip: strips of 2.4 m in 20 mm plate, the nest whose parts the papers warn of. speed: CPU seconds and memory for 40
+contours on 3000 × 1500 mm and 115 on 6000 × 1500 mm, at the default mesh.
 """
 
 from __future__ import annotations
@@ -100,6 +101,25 @@ def literature() -> Iterator[str]:
         )
 
 
+TRANSFORMS_C = 720.0
+"""Above this steel changes its structure: the edge of the heat-affected zone (Ac1 of structural steel, rounded)."""
+MEASURED_MM = {"oxyfuel-thick-plate": "0.85 (oxyfuel cut)", "plasma-carbon-steel": "0.7 (plasma cut, 15 mm of S460M)"}
+"""Martín-Meizoso et al. 2014, Frattura ed Integrità Strutturale 30:14-22; Aldazabal et al. 2018, Metals 8:447."""
+
+
+def zones() -> Iterator[str]:
+    """A row for each profile: how deep from the edge the line source of the model heats metal over `TRANSFORMS_C`."""
+    yield "| cut | heat, J/mm² | over 720 °C, ours, mm | heat-affected zone, measured, mm |"
+    yield "|---|---:|---:|---:|"
+    for name in ("oxyfuel-thick-plate", "plasma-carbon-steel", "laser-st10kp-2mm"):
+        profile = load_profile(name)
+        per_mm2 = profile.heat.absorbed_power_w / profile.machine.cut_feed_mm_s / profile.material.thickness_mm
+        excess_k = TRANSFORMS_C - profile.heat.ambient_c
+        capacity = MATERIALS[profile.heat.material].capacity_j_mm3
+        deep_mm = per_mm2 / capacity / math.sqrt(2 * math.pi * math.e) / excess_k
+        yield f"| {name} | {per_mm2:.1f} | {deep_mm:.2f} | {MEASURED_MM.get(name, '–')} |"
+
+
 def strip() -> Iterator[str]:
     """A row for each way to look at strips."""
     yield "| 4 strips of 2400 × 90 mm, oxyfuel 20 mm | mean of parts, mm | worst, mm |"
@@ -125,7 +145,7 @@ def speed() -> Iterator[str]:
         yield f"| {count} | {size[0]:g} × {size[1]:g} | {grid_mm:.1f} | {took_s:.1f} | {peak_mb():.0f} |"
 
 
-TABLES = {"convergence": convergence, "literature": literature, "strip": strip, "speed": speed}
+TABLES = {"convergence": convergence, "literature": literature, "zones": zones, "strip": strip, "speed": speed}
 
 
 def main() -> None:

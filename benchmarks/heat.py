@@ -144,7 +144,7 @@ def strategies(case: Bench, cooler: CoolerOrders, work: float) -> Iterator[str]:
     for price_mm in PRICES_MM:
         profile = replace(case.profile, objective=replace(case.profile.objective, heat=price_mm))
         found, _ = solve_priced(
-            asked, profile, limits, lambda share, stated: case.solve(work * share, stated), cooler=cooler
+            asked, profile, limits, lambda share, stated: case.solve(work * share, stated), orders=cooler
         )
         yield row(f"ours, {price_mm:g} mm an overheat", found.route)
 

@@ -14,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
+from typing import Protocol
 
 import numpy as np
 
@@ -76,13 +77,34 @@ class SimulatedRoute:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class CoolestFound:
-    """The best route simulated (candidates), its cost by the rules, mm, its overheats, and the prices in the end."""
+class BestSimulated:
+    """The best route simulated (candidates), its cost by the rules, mm, and what the simulation shows of it.
+
+    `shown` is what has a price: overheats, or how far parts are off, mm. `statements` are the prices in the end.
+    """
 
     route: Route
     cost_mm: float
-    overheats: int
-    prices: HeatPrices
+    shown: float
+    statements: tuple[Statement, ...] = ()
+
+
+class SimulatedOrders(Protocol):
+    """Finds orders of a nest by simulating many of them."""
+
+    def price_mm(self, profile: Profile) -> float:
+        """What the profile has a unit of that cost which the simulation shows, mm of idle travel."""
+
+    def find(
+        self, price_mm: float, planner: Planner, judge: Judge | None = None, going: MayGoOn = _always, seed: int = 1
+    ) -> BestSimulated:
+        """The best route found where a unit costs as much as `price_mm` of idle travel.
+
+        Raises
+        ------
+        RulesConflict
+            If round 0 has no plan.
+        """
 
 
 class CoolerOrders:
@@ -118,13 +140,8 @@ class CoolerOrders:
         self._tried: dict[Route, SimulatedRoute] = {}
         self._started = False
 
-    @property
-    def effort(self) -> tuple[int, int]:
-        """Random orders that the first prices are fitted to, and routes simulated near the best one in each round."""
-        return ORDERS, NEARBY
-
     def price_mm(self, profile: Profile) -> float:
-        """What the profile has one of those cost that are counted, mm of idle travel."""
+        """What the profile has an overheat cost, mm of idle travel."""
         return profile.objective.heat
 
     def start(self, going: MayGoOn = _always) -> None:
@@ -136,7 +153,7 @@ class CoolerOrders:
             If no lawful order came of many attempts at random.
         """
         if not self._started:
-            self._simulate((random_order(self._problem, seed) for seed in range(self.effort[0])), 1.0, going)
+            self._simulate((random_order(self._problem, seed) for seed in range(ORDERS)), 1.0, going)
         self._started = True
 
     def prices(self) -> HeatPrices:
@@ -156,7 +173,7 @@ class CoolerOrders:
         judge: Judge | None = None,
         going: MayGoOn = _always,
         seed: int = 1,
-    ) -> CoolestFound:
+    ) -> BestSimulated:
         """The best route found where an overheat costs as much as `price_mm` of idle travel.
 
         Raises
@@ -180,10 +197,11 @@ class CoolerOrders:
                 break
             self._simulate([plan], NEARBY_WEIGHT, going)
             best = self._best(price_mm, judge, judged)[0].route
-            routes = (nearby(problem, best, prices, price_mm, chance) for _ in range(self.effort[1]))
+            routes = (nearby(problem, best, prices, price_mm, chance) for _ in range(NEARBY))
             self._simulate((route for route in routes if route is not None), NEARBY_WEIGHT, going)
         tried, cost_mm = self._best(price_mm, judge, judged)
-        return CoolestFound(self._candidates(tried.route), cost_mm, tried.overheats, self.prices())
+        further = self.statements(self.prices(), price_mm)
+        return BestSimulated(self._candidates(tried.route), cost_mm, tried.overheats, further)
 
     def _best(
         self, price_mm: float, judge: Judge | None, judged: dict[Route, float | None]
@@ -216,15 +234,15 @@ class CoolerOrders:
             while lot := list(dict.fromkeys(islice(rest, LOT))):
                 new = [route for route in lot if route not in self._tried]
                 timed = [self._paths.of(self._candidates(route)) for route in new]
-                for route, hot in zip(new, pool.map(self.count, timed), strict=True):
+                for route, hot in zip(new, pool.map(self._count, timed), strict=True):
                     self._tried[route] = SimulatedRoute(
                         route, route_cost(self._problem, route) / UM_PER_MM, hot, weight
                     )
                 if not going():
                     break
 
-    def count(self, path: TimedPath) -> Ints:
-        """What the simulation of a path counts for each contour (n,): here its overheats."""
+    def _count(self, path: TimedPath) -> Ints:
+        """The overheats near each contour (n,) of a path."""
         found = simulate(self._facts.nest, path, self._heat, self._thickness_mm, grid=self._grid)
         return self._regions.count(found)
 

@@ -37,7 +37,7 @@ from kerfwise.rules.statements import About, Lag, NoGood, Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated
 
-from .cooler_orders import CoolerOrders
+from .cooler_orders import CoolerOrders, SimulatedOrders
 from .request import Request
 from .simulation import path_of_plan, path_of_program
 
@@ -80,12 +80,13 @@ def solve_priced(
     limits: SolveOptions,
     solved: SolveStated,
     progress: Progress | None = None,
-    cooler: CoolerOrders | None = None,
+    orders: SimulatedOrders | None = None,
 ) -> tuple[Solution, Stated]:
     """The best plan by simulation at the profile's price of an overheat, and the statements with the last prices.
 
-    The objective is what the plan costs by the rules, with its overheats as simulated. A sheet might have none of
-    those, so the bound is that of the rules alone. A time limit ends the simulations, too.
+    Other `orders` have a price on what another simulation shows. The objective is what the plan costs by the rules and
+    by what is simulated. A sheet might have none of that, so the bound is that of the rules alone. A time limit ends
+    the simulations, too.
 
     Raises
     ------
@@ -93,8 +94,8 @@ def solve_priced(
         If no lawful plan exists, or none was found.
     """
     facts, stated = request.facts, request.stated
-    cooler = cooler or cooler_orders(facts, profile, stated)
-    price_mm = cooler.price_mm(profile)
+    orders = orders or cooler_orders(facts, profile, stated)
+    price_mm = orders.price_mm(profile)
     began_s, solutions = running_s(), list[Solution]()
 
     def going() -> bool:
@@ -113,8 +114,8 @@ def solve_priced(
         sites = problem.candidate_site[list(route)].tolist()
         return None if broken(problem, sites) else route_cost(problem, sites) / UM_PER_MM
 
-    found = cooler.find(price_mm, planner, judge, going, limits.seed)
-    first, objective = solutions[0], found.cost_mm + price_mm * found.overheats
+    found = orders.find(price_mm, planner, judge, going, limits.seed)
+    first, objective = solutions[0], found.cost_mm + price_mm * found.shown
     bound = None if first.bound is None else min(first.bound, objective)
     solution = replace(
         first,
@@ -126,8 +127,7 @@ def solve_priced(
         seconds=sum(one.seconds for one in solutions),
         notes=tuple(note for one in solutions for note in one.notes),
     )
-    further = cooler.statements(found.prices, price_mm)
-    return solution, replace(stated, statements=(*stated.statements, *further))
+    return solution, replace(stated, statements=(*stated.statements, *found.statements))
 
 
 # Plans that keep a limit of temperature: simulated, planned again where they get too hot, and given waits.

@@ -52,7 +52,7 @@ from .resume import lock_broken_cut_first
 from .time_limits import CommandLimit, JobLimit
 
 if TYPE_CHECKING:
-    from .cooler_orders import CoolerOrders
+    from .cooler_orders import SimulatedOrders
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,7 +67,7 @@ class FinishedPlan:
     made: VerifiedPlan
 
 
-OrdersOf = Callable[[Facts, Profile, Stated], "CoolerOrders"]
+OrdersOf = Callable[[Facts, Profile, Stated], "SimulatedOrders"]
 """Makes what finds orders by simulation."""
 
 
@@ -218,7 +218,7 @@ def solve_and_verify(
     engine: Engine = "portfolio",
     solver: str = "gecode",
     strategy: Strategy = "ours",
-    cooler: CoolerOrders | None = None,
+    cooler: SimulatedOrders | None = None,
     *,
     and_zones: bool = False,
     write: Write | None = None,

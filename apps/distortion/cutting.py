@@ -9,10 +9,12 @@ factor with the ties that still hold then. What is cut free is not followed any 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.sparse import csc_matrix
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.nest import Nest
@@ -49,6 +51,7 @@ class Moved:
 
     `contour` is the number of the contour, `xy` the point of it, mm, `off` (k, 2) where that edge of the cold part lies
     less where the drawing has it, mm, before any fit; `at_s` when it was cut, `length_mm` the length it stands for.
+    `cold` (k, 2) is how the yielded bands bend the part for ever, mm: no order of the cuts changes it.
     """
 
     contour: Ints
@@ -56,16 +59,50 @@ class Moved:
     off: Floats
     at_s: Floats
     length_mm: Floats
+    cold: Floats
 
 
-def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting) -> Moved:
+@dataclass(frozen=True, eq=False, slots=True)
+class Followed:
+    """Points (k, 2), mm, followed at times (f,), s, in order: `moved` (f, k, 2) is how far they have moved by then, mm.
+
+    `part` (k,) is the number of the part that each belongs to, -1 for the sheet. What is cut free stays where it was.
+    """
+
+    xy: Floats
+    part: Ints
+    at_s: Floats
+    moved: Floats
+
+
+def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Followed | None = None) -> Moved:
     """Simulate a whole program.
+
+    Where points are to be followed, `follow.moved` is filled in.
 
     Raises
     ------
     InputError
         If nothing is known of the metal's strength.
     """
+    with _one_thread():
+        return _cut(nest, path, heat, how, follow)
+
+
+def _one_thread() -> AbstractContextManager[object]:
+    """One thread for BLAS: the solves are many and small, and more threads only wait for each other.
+
+    Nothing but time is lost where the library that sees to it, of the extra `distort`, is not installed.
+    """
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError:
+        return nullcontext()
+    limits: AbstractContextManager[object] = threadpool_limits(1, "blas")
+    return limits
+
+
+def _cut(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Followed | None) -> Moved:
     metal = metal_of(heat.material)
     mesh = make_mesh(nest, path, how.grid_mm, how.kerf_mm)
     elastic = Elasticity(mesh, metal.elastic(how.thickness_mm))
@@ -75,30 +112,62 @@ def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting) -> Moved:
     queries, piece = queries.at(there), piece[there]
     weights = shape_weights(mesh.local(piece, queries.xy))
     bands = _Bands(mesh, elastic, path, heat, how)
-    hot = np.zeros((len(piece), 2))
     warmth = Warmth(nest, path, heat, how.thickness_mm, mesh)
-    lies = np.zeros((mesh.nodes, 2))
+    times = queries.at_s if follow is None else np.concatenate([queries.at_s, follow.at_s])
+    order = np.argsort(times, kind="stable")
+    hot = np.zeros((len(piece), 2))
+    spots = None if follow is None else _Spots(mesh, follow)
+    for number, moved in zip(order.tolist(), _states(elastic, path, bands, warmth, times[order]), strict=True):
+        if number < len(piece):
+            one = slice(number, number + 1)
+            hot[one] = at_points(moved, mesh.node[piece[one]], weights[one])
+        elif spots is not None:
+            spots.take(number - len(piece), moved)
+    cold = _cold(mesh, elastic, bands, piece, weights) if how.yields else np.zeros_like(hot)
+    return Moved(queries.contour, queries.xy, cold - hot, queries.at_s, queries.length_mm, cold)
+
+
+def _states(elastic: Elasticity, path: TimedPath, bands: _Bands, warmth: Warmth, at_s: Floats) -> Iterator[Floats]:
+    """Displacements (n, 2) of all nodes, mm, at each of these times (k,), which never fall."""
+    mesh = elastic.mesh
+    lies, done = np.zeros((mesh.nodes, 2)), 0
     for batch in _batches(mesh, path):
-        which = np.flatnonzero((queries.at_s > batch.begin_s) & (queries.at_s <= batch.end_s))
-        which = which[np.argsort(queries.at_s[which], kind="stable")]
+        last = int(np.searchsorted(at_s, batch.end_s, side="right"))
+        asked, done = at_s[done:last].tolist(), last
         keep = _still_cut(mesh, batch.begin_s)
         if not keep.any():
+            yield from (lies for _ in asked)
             continue
         state = elastic.state(mesh.joined(batch.end_s), keep)
         ties = mesh.ties[batch.first : batch.last]
-        times = [*queries.at_s[which].tolist(), batch.end_s]
+        times = [*asked, batch.end_s]
         loads, open_ = [], []
-        for when_s in times:
+        for when_s, pulls in zip(times, bands.forces(np.array(times)), strict=True):
             excess, slope = warmth.at(when_s)
-            loads.append(state.load(elastic.thermal(excess, slope) + bands.forces(when_s), lies))
-            open_.append(int(np.searchsorted(mesh.opens_s[batch.first : batch.last], when_s, side="right")))
-        found = state.solve(loads, ties, open_)
-        for k, number in enumerate(which):
-            one = piece[number : number + 1]
-            hot[number] = at_points(state.spread(found[k], lies), mesh.node[one], weights[number : number + 1])[0]
-        lies = state.spread(found[-1], lies)
-    cold = _cold(mesh, elastic, bands, piece, weights) if how.yields else np.zeros_like(hot)
-    return Moved(queries.contour, queries.xy, cold - hot, queries.at_s, queries.length_mm)
+            loads.append(state.load(elastic.thermal(excess, slope) + pulls, lies))
+            open_.append(_opened(mesh.opens_s[batch.first : batch.last], when_s))
+        open_[-1] = len(ties)
+        *found, at_end = state.solve(loads, ties, open_)
+        yield from (state.spread(one, lies) for one in found)
+        lies = state.spread(at_end, lies)
+    yield from (lies for _ in at_s[done:])
+
+
+class _Spots:
+    """Points of the mesh that are followed."""
+
+    def __init__(self, mesh: Mesh, follow: Followed) -> None:
+        piece = mesh.find(follow.xy, follow.part)
+        lost = piece < 0
+        piece[lost] = mesh.find(follow.xy[lost])
+        self._known = piece >= 0
+        self._node = mesh.node[piece[self._known]]
+        self._weights = shape_weights(mesh.local(piece, follow.xy)[self._known])
+        self._moved = follow.moved
+
+    def take(self, frame: int, moved: Floats) -> None:
+        """Where they are when all nodes have moved so (n, 2)."""
+        self._moved[frame, self._known] = at_points(moved, self._node, self._weights)
 
 
 # Where it is asked how far the metal has moved: along the contours, as the torch passes.
@@ -199,6 +268,18 @@ def _still_cut(mesh: Mesh, after_s: float) -> Bools:
     return np.isin(body, of_node[later.ravel()])
 
 
+def _opened(opens_s: Floats, when_s: float) -> float:
+    """How many ties are open at a time: each opens bit by bit, half before its own time and half after it."""
+    middles = (opens_s[1:] + opens_s[:-1]) / 2
+    k = int(np.searchsorted(middles, when_s, side="right"))
+    if not len(opens_s):
+        return 0.0
+    begin_s = middles[k - 1] if k else opens_s[0]
+    end_s = middles[k] if k < len(middles) else opens_s[-1]
+    share = (when_s - begin_s) / (end_s - begin_s) if end_s > begin_s else float(when_s >= end_s)
+    return k + min(max(share, 0.0), 1.0)
+
+
 # The bands beside the cut, which yield.
 
 
@@ -206,8 +287,8 @@ class _Bands:
     """What the metal beside the cut pulls with, on both sides, from the passing of the torch on."""
 
     def __init__(self, mesh: Mesh, elastic: Elasticity, path: TimedPath, heat: Heat, how: Cutting) -> None:
-        self._zero = np.zeros((mesh.nodes, 2))
-        self._rows: list[tuple[Band, Floats, Floats, object]] = []
+        self._nodes = mesh.nodes
+        self._rows: list[tuple[Band, Floats, Floats, csc_matrix]] = []
         if not how.yields or heat.absorbed_power_w <= 0:
             return
         fine = sample_path(path, how.grid_mm / 3)
@@ -227,13 +308,13 @@ class _Bands:
         some, piece, beside = some.at(found), piece[found], beside[found]
         self._rows.append((band, some.at_s, some.length_mm, elastic.line_loads(piece, beside, some.ahead)))
 
-    def forces(self, when_s: float) -> Floats:
-        """Nodal forces (n, 2), N, at a time; `inf` for the cold sheet."""
-        total = self._zero.copy()
+    def forces(self, when_s: Floats) -> Floats:
+        """Nodal forces (t, n, 2), N, at times (t,); `inf` for the cold sheet."""
+        total = np.zeros((len(when_s), 2 * self._nodes))
         for band, at_s, length_mm, loads in self._rows:
-            pull = np.full(len(at_s), band.at_last_n) if np.isinf(when_s) else band.pull(when_s - at_s)
-            total += (loads @ (pull * length_mm)).reshape(-1, 2)  # type: ignore[operator]
-        return total
+            since_s = when_s - at_s[:, None]
+            total += (loads @ (band.pull(since_s) * length_mm[:, None])).T
+        return total.reshape(len(when_s), -1, 2)
 
 
 def _feed(xy: Floats, at_s: Floats) -> float:
@@ -249,7 +330,7 @@ def _cold(mesh: Mesh, elastic: Elasticity, bands: _Bands, piece: Ints, weights: 
     body = bodies(mesh, joined)
     state = elastic.state(joined, np.isin(body, body[piece]))
     rest = np.zeros((mesh.nodes, 2))
-    found = state.solve([state.load(bands.forces(np.inf), rest)], mesh.ties[:0], [0])[0]
+    found = state.solve([state.load(bands.forces(np.array([np.inf]))[0], rest)], mesh.ties[:0], [0])[0]
     every = state.spread(found, rest)
     return at_points(every, mesh.node[piece], weights)
 

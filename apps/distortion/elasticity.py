@@ -148,8 +148,10 @@ class State:
         total += self.ground * lies
         return total
 
-    def solve(self, loads: Sequence[Floats], ties: Ints, open_: Sequence[int]) -> list[Floats]:
+    def solve(self, loads: Sequence[Floats], ties: Ints, open_: Sequence[float]) -> list[Floats]:
         """Displacements (2u,), mm, under each load, while the first so many of ties are open and the others hold.
+
+        Where a tie is half open, the displacements are those half way between it open and not.
 
         Ties (m, 2) are pairs of nodes, in the order in which they open, and a forest: they are held by forces between
         their nodes, found from what a unit of each force does (a factor is used for as many states as there are ties).
@@ -172,13 +174,20 @@ class State:
         # Last to open first: whatever still holds is then a leading block of one Cholesky factor.
         last = np.arange(2 * m).reshape(m, 2)[::-1].ravel()
         lower = cholesky((gap + gap.T)[np.ix_(last, last)] / 2, lower=True)
-        found = []
-        for k, opened in enumerate(open_):
+
+        def held_by(k: int, opened: int) -> Floats:
             held = 2 * (m - opened)
             block, rows = lower[:held, :held], last[:held]
             force = solve_triangular(block, off[rows, k], lower=True)
             force = solve_triangular(block, force, lower=True, trans="T")
-            found.append(free[:, k] - gives[:, rows] @ force)
+            moved: Floats = free[:, k] - gives[:, rows] @ force
+            return moved
+
+        found = []
+        for k, opened in enumerate(open_):
+            whole = int(opened)
+            at = held_by(k, whole)
+            found.append(at if opened == whole else at + (opened - whole) * (held_by(k, whole + 1) - at))
         return found
 
     def spread(self, found: Floats, before: Floats) -> Floats:

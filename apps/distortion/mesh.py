@@ -322,13 +322,13 @@ def _ties(
                 if abs(at[one][0] - at[other][0]) + abs(at[one][1] - at[other][1]) <= 1:
                     beside.setdefault((one, other), []).append(int(row[begin]))
     pairs, opens = [], []
+    burn, along_mm, at_s = samples.burn.tolist(), samples.along_mm.tolist(), samples.at_s.tolist()
     for (one, other), rows in beside.items():
         last = rows[-1]
-        run = [r for r in rows if samples.burn[r] == samples.burn[last]
-               and samples.along_mm[r] > samples.along_mm[last] - 1.5 * h_mm]  # fmt: skip
+        run = [r for r in rows if burn[r] == burn[last] and along_mm[r] > along_mm[last] - 1.5 * h_mm]
         mine, its = _SHARED[at[other][0] - at[one][0], at[other][1] - at[one][1]]
         pairs.append(np.column_stack([node[one][mine], node[other][its]]))
-        opens += [float(np.median(samples.at_s[run]))] * len(mine)
+        opens += [(at_s[run[(len(run) - 1) // 2]] + at_s[run[len(run) // 2]]) / 2] * len(mine)  # in order of time
     if not pairs:
         return np.zeros((0, 2), dtype=np.int64), np.zeros(0)
     return _forest(np.sort(np.concatenate(pairs), axis=1), np.array(opens), int(node.max()) + 1)

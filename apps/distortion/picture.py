@@ -68,9 +68,11 @@ def draw_parts(nest: Nest, parts: Sequence[PartError], title: str) -> bytes:
             continue
         colour = _COLOURS[min(int(error.max_mm / max(worst, 1e-12) * len(_COLOURS)), len(_COLOURS) - 1)]
         for contour in contours:
-            bent = _bent(nest, contour, error, times)
-            if bent is not None:
-                lines.append(f'<path d="{path(bent)}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
+            points = shapely.get_coordinates(shapely.segmentize(contour.line, max(contour.line.length / 120, 1e-6)))
+            off = off_along(contour, nest.index[contour.id], points, error)
+            if off is not None:
+                bent = path(points + times * off)
+                lines.append(f'<path d="{bent}" fill="none" stroke="{colour}" stroke-width="1.8"/>')
         x, y = part.polygon.representative_point().coords[0]
         label = html.escape(f"{error.part} {error.max_mm:.2f}")
         labels.append(
@@ -89,18 +91,15 @@ def draw_parts(nest: Nest, parts: Sequence[PartError], title: str) -> bytes:
     return "\n".join(lines).encode("utf-8")
 
 
-def _bent(nest: Nest, contour: Contour, error: PartError, times: float) -> Floats | None:
-    """The contour with its errors so many times as large: straight between the points that were followed."""
-    mine = error.contour == nest.index[contour.id]
+def off_along(contour: Contour, number: int, points: Floats, error: PartError) -> Floats | None:
+    """How far off points (k, 2) along a contour are, mm (k, 2): straight between those followed; None without any."""
+    mine = error.contour == number
     if not mine.any():
         return None
     line = contour.line
     along = shapely.line_locate_point(line, shapely.points(error.xy[mine]))
     order = np.argsort(along)
     along, off = along[order], error.off[mine][order]
-    points = shapely.get_coordinates(shapely.segmentize(line, max(line.length / 120, 1e-6)))
     at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     period = line.length if contour.curve.closed else None
-    moved = np.column_stack([np.interp(at, along, off[:, c], period=period) for c in (0, 1)])
-    bent: Floats = points + times * moved
-    return bent
+    return np.column_stack([np.interp(at, along, off[:, c], period=period) for c in (0, 1)])

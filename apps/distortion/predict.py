@@ -18,7 +18,9 @@ from kerfwise.jobs.simulation import path_of_made, path_of_program
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.simulate import expect_short
 from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.profile.plant_sections import Heat
 
+from .animation import animate
 from .cutting import Cutting, cut_sheet
 from .part_errors import PartError, errors_of
 from .picture import draw_parts
@@ -38,12 +40,14 @@ _SHOWN = 15
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Distortion:
-    """Errors of the parts of a plan or a program, in the nest's order; `how` it was simulated.
+    """Errors of the parts of a plan or a program, in the nest's order; `how` it was simulated, on which `path`.
 
     `tolerances` are what parts may be off, mm, by part; those without one are left out.
     """
 
     nest: Nest
+    path: TimedPath
+    heat: Heat
     how: Cutting
     parts: tuple[PartError, ...]
     tolerances: Mapping[str, float] = field(default_factory=dict)
@@ -97,9 +101,16 @@ class Distortion:
 
     def picture(self) -> Picture:
         """An SVG of the sheet with the shapes of its parts drawn exaggerated."""
+        return Picture(draw_parts(self.nest, self.parts, self._title), "svg")
+
+    def animation(self) -> Picture:
+        """An HTML page that shows how the sheet moves while it is cut, exaggerated. It is simulated once more."""
+        return Picture(animate(self.nest, self.path, self.heat, self.how, self._title), "html")
+
+    @property
+    def _title(self) -> str:
         name = f"{Path(self.nest.file).name}: " if self.nest.file else ""
-        title = f"{name}parts up to {self.max_mm:.2f} mm off when cold, {self.mean_mm:.2f} mm on average"
-        return Picture(draw_parts(self.nest, self.parts, title), "svg")
+        return f"{name}parts up to {self.max_mm:.2f} mm off when cold, {self.mean_mm:.2f} mm on average"
 
     def __repr__(self) -> str:
         return f"<Distortion: worst {self.max_mm:.2f} mm, mean of parts {self.mean_mm:.2f} mm>"
@@ -177,7 +188,8 @@ def distort_path(inputs: Inputs, path: TimedPath, grid_mm: float | None = None, 
     kerf_mm = max(profile.material.kerf_mm, 0.1)
     how = Cutting(_grid(nest, grid_mm), kerf_mm, profile.material.thickness_mm, yields)
     tolerances = tolerances_of(nest, profile)
-    return Distortion(nest, how, errors_of(nest, cut_sheet(nest, path, profile.heat, how)), tolerances)
+    errors = errors_of(nest, cut_sheet(nest, path, profile.heat, how))
+    return Distortion(nest, path, profile.heat, how, errors, tolerances)
 
 
 def _grid(nest: Nest, grid_mm: float | None) -> float:

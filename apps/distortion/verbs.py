@@ -29,6 +29,7 @@ from kerfwise.encoder.errors import InputError
 @click.option("--elastic", is_flag=True, help="Let no metal yield beside the cut.")
 @click.option("--json", "as_json", is_flag=True, help="Print grid_mm and each part's errors, as JSON.")
 @click.option("-o", "--output", metavar="OUT.svg", help="Write a picture of the parts as they will be, exaggerated.")
+@click.option("--animate", metavar="OUT.html", help="Write a page that shows how the sheet moves, exaggerated.")
 @FEED
 @KERF
 @click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
@@ -38,6 +39,7 @@ def command(
     elastic: bool,
     as_json: bool,
     output: str | None,
+    animate: str | None,
     feed: float | None,
     kerf: float | None,
     **given: Any,
@@ -51,21 +53,26 @@ def command(
     if output and Path(output).suffix.lower() != ".svg":
         kind = Path(output).suffix or output
         raise InputError(f"cannot draw the parts as {kind!r}: give a name ending in .svg", file=output)
+    if animate and Path(animate).suffix.lower() != ".html":
+        kind = Path(animate).suffix or animate
+        raise InputError(f"cannot animate the sheet as {kind!r}: give a name ending in .html", file=animate)
     from kerfwise.postproc.output_files import expect_folders, write_files
 
     from .predict import distort_made, distort_old
 
-    if output:
-        expect_folders([Path(output)])
+    outputs = [name for name in (output, animate) if name]
+    expect_folders([Path(name) for name in outputs])
     grid_mm = length_of("--grid", grid) if grid else None
     if program_alone(given["nest"], made):
         job = read_program_alone(feed, kerf, given)
-        protect(job.given, given["nest"], [output])
+        protect(job.given, given["nest"], outputs)
         found = distort_old(job, grid_mm, not elastic)
     else:
         inputs = read_inputs(**given, last=made)
-        protect(inputs, given["nest"], [output], made)
+        protect(inputs, given["nest"], outputs, made)
         found = distort_made(inputs, str(made), print_note, grid_mm, not elastic, trusted_if(feed))
-    if output:
-        write_files({Path(output): found.picture().content})
+    files = {Path(output): found.picture().content} if output else {}
+    if animate:
+        files[Path(animate)] = found.animation().content
+    write_files(files)
     click.echo(json.dumps(found.as_json()) if as_json else found)

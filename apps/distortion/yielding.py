@@ -88,7 +88,7 @@ class Band:
     width_mm: float
 
     def pull(self, since_s: Floats) -> Floats:
-        """What it pulls with (k,), N, so long after the torch passed; 0 before."""
+        """What it pulls with, N, so long after the torch passed (any shape): 0 before, what is left at `inf`."""
         found = np.interp(since_s, self.since_s, self.pull_n)
         found[since_s <= 0] = 0.0
         return found

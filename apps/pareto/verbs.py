@@ -1,9 +1,8 @@
-"""kerfwise pareto: idle travel against overheats, each point a plan."""
+"""kerfwise pareto: idle travel against overheats and errors of parts, each point a plan."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,7 @@ from kerfwise.rules.profile.plant_sections import PRICES_MM
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
 
-    from .pareto import Offer
+    from .pareto import Straightness
 
 
 @click.command()
@@ -53,7 +52,10 @@ if TYPE_CHECKING:
 )
 @click.option("-o", "--output", metavar="FRONT.png", help="Output of the plot. Default: NEST.pareto.png.")
 @click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point. Default: NEST.pareto.")
-@click.option("--distortion", is_flag=True, help="Simulate how far the parts of each plan will be off, too.")
+@click.option("--distortion", is_flag=True, help="Simulate how far the parts of each plan will be off: a third axis.")
+@click.option("--off-price", "off_prices", type=AMOUNT_OVER_ZERO, multiple=True,
+              help="Plan at this price of a mm that parts are off, in mm of idle travel, too; repeatable; "
+              "with --distortion.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
 def command(
     prices: tuple[float, ...],
@@ -67,10 +69,16 @@ def command(
     output: str | None,
     plans: str | None,
     distortion: bool,
+    off_prices: tuple[float, ...],
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Plan NEST at several prices per overheat, simulate every plan, and print the Pareto front."""
+    """Plan NEST at several prices per overheat, simulate every plan, and print the Pareto front.
+
+    With --distortion the errors of parts count, too: the front is that of travel, overheats and mm.
+    """
+    if off_prices and not distortion:
+        raise click.UsageError("--off-price is a price on what --distortion simulates: give both")
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png", file=output)
     if output is plans is None:
@@ -93,11 +101,10 @@ def command(
     already = already_cut(inputs, lock_from, upto, redo_last, print_note)
     limits = options_for(inputs.nest, inputs.profile, work=work, seed=seed, time_s=time_limit)
     name = Path(options["nest"]).name
-    offer = trade_off(inputs, prices, limits, ProgressLine, name, already=already, relax=relax)
+    axis = _straightness(inputs, off_prices) if distortion else None
+    offer = trade_off(inputs, prices, limits, ProgressLine, name, already=already, relax=relax, straightness=axis)
     if offer.refused is not None:
         click.echo(f"kerfwise: {offer.refused}", err=True)
-    if distortion:
-        offer = _with_distortion(inputs, offer)
     files: dict[Path, str | bytes] = {}
     if plans:
         make_folder(Path(plans))
@@ -108,14 +115,20 @@ def command(
     write_files(files)
     click.echo(json.dumps(offer.rows()) if as_json else offer)
     if not as_json:
-        click.echo(f"written: {', '.join(([output] if output else []) + ([f'{plans}/price-*'] if plans else []))}")
+        every = [f"{plans}/{'*' if off_prices else ''}price-*"] if plans else []
+        click.echo(f"written: {', '.join(([output] if output else []) + every)}")
     if offer.interrupted:
         return 130
     return 0 if offer.refused is None and all(trade.lawful for trade in offer.trades) else 1
 
 
-def _with_distortion(inputs: Inputs, offer: Offer) -> Offer:
-    """The same with how far the parts of each plan will be off, mean of their worst places, mm."""
+def _straightness(inputs: Inputs, prices: tuple[float, ...]) -> Straightness:
+    """The axis of mm: errors of the parts of a plan, and plans at these prices on them."""
     from kerfwise.apps.distortion.predict import distort_made
+    from kerfwise.apps.distortion.straighter import StraighterOrders
+    from kerfwise.apps.distortion.yielding import metal_of
 
-    return replace(offer, off_mm=tuple(distort_made(inputs, trade.plan).mean_mm for trade in offer.trades))
+    from .pareto import Straightness
+
+    metal_of(inputs.profile.heat.material)
+    return Straightness(lambda given, plan: distort_made(given, plan).mean_mm, StraighterOrders, prices)

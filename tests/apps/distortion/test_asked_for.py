@@ -16,9 +16,9 @@ from kerfwise.apps.distortion.part_errors import PartError
 from kerfwise.apps.distortion.straighter import StraighterOrders, straighter_for
 from kerfwise.apps.distortion.tolerances import beyond, kept_or_not, tolerances_of
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs import cooler_orders
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.jobs.inputs import drawn_nest
-from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -100,13 +100,22 @@ def test_a_price_on_distortion_needs_one_simulation(tmp_path: Path) -> None:
         straighter_for(priced)
 
 
-@pytest.mark.full
-def test_the_plan_that_is_chosen_is_no_worse_by_its_own_simulation(
+def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search of some twenty simulations on a mesh of a few hundred cells."""
+    for name, value in {"SWEEPS": 1, "WAYS": 6, "STEPS_EACH": 0, "FEWEST": 12, "CELLS": 300}.items():
+        monkeypatch.setattr(straighter, name, value)
+
+
+def ways(made: VerifiedPlan) -> list[tuple[str, Point, str]]:
+    """The order of the cuts, where each begins, and which way round it goes."""
+    return [(cut.contour, cut.entry, cut.direction) for cut in made.plan.sequence().cuts]
+
+
+@pytest.mark.slow
+def test_the_plan_that_is_chosen_is_the_best_that_was_simulated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(straighter, "ORDERS", 6)
-    monkeypatch.setattr(straighter, "NEARBY", 3)
-    monkeypatch.setattr(cooler_orders, "ROUNDS", 1)
+    few_steps(monkeypatch)
     profile = load_profile(plant(tmp_path, "objective: {distortion: 1000000}\n"))
     nest = profile.as_cut(drawn_nest(small(tmp_path), profile))
     facts, limits = facts_of(nest, profile), options_for(nest, profile, work=0.5)
@@ -115,11 +124,16 @@ def test_the_plan_that_is_chosen_is_no_worse_by_its_own_simulation(
     orders = StraighterOrders(facts, profile, asked.stated)
     chosen = solve_and_verify(asked, profile, limits, cooler=orders)
     assert chosen.verdict.ok
-    routes = [one.plan.sequence().cuts for one in (plain, chosen)]
-    assert len(routes[0]) == len(routes[1]) == 3
-    found = [tried.total_mm(orders.price_mm(profile)) for tried in orders._tried.values()]
-    assert len(found) >= 4
+    assert len(chosen.plan.sequence().cuts) == 3
+    price_mm = orders.price_mm(profile)
+    found = [tried.total_mm(price_mm) for tried in orders.tried.values()]
+    assert len(found) >= 8
     assert chosen.plan.solve.objective == pytest.approx(min(found), rel=1e-6)
+    first = next(iter(orders.tried.values()))
+    assert chosen.plan.solve.objective < first.total_mm(price_mm) - 1.0
+    again = solve_and_verify(asked, profile, limits, cooler=StraighterOrders(facts, profile, asked.stated))
+    assert ways(again) == ways(chosen) != ways(plain)
+    assert not any("overheat" in sentence for cut in chosen.plan.cuts for sentence in cut.because)
 
 
 @pytest.mark.full
@@ -135,13 +149,26 @@ def test_compare_has_mm_beside_travel_and_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.full
-def test_pareto_has_mm_beside_travel_and_time(tmp_path: Path) -> None:
+def test_pareto_has_mm_as_an_axis_beside_travel_and_overheats(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    few_steps(monkeypatch)
+    nest, profile = small(tmp_path), plant(tmp_path)
     done = kerfwise(
-        "pareto", small(tmp_path), "-p", plant(tmp_path), "--price", 0, "--work", 0.5, "--distortion", "--json",
-        "-o", tmp_path / "front.png",
+        "pareto", nest, "-p", profile, "--price", 0, "--off-price", 1e6, "--work", 0.5, "--distortion", "--json",
+        "-o", tmp_path / "front.png", "--plans", tmp_path / "plans",
     )  # fmt: skip
     assert done.code == 0, done.err
-    assert all(row["off_mm"] > 0 for row in json.loads(done.out))
+    plain, straight = json.loads(done.out)
+    assert (plain["off_price_mm"], straight["off_price_mm"]) == (0, 1e6)
+    assert 0 < straight["off_mm"] < plain["off_mm"]
+    assert straight["idle_mm"] > plain["idle_mm"]
+    assert plain["front"]
+    assert straight["front"]
+    assert kerfwise("check", nest, tmp_path / "plans" / "off-price-1000000.nc", "-p", profile).code == 0
+
+
+def test_a_price_on_mm_needs_their_simulation(tmp_path: Path) -> None:
+    done = kerfwise("pareto", small(tmp_path), "-p", plant(tmp_path), "--off-price", 1)
+    assert (done.code, "--distortion" in done.err) == (2, True)
 
 
 def test_kept_and_not_kept_in_words() -> None:

@@ -19,8 +19,8 @@ class _Made:
         self.totals = Totals(0.0, idle_mm, 0, 0.0, 0.0)
 
 
-def trade(price_mm: float, overheats: int, idle_mm: float, ok: bool = True) -> Trade:
-    return Trade(price_mm, cast(VerifiedPlan, _Made(idle_mm, ok)), overheats, 0.0)
+def trade(price_mm: float, overheats: int, idle_mm: float, ok: bool = True, off_mm: float | None = None) -> Trade:
+    return Trade(price_mm, cast(VerifiedPlan, _Made(idle_mm, ok)), overheats, 0.0, off_mm)
 
 
 def test_beaten_plans_and_the_second_of_equals_are_not_on_the_front() -> None:
@@ -36,11 +36,20 @@ def test_a_plan_that_the_check_refuses_is_not_on_the_front() -> None:
     assert front([unlawful, lawful]) == [lawful]
 
 
-@given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), max_size=12))
-def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
-    trades = [trade(k, hot, float(idle)) for k, (hot, idle) in enumerate(points)]
+def test_a_plan_with_straighter_parts_is_on_the_front_though_it_travels_more() -> None:
+    short, straight, beaten = (
+        trade(0, 5, 1000, off_mm=0.3),
+        trade(0, 5, 2000, off_mm=0.1),
+        trade(9, 5, 2100, off_mm=0.2),
+    )
+    assert front([beaten, straight, short]) == [short, straight]
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9), st.integers(0, 9)), max_size=12))
+def test_the_front_is_what_nothing_beats(points: list[tuple[int, int, int]]) -> None:
+    trades = [trade(k, hot, float(idle), off_mm=float(off)) for k, (hot, idle, off) in enumerate(points)]
     kept = front(trades)
-    for one in trades:
-        beaten = any(other.beats(one) for other in trades)
-        same = any((k.overheats, k.idle_mm) == (one.overheats, one.idle_mm) for k in kept)
+    for one, point in zip(trades, points, strict=True):
+        beaten = any(all(a <= b for a, b in zip(other, point, strict=True)) and other != point for other in points)
+        same = any((k.overheats, k.idle_mm, k.off_mm) == (one.overheats, one.idle_mm, one.off_mm) for k in kept)
         assert same is not beaten
