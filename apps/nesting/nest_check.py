@@ -192,6 +192,10 @@ def copy_problem(part: Part, requested: RequestedPart) -> str | None:
         return f"has {counts[0][0]} holes and {counts[0][1]} marks, and the drawing {counts[1][0]} and {counts[1][1]}"
     if [tab.width_mm for tab in part.tabs] != [tab.width_mm for tab in requested.part.tabs]:
         return "has other tabs than the drawing"
+    mirrored = bool(part.attributes.get("mirrored"))
+    for one, other in zip(_contours(part), _contours(requested.part), strict=True):
+        if one.bevel != (other.bevel and (other.bevel.turned_over if mirrored else other.bevel)):
+            return f"has another bevel than the drawing: {one.bevel or 'none'} on {one.id}"
     if lost := _arcs_lost(part, requested.part):
         return lost
     turns = _any_turn(part, requested.part) if requested.turns_deg is None else requested.turns_deg

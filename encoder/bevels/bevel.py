@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 from kerfwise.encoder.errors import InputError
@@ -127,6 +127,13 @@ class Bevel:
         """The same as a nest file has it."""
         land = {"land": self.land_mm} if self.land_mm else {}
         return {"kind": self.kind, "angle": self.angle_deg, **land, **({"side": self.side} if self.side else {})}
+
+    @property
+    def turned_over(self) -> Bevel:
+        """The same on a part that lies with its other face up, as mirrored ones do."""
+        if self.side is None:
+            return self
+        return replace(self, side="bottom" if self.side == "top" else "top")
 
     def expect_fit(self, thickness_mm: float) -> None:
         """Refuse a land that the sheet has no room for.

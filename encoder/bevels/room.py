@@ -175,6 +175,7 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
             raise InputError(
                 f"nothing of {part.id} would be left at the {face} face; a smaller angle, or a land, would do"
             )
+    _expect_walls(part, options)
     several, mass_kg, least_kg = len(options.edges(drawn, ccw=True)), options.mass_kg(part), options.lies_still_kg
     if several > 1 and (least_kg is None or mass_kg < least_kg):
         less = "and nobody says" if least_kg is None else f"less than {least_kg:g} kg, which is"
@@ -217,6 +218,21 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
         if (hit := metal.hit(path, drawn.part, along=True, apart_mm=0.0)) is not None:
             raise InputError(f"{hit}; leave more web, or change the bevel")
         yield tuple(loops)
+
+
+def _expect_walls(part: Part, options: BevelOptions) -> None:
+    """Refuse bevels that meet another contour of their part at a face, where no wall is left between them."""
+    thickness_mm, kerf_mm = options.thickness_mm, options.kerfs[0][1]
+    for face, depth_mm in (("top", 0.0), ("bottom", thickness_mm)):
+        outline = _bevelled_area(part.outer, depth_mm, thickness_mm, outwards=False)
+        areas = [(hole, _bevelled_area(hole, depth_mm, thickness_mm, outwards=True)) for hole in part.holes]
+        for k, (hole, area) in enumerate(areas):
+            near = [other for other, of in areas[:k] if shapely.dwithin(area, of, kerf_mm)]
+            near += [] if shapely.contains(shapely.buffer(outline, -kerf_mm), area) else [part.outer]
+            if near and any(one.bevel is not None for one in (hole, *near)):
+                raise InputError(
+                    f"at the {face} face it leaves less than a kerf of wall between {near[0].id} and {hole.id}"
+                )
 
 
 def _swept(path: TiltedPath, options: BevelOptions) -> shapely.Geometry:

@@ -29,6 +29,8 @@ from .bevel import BevelPass
 Corner = Literal["either", "loop", "turn"]
 SHARP_RAD = math.radians(30)
 """A corner that turns less is no sharp one: the torch turns about it."""
+LEAST_LOOP_MM = 2.0
+"""No loop is tighter than this: a head cannot follow."""
 _SAME_RAD, _SAME_MM = 1e-4, 1e-6
 _ON_RING_MM = 2e-3
 _STEP_RAD = math.radians(3)
@@ -300,10 +302,10 @@ class _Walk:
         )
         to_meet = ((bx - ax) * vy - (by - ay) * vx) / (ux * vy - uy * vx)  # along the first edge to where both meet
         reach = run_mm - to_meet
-        if reach <= _SAME_MM:
+        radius = reach / math.tan(abs(turn) / 2)
+        if min(reach, radius) < LEAST_LOOP_MM:
             raise ValueError("the run past a corner is too short for a loop")
         first, last = (ax + run_mm * ux, ay + run_mm * uy), (bx - run_mm * vx, by - run_mm * vy)
-        radius = reach / math.tan(abs(turn) / 2)
         side = -1.0 if turn > 0 else 1.0  # the loop goes the other way round
         cx, cy = first[0] - side * uy * radius, first[1] + side * ux * radius
         sweep = side * (math.tau - abs(turn))

@@ -27,7 +27,7 @@ def made_nest(seed: int) -> tuple[Nest, Profile]:
         x, y = cell * (k % columns + 0.5), cell * (k // columns + 0.5)
         parts.append(_part(f"P{k + 1}", (x, y), dice, thickness))
     profile = load_profile()
-    holes = replace(profile.small_holes, under="skip")
+    holes = replace(profile.small_holes, min_hole=2.0)
     machine = replace(profile.machine, dialect="linuxcnc", cut_feed_mm_s=dice.choice([10.0, 20.0]))
     kerf = dice.choice([1.6, 2.0, 2.6])
     bevel: dict[str, Any] = {

@@ -263,7 +263,9 @@ def _part(part: Part) -> dict[str, Any]:
         entry["marks"] = [_open(mark.curve) for mark in part.marks]
     if part.tabs:
         entry["tabs"] = [{"at": tab.at, **({"width": tab.width_mm} if tab.width_mm else {})} for tab in part.tabs]
-    return entry
+    contours = (("outer", part.outer), *((f"hole{k}", hole) for k, hole in enumerate(part.holes, 1)))
+    bevels = [{"of": of, **contour.bevel.as_json()} for of, contour in contours if contour.bevel is not None]
+    return entry | ({"bevel": bevels} if bevels else {})
 
 
 def _open(curve: Curve) -> list[list[float]]:
@@ -307,7 +309,14 @@ def nest_dxf(nest: Nest) -> str:
 
 
 def _drawn(contours: Iterable[Contour]) -> list[tuple[Curve, str]]:
-    return [(contour.curve, "MARK" if contour.kind == "mark" else "CUT") for contour in contours]
+    return [(contour.curve, _layer(contour)) for contour in contours]
+
+
+def _layer(contour: Contour) -> str:
+    """MARK, CUT, or what bevel a contour has, for a plant that maps such layers: `BEVEL_V_45_TOP`."""
+    if contour.bevel is not None:
+        return f"BEVEL {contour.bevel}".upper().replace(" ", "_")
+    return "MARK" if contour.kind == "mark" else "CUT"
 
 
 def _polylines(curves: Iterable[tuple[Curve, str]]) -> str:

@@ -209,4 +209,9 @@ class Placed:
         return x, y
 
     def _contour(self, contour: Contour, name: str, what: str) -> Contour:
-        return Contour(f"{name}.{what}", name, contour.kind, self.curve(contour.curve), source=contour.source)
+        bevel = contour.bevel
+        if bevel is not None and self.pose.mirrored:
+            bevel = bevel.turned_over
+        return Contour(
+            f"{name}.{what}", name, contour.kind, self.curve(contour.curve), source=contour.source, bevel=bevel
+        )
