@@ -122,6 +122,7 @@ def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = 
         pierced = not (edge_start or hole)
         run = Run(burn.path, burn.tool != 0, pierced, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
         run = replace(run, standing_s=0.0) if hole else run
+        run = replace(run, feed_share=burn.lean_share) if burn.tilted else run
         if own is not None:
             run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
         runs.append(run)

@@ -400,6 +400,7 @@ def _row(order: int, planned: PlannedCut, say: Texts) -> tuple[str, ...]:
         *([tr("linked")] if cut.linked else []),
         *([tr("waits {s} s").format(s=f"{planned.dwell_s:.1f}")] if planned.dwell_s else []),
         *([trn("{n} tab", "{n} tabs", len(cut.tabs)).format(n=len(cut.tabs))] if cut.tabs else []),
+        *([" / ".join(f"{one.tilt_deg:g}°" for one in planned.passes)] if planned.passes else []),
         *([tr("take care")] if cut.excused else []),
     ]
     begins = clock_text(cut.start_s)

@@ -28,6 +28,7 @@ from kerfwise.jobs.inputs import (
 )
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.check.bevels import upright
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.read_program import read_on_machine
 from kerfwise.postproc.output_files import write_files
@@ -443,7 +444,7 @@ def last_plan(source: Plan | str | Path | None, nest: Nest, nest_file: str | Pat
             )
     if is_plan_file(source):
         return of_plan(read_plan(source), str(source))
-    program = read_on_machine(program_text(source), nest, profile, str(source))
+    program = upright(nest, read_on_machine(program_text(source), nest, profile, str(source)), profile)
     cuts = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest)).cuts
     return LastPlan(str(source), {k: cut.contour for k, cut in enumerate(cuts, 1)})
 

@@ -174,6 +174,11 @@ class BevelsJudged:
     violations: tuple[Violation, ...] | None = None
 
 
+def upright(nest: Nest, program: NcProgram, profile: Profile) -> NcProgram:
+    """The program with one upright burn along each contour with a bevel, for those who look for its cuts."""
+    return judge_bevels(nest, program, profile, {}).program
+
+
 def judge_bevels(
     nest: Nest, program: NcProgram, profile: Profile, shares: Mapping[str, tuple[float, float]]
 ) -> BevelsJudged:

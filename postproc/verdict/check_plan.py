@@ -350,6 +350,9 @@ def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "
     if not program.burns:
         raise InputError("the program cuts nothing: the torch is never on", file=file or None)
     burns = [burn for burn in program.burns if not burn.pierces_only] or program.burns
+    burns = [burn for burn in burns if not burn.tilted]  # what bevels these are of the check finds at their roots
+    if not burns:
+        return 0
     along = along_contours(burns, nest, kerf_mm)
     count, of_it = len(along), int(along.sum())
     if of_it < count / 2:

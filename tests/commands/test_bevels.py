@@ -12,6 +12,9 @@ import ezdxf
 import pytest
 
 import kerfwise as package
+from kerfwise.apps.nesting.placement.layout import nest_dxf, nest_json
+from kerfwise.apps.nesting.placement.nofit import Placed, Pose
+from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.read import read_nest
 from kerfwise.postproc.check.check import check_program
 from kerfwise.rules.profile.load import load_profile
@@ -192,3 +195,31 @@ def test_a_drawing_has_bevels_by_layer_and_colour(tmp_path: Path) -> None:
     assert done.code == 2
     assert "a bevel's angle is 95" in done.err
     assert "plant.yaml:4:" in done.err
+
+
+def test_parts_of_a_list_keep_their_bevels_turned_over_where_they_are(tmp_path: Path) -> None:
+    nest, _ = write(tmp_path, {"kind": "V", "angle": 30}, HEAD)
+    part = read_nest(nest).parts[0]
+    over = Placed(0, Pose(0.0, True), 0.0, 0.0).part(part, "M")
+    assert str(over.outer.bevel) == "V 30 bottom"
+    told = json.loads(nest_json(Nest(Sheet.rectangle(400, 300), (over,))))
+    assert told["parts"][0]["bevel"] == [{"of": "outer", "kind": "V", "angle": 30, "side": "bottom"}]
+    assert "BEVEL_V_30_BOTTOM" in nest_dxf(Nest(Sheet.rectangle(400, 300), (over,)))
+
+
+def test_a_program_of_bevels_alone_is_timed_and_judged(tmp_path: Path) -> None:
+    nest, plant = write(tmp_path, {"kind": "V", "angle": 30}, HEAD)
+    program, plan = str(tmp_path / "out.nc"), str(tmp_path / "out.plan.json")
+    assert kerfwise("solve", nest, "-p", plant, "--work", "0.05", "-o", program, "--plan", plan).code == 0
+    checked = kerfwise("check", nest, program, "-p", plant)
+    assert checked.code == 0, checked.out + checked.err
+    times = [kerfwise("time", nest, made, "-p", plant) for made in (program, plan)]
+    assert times[0].out == times[1].out
+    assert "along no contour" not in times[0].err
+
+
+def test_a_plan_with_bevels_is_not_gone_on_with_after_a_stop(solved: Path) -> None:
+    told = ("--lock-from", solved / "out.plan.json", "--upto", "2", "-o", solved / "rest.nc")
+    resumed = kerfwise("solve", NEST, "-p", PROFILE, *told)
+    assert resumed.code == 2
+    assert "is not gone on with after a stop" in resumed.err

@@ -21,6 +21,7 @@ from kerfwise.jobs.simulation import Simulation, simulate_made
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.bevels import upright
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.machine_limits import stated_spacing
 from kerfwise.postproc.check.reader.program import Burn, expand_torches
@@ -167,7 +168,13 @@ def _of_program(request: SideAsked, file: str, heat: bool, tell: Tell) -> Side:
     program = expand_torches(program, torches.shift)
     profile = inputs.profile.at_origin(program.origin or inputs.profile.machine.origin)
     home = profile.home_on(inputs.nest)
-    built = rebuild(inputs.nest, program, profile.material.kerf_mm, home, tabs_asked=profile.tabs())
+    built = rebuild(
+        inputs.nest,
+        upright(inputs.nest, program, inputs.profile),
+        profile.material.kerf_mm,
+        home,
+        tabs_asked=profile.tabs(),
+    )
     found = simulate_made(inputs, file, tell=tell) if heat else None
     return Side(
         request.name, "program", inputs, built.cuts, time_made(inputs, file, tell), check_made(inputs, file, tell),

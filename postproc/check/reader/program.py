@@ -55,6 +55,11 @@ class Burn:
         return any(tilt != 0 for tilt, _ in self.axes)
 
     @property
+    def lean_share(self) -> float:
+        """The share of the cut feed at which the torch goes where it leans: the way through the metal is longer."""
+        return min((math.cos(math.radians(tilt)) for tilt, _ in self.axes), default=1.0)
+
+    @property
     def feeds_mm_s(self) -> tuple[float, ...]:
         """The speeds it moves at, each once, the least first."""
         return tuple(sorted(set(self.step_feeds_mm_s)))

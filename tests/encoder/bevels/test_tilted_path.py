@@ -139,3 +139,14 @@ def test_what_has_no_room_is_refused(
         plan_bevels(plate(written, given, sheet), given)
     assert why in str(refused.value)
     assert "P.outer" in str(refused.value)
+
+
+def test_a_bevel_that_leaves_no_wall_is_refused() -> None:
+    nest = plate("V 45").drawn
+    assert nest is not None
+    part = nest.parts[0]
+    hole = Contour("P.hole1", "P", "hole", Curve.of([(115, 150, 1), (125, 150, 1)]))
+    given = Nest(nest.sheet, (Part("P", part.outer, (hole,)),))
+    with pytest.raises(InputError) as refused:
+        plan_bevels(with_bevels(given, OPTIONS), OPTIONS)
+    assert "at the top face it leaves less than a kerf of wall between P.outer and P.hole1" in str(refused.value)
