@@ -13,7 +13,7 @@ from kerfwise.postproc.output_files import write_files
 
 from .job_edits import expect_keys
 from .server import Server
-from .session import Session
+from .session import Session, Stale
 from .worker import Died, Refused
 
 MOST_VALUES = 200
@@ -52,8 +52,7 @@ async def write_profile(server: Server, session: Session, body: dict[str, Any]) 
     if new is None:
         await _read_again(server, path)
     else:
-        result = await server.asked("edited", wanted=session.wanted, changes=[{"profile": path.name}])
-        await server.want(session, replace(session.wanted, job_text=result["job_text"]))
+        await _want_anew(server, session, path)
     return {"file": _shown(server, path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 
@@ -98,12 +97,28 @@ def _write(path: Path, data: bytes, sha256: str | None) -> None:
     write_files({path: data})
 
 
+async def _want_anew(server: Server, session: Session, profile: Path) -> None:
+    """Want a nest by a profile that was just written; what somebody changes meanwhile stays."""
+    while True:
+        wanted = session.wanted
+        result = await server.asked("edited", wanted=wanted, changes=[{"profile": profile.name}])
+        try:
+            if session.wanted is wanted:
+                return await server.want(session, replace(wanted, job_text=result["job_text"]))
+        except Stale:
+            continue
+
+
 async def _read_again(server: Server, path: Path) -> None:
     """Every open nest whose profile is made of this file is to be planned again."""
     stamp = hashlib.sha256(path.read_bytes()).hexdigest()
-    for session in list(server.sessions.values()):
+    waiting = list(server.sessions.values())
+    while waiting:
+        session = waiting.pop()
         try:
             if str(path) in await server.asked("profile_files", wanted=session.wanted):
                 await server.want(session, replace(session.wanted, profile_now=stamp))
+        except Stale:  # somebody has changed it meanwhile
+            waiting.append(session)
         except (Refused, Died) as error:  # the profile is written; that this nest does not go with it is said there
             session.changed(wanted=replace(session.wanted, profile_now=stamp), problem=str(error))

@@ -149,7 +149,8 @@ class Server:
         self, key: str, name: str, before: Session | KeptSession, repair: bool, disk: str | None
     ) -> Session:
         """A nest that somebody has worked on: its plans and edits stay, and what was changed outside is told."""
-        wanted, path = replace(before.wanted, repair=repair, trust=self._trust), Path(before.wanted.nest)
+        was, path = before.wanted, Path(before.wanted.nest)
+        wanted = replace(was, repair=repair, trust=self._trust)
         mine, changed = wanted.job_text, before.changed_job
         unsaved = mine != self._first_text(before.on_disk, path)
         if disk not in (before.on_disk, mine):
@@ -167,6 +168,8 @@ class Server:
             why = str(error.told["message"])
             changed = {"disk": now, "kept": mine, "using": "disk", "unsaved": unsaved, "why": why}
         there = self.sessions.get(key)
+        if there is not None and there.wanted is not was:  # somebody has edited it while the desk was reading
+            return await self._opened_again(key, name, there, repair, disk)
         if there is None:
             there = self.sessions[key] = Session(key, name, wanted, opened, self.news, keeper=self.kept)
             there.seen = _seen(opened)

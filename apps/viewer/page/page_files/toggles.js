@@ -27,10 +27,11 @@ export function toggles(app) {
   byId("drawn").addEventListener("click", () => app.set({ drawn: !app.state.drawn }));
   byId("numbers").addEventListener("click", () => app.set({ numbers: !app.state.numbers }));
   heat.addEventListener("click", () => void app.showHeat(!app.state.heat));
+  let looks = 0;
   const known = async () => {
-    const { side } = app.state, asked = app.source.heatIsMade && !app.state.heat;
+    const mine = ++looks, { side } = app.state, asked = app.source.heatIsMade && !app.state.heat;
     const data = app.side && !asked ? await app.source.heat(side) : null;
-    if (side !== app.state.side) return;
+    if (mine !== looks) return; // another plan is shown meanwhile
     heat.hidden = !app.side || (data === null && !app.source.heatIsMade);
     byId("heat-scale").hidden = !app.state.heat;
     if (!data) return;

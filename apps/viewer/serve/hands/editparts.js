@@ -186,13 +186,16 @@ class PartEditor {
   }
 
   async #save() {
-    const name = this.name?.value.trim() ?? "";
+    const name = this.name?.value.trim() ?? "", { asked } = this;
+    this.write?.toggleAttribute("disabled", true);
     try {
       const told = await sendServer(this.work.path("nest"), { version: this.work.state.version, changes: this.changes.lines, as: name });
+      if (asked !== this.asked) return this.#tell(tr("{name} is written, without what was changed since", { name }), "warn");
       location.href = `/nest/${told.id}`;
     } catch (error) {
       const { told, message } = /** @type {any} */ (error);
       this.#tell([message, ...(told?.details ?? [])].join("; "), "bad");
+      this.#show();
     }
   }
 

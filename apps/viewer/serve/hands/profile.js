@@ -39,6 +39,10 @@ class ProfileEditor {
     /** @type {Map<string, RuleChange>} */
     this.changes = new Map();
     this.stale = true;
+    /** how often the profile was asked for */
+    this.looks = 0;
+    /** whether it is being written */
+    this.writing = false;
     /** @type {AbortController | null} hangs up on what is being asked of the planner */
     this.asking = null;
     this.head = make("p", { class: "hint", id: "profile-head" });
@@ -57,10 +61,13 @@ class ProfileEditor {
   async look() {
     if (!this.stale) return;
     this.stale = false;
+    const mine = ++this.looks;
     try {
-      this.profile = await askServer(this.work.path("profile"));
+      const profile = await askServer(this.work.path("profile"));
+      if (mine !== this.looks) return; // it was asked for again meanwhile
+      this.profile = profile;
     } catch (error) {
-      this.head.textContent = /** @type {Error} */ (error).message;
+      if (mine === this.looks) this.head.textContent = /** @type {Error} */ (error).message;
       return;
     }
     const { name, file, why_not, for_this_nest } = this.profile;
@@ -73,9 +80,11 @@ class ProfileEditor {
 
   draw() {
     const open = new Set([...this.rules.querySelectorAll("details[open]")].map(one => /** @type {HTMLElement} */ (one).dataset.rule));
+    const { activeElement: focus } = document, label = this.rules.contains(focus) ? focus?.getAttribute("aria-label") : null;
     this.rules.replaceChildren(...this.profile.rules.map((/** @type {any} */ rule) =>
       ruleForm(this.work, rule, this.changes, open.has(rule.id), change => this.put(change))));
     this.bar.hidden = !this.changes.size;
+    if (label) /** @type {HTMLElement | null} */ (this.rules.querySelector(`[aria-label="${CSS.escape(label)}"]`))?.focus();
   }
 
   /** @param {RuleChange} change */
@@ -86,7 +95,7 @@ class ProfileEditor {
     if (change.to === now) this.changes.delete(name);
     else this.changes.set(name, change);
     if (change.key === "strength" && change.to !== "soft") this.changes.delete(`${change.rule}.weight`);
-    this.draw();
+    setTimeout(() => this.draw()); // once the focus has gone on: what has it then keeps it
     this.see();
   }
 
@@ -126,10 +135,13 @@ class ProfileEditor {
 
   /** @param {string} [as] the name of a new profile */
   async save(as) {
+    if (this.writing) return; // a double click
+    this.writing = true;
+    const sent = new Map(this.changes);
     const said = { version: this.work.state.version, sha256: this.profile.sha256, changes: [...this.changes.values()], ...(as === undefined ? {} : { as }) };
     try {
       const told = await sendServer(this.work.path("profile"), said);
-      this.changes.clear();
+      for (const [name, change] of sent) if (this.changes.get(name) === change) this.changes.delete(name); // not what was typed since
       this.hangUp();
       this.work.take(told);
       this.stale = true;
@@ -140,6 +152,8 @@ class ProfileEditor {
       if (told?.kind === "stale") this.work.take(told);
       this.refused(told?.kind === "stale" ? new Error(tr("another tab was quicker: look at what is there now, and do it again")) : error);
       this.stale = true;
+    } finally {
+      this.writing = false;
     }
   }
 

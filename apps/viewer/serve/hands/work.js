@@ -28,6 +28,8 @@ export class Work {
     this.cancels = 0;
     /** whether the server does not answer */
     this.lost = false;
+    /** how often the connection came or went */
+    this.links = 0;
   }
 
   /** The state of now, and then whatever changes. */
@@ -46,9 +48,11 @@ export class Work {
   /** The server is there, or is not: it is asked what is so now once it is there again. */
   /** @param {boolean} lost */
   connected(lost) {
+    if (lost && this.lost) this.links += 1;
     if (lost === this.lost) return;
-    if (!lost) { // not before it is known what is so now
-      this.catchUp().then(() => { this.lost = false; this.hear("connection"); }, () => {});
+    const mine = ++this.links;
+    if (!lost) { // not before it is known what is so now, nor where it was lost once more meanwhile
+      this.catchUp().then(() => { if (mine === this.links) { this.lost = false; this.hear("connection"); } }, () => {});
       return;
     }
     this.lost = true;
