@@ -1,6 +1,6 @@
 /** @import { App } from "./app.js" */
 import { byId, make } from "./elements.js";
-import { tr, trn } from "./say.js";
+import { figure, language, tr, trn } from "./say.js";
 import { notHeld } from "./unkept.js";
 import { clock, metres, proven, stateClass, stateText } from "./words.js";
 
@@ -24,10 +24,10 @@ export function factsPanel(app) {
     chip.toggleAttribute("disabled", !side);
     byId("sheet-said").replaceChildren(
       ...(app.data.caption ? [make("p", { class: "warn" }, app.data.caption)] : []),
-      make("dl", {}, ...pair(tr("nest"), nest.file || title), ...pair(tr("sheet"), `${(x1 - x0).toFixed(1)} × ${(y1 - y0).toFixed(1)} mm`),
+      make("dl", {}, ...pair(tr("nest"), nest.file || title), ...pair(tr("sheet"), `${figure(x1 - x0, 1)} × ${figure(y1 - y0, 1)} mm`),
         ...pair(tr("holds"), `${trn("{n} part", "{n} parts", nest.parts.length)}, ${trn("{n} contour", "{n} contours", nest.contours.length)}`),
         ...(side ? pair(tr("profile"), side.profile) : []), ...figures.flatMap(([name, value]) => pair(name, value)),
-        ...(side ? pair(tr("proof"), side.figures.proof || proven(side.figures)) : [])),
+        ...(side ? pair(tr("proof"), language() === "en" && side.figures.proof || proven(side.figures)) : [])),
       ...(side?.said.length ? [make("h2", { class: "small" }, tr("The plan says")), make("ul", { lang: "en" }, ...side.said.map(text => make("li", {}, text)))] : []),
       ...(nest.notes.length ? [make("h2", { class: "small" }, tr("The drawing")), make("ul", { lang: "en" }, ...nest.notes.map(text => make("li", {}, text)))] : []),
       ...(side?.left_out.length ? [make("h2", { class: "small" }, tr("Left out")), make("ul", {}, ...side.left_out.map(one => make("li", {}, `${one.contour}: ${one.why}`)))] : []),

@@ -1,6 +1,7 @@
 /** @import { App } from "./app.js" */
 /** @import { NcData } from "./types.js" */
 import { byId, make } from "./elements.js";
+import { tr } from "./say.js";
 import { momentAt } from "./timeline.js";
 import { VirtualList } from "./virtual.js";
 import { placeOn } from "./way.js";
@@ -30,6 +31,7 @@ export function programPanel(app) {
     nc = told;
     texts = nc ? nc.text.split(/\r?\n/) : [];
     byId("nc-none").hidden = nc !== null;
+    byId("nc-none").textContent = app.side?.unchecked ? tr("The program of this plan is not written and checked yet.") : tr("This page has no program.");
     list.reset(texts.length);
     follow();
   };

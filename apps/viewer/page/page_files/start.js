@@ -6,6 +6,7 @@ import { factsPanel } from "./facts.js";
 import { wordsDialog } from "./glossary.js";
 import { listen } from "./gestures.js";
 import { keyboard } from "./keys.js";
+import { takeLook } from "./look.js";
 import { orderList } from "./orders.js";
 import { workSheet } from "./paper.js";
 import { player } from "./player.js";
@@ -29,6 +30,7 @@ const FLAT = 1.6;
  * @returns {Promise<App>}
  */
 export async function start(source, hands) {
+  takeLook();
   const data = await source.page();
   speak(catalogues(), data.language);
   const app = new App(source, data);

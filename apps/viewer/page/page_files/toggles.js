@@ -1,6 +1,7 @@
 /** @import { App } from "./app.js" */
 import { byId } from "./elements.js";
 import { warm } from "./heat.js";
+import { changeLook } from "./look.js";
 import { PAPER_COLOURS } from "./palette.js";
 import { tr } from "./say.js";
 
@@ -11,14 +12,13 @@ import { tr } from "./say.js";
  * @returns {{look: () => void}}
  */
 export function toggles(app) {
-  const heat = byId("heat"), root = document.documentElement, dark = matchMedia("(prefers-color-scheme: dark)");
+  const heat = byId("heat"), dark = matchMedia("(prefers-color-scheme: dark)");
   const recolour = () => {
     app.stages.forEach(stage => stage.recolour());
     app.recolourers.forEach(fn => fn());
   };
   const look = () => {
-    const now = root.dataset.look ?? (dark.matches ? "dark" : "light");
-    root.dataset.look = now === "dark" ? "light" : "dark";
+    changeLook();
     recolour();
   };
   dark.addEventListener("change", recolour);

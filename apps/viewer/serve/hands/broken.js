@@ -2,7 +2,7 @@
 import { make } from "./elements.js";
 import { listen } from "./gestures.js";
 import { Outlines } from "./outlines.js";
-import { tr } from "./say.js";
+import { tr, trn } from "./say.js";
 import { Stage } from "./stage.js";
 import { Store } from "./store.js";
 
@@ -82,7 +82,7 @@ export function brokenDrawing(problems, repair) {
   const mends = lines.filter(one => one.mends).length;
   return make("section", { id: "broken" },
     make("h2", {}, tr("This drawing cannot be cut as it is drawn")),
-    make("p", {}, problems.said, mends ? ` — ${mends === lines.length ? tr("repair mends all of it at once.") : tr("repair mends {n} of {all}, all at once.", { n: mends, all: lines.length })}` : ""),
+    make("p", {}, trn("{n} problem", "{n} problems", lines.length), mends ? ` — ${mends === lines.length ? tr("repair mends all of it at once.") : tr("repair mends {n} of {all}, all at once.", { n: mends, all: lines.length })}` : ""),
     figure,
     make("p", {}, make("button", { type: "button", onclick: whole }, tr("whole drawing"))),
     make("ol", {}, ...rows));

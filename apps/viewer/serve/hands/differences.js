@@ -2,6 +2,10 @@
 import { make } from "./elements.js";
 import { tr } from "./say.js";
 
+/** Why nothing is kept, where it is no sentence of the system. */
+/** @type {Record<string, () => string>} */
+const WHY_NOT = { "this server was started to keep nothing": () => tr("this server was started to keep nothing") };
+
 /**
  * Notices over the page: the server does not answer, nothing can be kept, what was changed outside while nobody looked.
  *
@@ -15,7 +19,7 @@ export function notices(app, work) {
     const { differences = [], keeping = { ok: true } } = work.state;
     place.replaceChildren(
       ...(work.lost ? [lostNotice(work)] : []),
-      ...(keeping.ok ? [] : [make("p", { class: "notice" }, tr("plans and edits are not kept on disk: {why}", { why: keeping.why }))]),
+      ...(keeping.ok ? [] : [make("p", { class: "notice" }, tr("plans and edits are not kept on disk: {why}", { why: WHY_NOT[keeping.why]?.() ?? keeping.why }))]),
       ...differences.map((/** @type {any} */ one) => one.what === "nest" ? nestNotice(work, one) : jobNotice(work, one)),
     );
     place.hidden = !place.childElementCount;

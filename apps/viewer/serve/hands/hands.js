@@ -34,6 +34,8 @@ export function giveHands(app, work) {
   dragging(app, work);
   readingPicture(app, work);
   planViews(app, work);
+  const { side } = app.slots; // what lies over the panels takes no more room of them than it needs
+  new ResizeObserver(() => document.documentElement.style.setProperty("--slot-side", `${side.offsetHeight}px`)).observe(side);
   work.hear("state");
 }
 

@@ -2,6 +2,7 @@
 import { askServer, sendServer } from "./asking.js";
 import { brokenDrawing } from "./broken.js";
 import { byId, make } from "./elements.js";
+import { takeLook } from "./look.js";
 import { drawingQuestions } from "./questions.js";
 import { figure, language, languageChoice, speak, tr, trn } from "./say.js";
 
@@ -148,6 +149,7 @@ async function addRows(from) {
   cards[0]?.querySelector("button")?.focus();
 }
 
+takeLook();
 speak(JSON.parse(byId("texts").textContent || "{}"));
 languageChoice(/** @type {HTMLSelectElement} */ (byId("language")));
 addEventListener("dragover", event => { event.preventDefault(); document.body.classList.add("dropping"); });

@@ -13,9 +13,9 @@ export function lockPanel(app, work, drawTab) {
   const panel = app.panel("locks", tr("Locks"));
   const list = make("ul", { id: "hands-locks" });
   const line = /** @type {HTMLInputElement} */ (make("input", { id: "hands-lock-line", placeholder: "P2 before P3", "aria-label": tr("a lock in words") }));
-  const form = make("form", { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); addLine(); } }, line, make("button", {}, tr("Lock")));
-  const values = make("ul", { id: "hands-values" });
-  panel.append(make("p", { class: "hint" }, tr("Drag a row or a part to lock its place. Click × to unlock.")), list, form, values);
+  const form = make("form", { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); addLine(); } }, line, " ", make("button", {}, tr("Lock")));
+  const values = make("ul", { id: "hands-values" }), none = make("p", { id: "hands-no-locks" }, tr("Nothing is locked yet."));
+  panel.append(make("p", { class: "hint" }, tr("Drag a row or a part to lock its place. Click × to unlock.")), none, list, form, values);
   const addLine = async () => {
     const said = line.value;
     if (!said) return;
@@ -24,6 +24,7 @@ export function lockPanel(app, work, drawTab) {
   };
   const drawLocks = () => {
     const { locked, settings } = work.state;
+    none.hidden = locked.length > 0;
     list.replaceChildren(...locked.map((/** @type {string} */ said) => make("li", {}, said,
       make("button", { type: "button", "aria-label": tr("unlock {lock}", { lock: said }), title: tr("unlock"), onclick: () => work.edit([{ unlock: said }]) }, "×"))));
     values.replaceChildren(...Object.entries(settings).map(([key, value]) => make("li", {}, `${key}: ${value}`,

@@ -38,9 +38,9 @@ function planRow(work, one, best) {
     make("small", {}, [...flags.filter(Boolean), ...one.locked].join(" · ")));
 }
 
-/** How a plan came, in a planner's words: "first plan", "better by 0.4 m", "proven". */
+/** How a plan came, in a planner's words: "first plan", "better by 0.4 m". */
 /** @type {(one: any) => string} */
 function stageText({ stage, gained_mm, proven }) {
   const better = gained_mm > 0.5 ? tr("better by {mm} m", { mm: figure(gained_mm / 1000, 1) }) : "";
-  return stage === "first" ? tr("first plan") : [better, proven ? tr("proven") : stage === "better" ? tr("on the way") : ""].filter(Boolean).join(", ");
+  return stage === "first" ? tr("first plan") : [better, stage === "better" && !proven ? tr("on the way") : ""].filter(Boolean).join(", ");
 }

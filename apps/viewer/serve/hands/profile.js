@@ -70,10 +70,10 @@ class ProfileEditor {
       if (mine === this.looks) this.head.textContent = /** @type {Error} */ (error).message;
       return;
     }
-    const { name, file, why_not, for_this_nest } = this.profile;
+    const { name, file, why_not, shipped, for_this_nest } = this.profile;
     const set = Object.keys(for_this_nest).filter(key => key.startsWith("rules."));
     const beside = set.length ? ` ${tr("The job file has other values for this nest: {keys}.", { keys: set.join(", ") })}` : "";
-    this.head.textContent = (why_not || tr("{name}, in {file}. What you change is written there.", { name, file })) + beside;
+    this.head.textContent = (shipped ? tr("{name} comes with kerfwise and is not changed: save it as a profile of your own", { name }) : why_not || tr("{name}, in {file}. What you change is written there.", { name, file })) + beside;
     this.write.toggleAttribute("disabled", !this.profile.writable);
     this.draw();
   }

@@ -2,6 +2,7 @@
 import { askServer } from "./asking.js";
 import { make } from "./elements.js";
 import { tr } from "./say.js";
+import { strengthText } from "./words.js";
 
 /**
  * One rule of a profile: its strength and weight, its options, and once it is opened its page and its pictures.
@@ -18,7 +19,7 @@ export function ruleForm(work, rule, changes, open, put) {
   const now = (key, value) => changes.get(`${rule.id}.${key}`)?.to ?? value;
   const changed = [...changes.values()].some(one => one.rule === rule.id);
   const strength = now("strength", rule.strength), weight = now("weight", rule.weight ?? rule.default_weight);
-  const said = `${strength}${strength === "soft" ? ` ${weight}` : ""}`;
+  const said = `${strengthText(strength)}${strength === "soft" ? ` ${weight}` : ""}`;
   const page = make("div", { class: "page" });
   const fields = [
     ruleField(rule, "strength", strength, rule.strengths, "", put),
@@ -40,7 +41,7 @@ export function ruleForm(work, rule, changes, open, put) {
 function ruleField(rule, key, value, words, help, put) {
   const label = tr("{key} of {rule} in the profile", { key, rule: rule.id });
   const onchange = (/** @type {Event} */ event) => put({ rule: rule.id, key, to: /** @type {HTMLInputElement} */ (event.target).value.trim() });
-  const choice = words.length ? make("select", { "aria-label": label, onchange }, ...words.map(one => make("option", { value: one, selected: one === value }, one)))
+  const choice = words.length ? make("select", { "aria-label": label, onchange }, ...words.map(one => make("option", { value: one, selected: one === value }, key === "strength" ? strengthText(one) : one)))
     : make("input", { "aria-label": label, value, onchange });
   return make("label", {}, make("span", {}, key), choice, help ? make("small", {}, help) : null);
 }
