@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
@@ -68,6 +68,34 @@ from .torch_run import TorchRun, in_steps_of, judgement, tolerance_mm
 _ROUNDING_MM = 1e-3
 
 
+@dataclass(frozen=True, slots=True)
+class _Cut:
+    """What is cut on a nest, as a plan or a program has it.
+
+    `slots` are the nest's narrow ones, `faults` what the reader of the cuts found wrong, `astray` ways without torch
+    that leave the machine's travel. `comments` are those of a program; a plan has none, and says itself how long its
+    leads are.
+    """
+
+    slots: Slots
+    cuts: CutSequence
+    runs: Sequence[TorchRun]
+    faults: Sequence[Violation]
+    astray: Iterable[Violation] = ()
+    comments: Sequence[str] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Beside:
+    """What a program is judged by beside nest and profile; see `check_program`. `late` are warnings of its times."""
+
+    thermometer: Thermometer | None
+    tabs: Tabs | None
+    planned: PlanClaims | None
+    side: Side | None
+    late: Sequence[str]
+
+
 def check_cuts(
     nest: Nest,
     cuts: CutSequence,
@@ -87,14 +115,14 @@ def check_cuts(
     nest, slots = with_passes(judged_by.nest, passes_of_cuts(cuts), profile)
     judged_by = replace(judged_by, nest=nest)
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(judged_by, slots, cuts, runs, faults, profile, relaxed, tabs=tabs)
+    judged, warnings = _judge_paths(judged_by, _Cut(slots, cuts, runs, faults), profile, relaxed, tabs)
     in_kerfs = _starts_in_kerfs(nest, cuts, profile)
     heatings = heatings_of_cuts(nest, cuts, runs, profile, in_kerfs)
     felt = measured(first_cuts(nest, cuts), heatings, thermometer)
     rules = judge(nest, felt, profile, relaxed)
     for other in (cuts.turned(by) for by in range(1, torch_count(cuts))):
         paths, wrong = runs_from_cuts(nest, other, profile.material.kerf_mm)
-        more, _ = _judge_paths(judged_by, slots, other, paths, wrong, profile, relaxed, tabs=tabs)
+        more, _ = _judge_paths(judged_by, _Cut(slots, other, paths, wrong), profile, relaxed, tabs)
         judged, rules = stricter(judged, more), stricter(rules, judge(nest, first_cuts(nest, other), profile, relaxed))
     if profile.machine.torches.several or torch_count(cuts) > 1:
         judged.append(judgement("torches", wrong_torch_cuts(cuts, profile)))
@@ -142,10 +170,11 @@ def check_program(
     late = list(wrong_times(program, profile, None if planned is None else planned.time_s))
     bevels = judge_bevels(nest, program, profile, judged_by.shares)
     program = bevels.program
+    beside = _Beside(thermometer, tabs, planned, side, late)
     with in_steps_of(program.step_mm):
-        result = _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side, late)
+        result = _judge_program(judged_by, program, profile, beside, known)
         for by in range(1, 1 + max((len(burn.torches) for burn in program.burns), default=0)):
-            other = _judge_program(judged_by, program, profile, thermometer, tabs, planned, None, side, late, by)
+            other = _judge_program(judged_by, program, profile, beside, turned=by)
             result = replace(result, rules=tuple(stricter(result.rules, other.rules)))
         if bevels.violations is not None:
             result = replace(result, rules=(judgement("bevels", bevels.violations), *result.rules))
@@ -161,17 +190,13 @@ def _judge_program(
     judged_by: JudgedNest,
     program: NcProgram,
     profile: Profile,
-    thermometer: Thermometer | None,
-    tabs: Tabs | None,
-    planned: PlanClaims | None,
-    known: JudgedCuts | None,
-    side: Side | None,
-    late: Sequence[str],
+    beside: _Beside,
+    known: JudgedCuts | None = None,
     turned: int = 0,
 ) -> CheckResult:
     """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
-    nest = judged_by.nest
-    notes = [*origin_warning(program, profile), *_coarse(program, profile), *late]
+    nest, planned, tabs = judged_by.nest, beside.planned, beside.tabs
+    notes = [*origin_warning(program, profile), *_coarse(program, profile), *beside.late]
     profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
     profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))
@@ -181,15 +206,14 @@ def _judge_program(
     judged_by = replace(judged_by, nest=nest)
     kerf_mm, in_passes = profile.material.kerf_mm, profile.cuts.pierce_pass is not None
     built = rebuild(nest, burnt, kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs(), in_passes)
-    if built.cuts.start_side is None and side is not None:
-        built = replace(built, cuts=replace(built.cuts, start_side=side))
+    if built.cuts.start_side is None and beside.side is not None:
+        built = replace(built, cuts=replace(built.cuts, start_side=beside.side))
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
     if planned is not None:
         relaxed = tuple(dict.fromkeys((*relaxed, *planned.relaxed)))
-    judged, warnings = _judge_paths(
-        judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs, program.comments
-    )
+    cut = _Cut(slots, built.cuts, built.runs, built.violations, astray, program.comments)
+    judged, warnings = _judge_paths(judged_by, cut, profile, relaxed, tabs)
     if torches.several or of_torches:
         judged.append(judgement("torches", of_torches))
     if planned is not None and not turned:
@@ -197,7 +221,7 @@ def _judge_program(
     begun = _starts_in_kerfs(nest, built.cuts, profile)
     in_kerfs = {(run.where, built.cuts[run.position - 1].torch) for run in built.runs if run.position in begun}
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
-    felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), thermometer)
+    felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), beside.thermometer)
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]
@@ -214,28 +238,17 @@ def _coarse(program: NcProgram, profile: Profile) -> Iterator[str]:
 
 
 def _judge_paths(
-    judged_by: JudgedNest,
-    slots: Slots,
-    cuts: CutSequence,
-    runs: Sequence[TorchRun],
-    faults: Sequence[Violation],
-    profile: Profile,
-    relaxed: Sequence[RelaxedStatement],
-    astray: Iterable[Violation] = (),
-    tabs: Tabs | None = None,
-    comments: Sequence[str] | None = None,
+    judged_by: JudgedNest, cut: _Cut, profile: Profile, relaxed: Sequence[RelaxedStatement], tabs: Tabs | None
 ) -> tuple[list[Judgement], list[str]]:
-    """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel.
-
-    `comments` are those of a program; a plan has none, and says itself how long its leads are.
-    """
+    """What is wrong with the paths of cuts."""
+    slots, cuts, runs, faults, comments = cut.slots, cut.cuts, cut.runs, cut.faults, cut.comments
     nest, kerf_mm = judged_by.nest, profile.material.kerf_mm
     if tabs is None and profile.tabs() is not None:
-        tabs = {cut.contour: unlit_tabs(cut, kerf_mm) for cut in cuts if cut.tabs}
+        tabs = {one.contour: unlit_tabs(one, kerf_mm) for one in cuts if one.tabs}
     whole, runs = runs, [piece for run in runs for piece in run.lit]
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
-    cut_contours = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
+    cut_contours = [nest.contour(one.contour) for one in cuts[: cuts.made] if one.contour in nest.index]
     before = burnt_before(nest, cuts[: cuts.made], kerf_mm, cuts.begun)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(open_contours(several, cuts.positions()))
@@ -285,7 +298,7 @@ def _judge_paths(
         judgement("no-gouging", found.violations),
     ]
     if profile.reach_on(nest) is not None:
-        judged.append(judgement("within-travel", [*paths_beyond_travel(nest, cuts, runs, profile), *astray]))
+        judged.append(judgement("within-travel", [*paths_beyond_travel(nest, cuts, runs, profile), *cut.astray]))
     return judged, [
         *_resumed(cuts),
         *small_hole_notes(judged_by, profile),

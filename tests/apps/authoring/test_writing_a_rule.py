@@ -58,7 +58,7 @@ def test_a_rule_is_begun_as_the_page_says(copy: Path) -> None:
     begun = [COMMANDS[0], "kerfwise rules test long-parts-begun --cases"]
     said = follow([command.replace("long-parts-last", "long-parts-begun") for command in begun], copy)
     assert [*said.values()][-1].endswith(" 0 failed\n")
-    (copy / "rules" / "catalogue" / "long_parts_begun.py").unlink()
+    shutil.rmtree(copy / "rules" / "catalogue" / "long_parts_begun")
 
 
 @pytest.mark.full
