@@ -3,9 +3,9 @@
 Usage: python -m kerfwise.benchmarks.tuning [NAME …] [--work W] [--only PATTERN …] [--kept rows.json] > docs/tuning.md
 
 Made plates (examples/gen_sheet.py) under the default profile, with and without zones, and with lags of two cuts, are
-each solved within so much work (deterministic seconds, so that other programs change no figure), by a process of its
-own for every value. A row of numbers is changed as a whole; a whole number stays one, and is 1 at the least. Rows that
-the file `--kept` has already are not made again.
+each solved within so much work (deterministic seconds, so that other programs change no figure); where kernels read a
+number, by a process of its own. A row of numbers is changed as a whole; a whole number stays one, and is 1 at the
+least. Rows that the file `--kept` has already are not made again.
 """
 
 from __future__ import annotations
@@ -13,16 +13,22 @@ from __future__ import annotations
 import argparse
 import ast
 import json
+import shlex
 import subprocess
 import sys
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import kerfwise
 from kerfwise.models.engines import tuning
+
+if TYPE_CHECKING:
+    from kerfwise.models.problem.problem import Problem
 
 PAGE = """\
 # What the engines' numbers are worth
@@ -37,22 +43,22 @@ half as large again, and {count} problems were solved anew within {work:g} deter
 
 *cost* and *bound* are changes of their sum over all problems, in %: a positive cost is dearer, a positive bound better.
 *s* are processor seconds, where they change by more than a tenth; other programs on the machine have a part in those.
-Names that are not listed were not measured: they say what a machine does in a second, how large tables may become, or
-how often somebody is asked.
+Numbers that are not listed were not measured here.
 """
 PROBLEMS = ("zones 41 1", "zones 115 5", "free 41 1", "free 60 3", "free 115 5", "lags 16 1")
 WORK = 3.0
 SHOWN = 0.05
 """Changes of fewer % are not shown."""
 CHILD = """\
-import json, sys, time
+import json, sys
 from kerfwise.models.engines import tuning
 for name, value in json.loads(sys.argv[1]).items():
     setattr(tuning, name, tuple(value) if isinstance(value, list) else value)
 from kerfwise.benchmarks.tuning import solve
 print(json.dumps(solve(sys.argv[2].split(","), float(sys.argv[3]))))
 """
-"""Changed before anything reads it."""
+"""Changed before anything reads it: for numbers that are part of compiled kernels."""
+ENGINES = "kerfwise.models.engines"
 
 
 def numbers() -> Iterator[tuple[str, Any]]:
@@ -73,18 +79,25 @@ def scaled(value: Any, factor: float) -> Any:
     return max(1, round(value * factor)) if isinstance(value, int) else value * factor
 
 
+@cache
+def plate(name: str) -> Problem:
+    """A problem by its name, such as "zones 41 1"."""
+    from kerfwise.benchmarks import engines
+
+    kind, contours, seed = name.split()
+    return engines.made(kind, int(contours), int(seed))
+
+
 def solve(problems: list[str], work: float) -> dict[str, float]:
     """Sums of costs and bounds, µm, and processor seconds."""
     import time
 
-    from kerfwise.benchmarks import engines
     from kerfwise.models.engines.portfolio import run_portfolio
     from kerfwise.models.engines.solution import SolveOptions
 
     total = {"cost": 0.0, "bound": 0.0, "s": 0.0}
     for name in problems:
-        kind, contours, seed = name.split()
-        problem = engines.made(kind, int(contours), int(seed))
+        problem = plate(name)
         began_s = time.process_time()
         found = run_portfolio(problem, SolveOptions(work=work))
         total["s"] += time.process_time() - began_s
@@ -93,13 +106,36 @@ def solve(problems: list[str], work: float) -> dict[str, float]:
     return total
 
 
-def measured(changed: dict[str, Any], problems: list[str], work: float) -> dict[str, float]:
-    """The same with some numbers changed, in a process of its own; kernels that read them are compiled anew."""
-    command = [sys.executable, "-c", CHILD, json.dumps(changed), ",".join(problems), str(work)]
-    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
-    if done.returncode:
-        return {}
-    return dict(json.loads(done.stdout.splitlines()[-1]))
+def places(name: str) -> tuple[list[tuple[ModuleType, str]], bool]:
+    """Where the engines have a number, each with its name there, and whether a compiled kernel reads it."""
+    found, compiled = [], False
+    for module in [module for key, module in sorted(sys.modules.items()) if key.startswith(ENGINES)]:
+        if module is tuning or module.__file__ is None:
+            continue
+        for node in ast.parse(Path(module.__file__).read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ImportFrom) and node.module == f"{ENGINES}.tuning":
+                found += [(module, alias.asname or alias.name) for alias in node.names if alias.name == name]
+        for _, there in [place for place in found if place[0] is module]:
+            kernels = [kernel.py_func.__code__ for kernel in vars(module).values() if hasattr(kernel, "py_func")]
+            compiled = compiled or any(there in code.co_names for code in kernels)
+    return [*found, (tuning, name)], compiled
+
+
+def measured(name: str, value: Any, problems: list[str], work: float) -> dict[str, float]:
+    """What `solve` gives with another value of a number."""
+    there, compiled = places(name)
+    if compiled:
+        command = [sys.executable, "-c", CHILD, json.dumps({name: value}), ",".join(problems), str(work)]
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
+        return {} if done.returncode else dict(json.loads(done.stdout.splitlines()[-1]))
+    known = [getattr(module, at) for module, at in there]
+    try:
+        for module, at in there:
+            setattr(module, at, value)
+        return solve(problems, work)
+    finally:
+        for (module, at), was in zip(there, known, strict=True):
+            setattr(module, at, was)
 
 
 def words(known: dict[str, float], now: dict[str, float]) -> str:
@@ -124,19 +160,24 @@ def main() -> int:
     if given.kept is not None and given.kept.exists():
         kept = json.loads(given.kept.read_text(encoding="utf-8"))
 
-    def at(label: str, changed: dict[str, Any]) -> dict[str, float]:
+    def at(label: str, make: Callable[[], dict[str, float]]) -> dict[str, float]:
         if label not in kept:
-            kept[label] = measured(changed, given.only, given.work)
+            kept[label] = make()
             if given.kept is not None:
                 given.kept.write_text(json.dumps(kept, indent=1), encoding="utf-8")
         return kept[label]
 
-    known, rows = at("as they are", {}), []
+    solve(given.only, 0.1)  # kernels are compiled, libraries loaded
+    known, rows = at("as they are", lambda: solve(given.only, given.work)), []
     for name, value in numbers():
         if not given.names or any(fnmatchcase(name, pattern) for pattern in given.names):
-            cells = (words(known, at(f"{name} x {factor}", {name: scaled(value, factor)})) for factor in (0.5, 1.5))
+            cells = []
+            for factor in (0.5, 1.5):
+                make = partial(measured, name, scaled(value, factor), given.only, given.work)
+                cells.append(words(known, at(f"{name} x {factor}", make)))
             rows.append(f"| `{name}` | {value} | {' | '.join(cells)} |")
-    options = "".join(f" '{name}'" if "*" in name else f" {name}" for name in given.names)
+    only = "" if given.only == list(PROBLEMS) else f" --only {shlex.join(given.only)}"
+    options = f" {shlex.join(given.names)}" * bool(given.names) + f" --work {given.work:g}{only}"
     print(
         PAGE.format(
             given=options, kerfwise=kerfwise.__version__, count=len(given.only), work=given.work,

@@ -134,7 +134,7 @@ class Pieces:
     `sites` are those on the route by piece. By new site: `heads` and `tails` are the first and the last site of what it
     stands for, `site_piece` its piece. `new_site` (m + 1,) is the new number of a site that is a head, `new_tail` of
     one that is a tail, else -1, home the last. By piece: `alone` says that it is one contour with all its sites, `free`
-    that it is a free one, `leader` is its first contour and `closer` its last. By contour: `of_contour` is its piece,
+    that it is a free one, `leader` is its first contour. By contour: `of_contour` is its piece,
     `place` where on the route it stands, `on_route` its site there. `order` are the contours of `whole_route`, which
     is `route` in new sites.
     """
@@ -149,7 +149,6 @@ class Pieces:
     alone: Bools
     free: Bools
     leader: Ints
-    closer: Ints
     of_contour: Ints
     place: Ints
     on_route: Ints
@@ -181,7 +180,7 @@ class Pieces:
         new_site[m] = new_tail[m] = first[-1]
         return cls(
             sites, first, heads, tails, site_piece, new_site, new_tail, alone, loose[starts], leader,
-            order[starts + length - 1], of_contour, place, on_route, order, route, new_site[route[starts]],
+            of_contour, place, on_route, order, route, new_site[route[starts]],
         )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from kerfwise.models.engines.ideals import priced
 from kerfwise.models.engines.ideals.lattice import sweeping
 from kerfwise.models.engines.ideals.prove import applies, priceable, prove, prove_priced
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.tuning import OVERDRAWN_S
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -32,7 +33,7 @@ PROVING = import_module("kerfwise.models.engines.ideals.prove")  # the package h
 
 def swept(tiny: Problem, known: Incumbent, limit: int, work: float = 1.0, backwards: float = 0.0) -> Incumbent | None:
     """The best of all plans up to the limit; no bound is above it, and no plan from stretch to stretch below."""
-    stretches = priced.price(tiny, known, Deadline(work, most_bytes=1e9), (), backwards)
+    stretches = priced.price(tiny, known, Deadline(work, most_bytes=1e9), (), backwards, OVERDRAWN_S)
     assert stretches is not None
     with ThreadPoolExecutor(1) as thread:
         found = stretches.sweep(limit, sweeping(Deadline(), 10.0), thread)
