@@ -29,7 +29,7 @@ from kerfwise.postproc.check.reader.read_program import (
 from kerfwise.postproc.clock import Timed, cost_of_sheet, job_of_plan, job_of_program, time_job, time_program
 from kerfwise.postproc.old.contours import NestOfBurns, fits_kerf, name_by_comments, nest_of
 from kerfwise.postproc.old.loops import AmbiguousNest, Unclear
-from kerfwise.postproc.verdict.check_plan import check_plan, check_program, held_to_plan
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program, held_to_plan, other_nest_named
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Corners, Scrap
@@ -283,6 +283,8 @@ def check_made(
         for text in differences(followed, inputs) if followed is not None else ():
             tell(text)
         text = program_text(source)
+        if named := other_nest_named(text.split("\n"), inputs.nest):
+            tell(f"{named}; it is judged on this nest")
         result = check_program(inputs.nest, text, inputs.profile, str(source), followed, trusted=trusted)
         if followed is None or trusted is not None:
             return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 
@@ -323,10 +323,22 @@ def _near(a: float, b: float, off: float) -> bool:
 
 # Whether a program is one of the nest that it is given with: times and temperatures of another's mean nothing.
 
-_MADE_FROM = re.compile(rf"NEST (?P<file>.*?) ?SHA256 (?P<sha>[0-9a-f]{{{SHA_DIGITS}}})", re.IGNORECASE)
+_MADE_FROM = re.compile(rf"(?:^|[(;]) ?NEST (?P<file>.*?) ?SHA256 (?P<sha>[0-9a-f]{{{SHA_DIGITS}}})", re.IGNORECASE)
 _SAMPLES = 16
 _BESIDE_MM = 3.0
 """How far beside a contour a path may run that cuts it, besides the kerf."""
+
+
+def other_nest_named(comments: Iterable[str], nest: Nest) -> str:
+    """That comments of a program name another nest than this one; "" where they do not."""
+    for found in filter(None, map(_MADE_FROM.search, comments)):
+        sha = found["sha"].lower()
+        if nest.sha256 and sha != nest.sha256[:SHA_DIGITS]:
+            return (
+                f"the program was made from another nest: it names {found['file'] or 'one'} with sha256 {sha}, that "
+                f"of {nest.file} begins {nest.sha256[:SHA_DIGITS]}"
+            )
+    return ""
 
 
 def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "") -> int:
@@ -337,14 +349,8 @@ def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "
     InputError
         If most do, or the program says itself that it was made from another nest.
     """
-    for found in filter(None, map(_MADE_FROM.fullmatch, program.comments)):
-        sha = found["sha"].lower()
-        if nest.sha256 and sha != nest.sha256[:SHA_DIGITS]:
-            raise InputError(
-                f"the program was made from another nest: it names {found['file'] or 'one'} with sha256 {sha}, that "
-                f"of {nest.file} begins {nest.sha256[:SHA_DIGITS]}; give the nest it was made from",
-                file=file or None,
-            )
+    if named := other_nest_named(program.comments, nest):
+        raise InputError(f"{named}; give the nest it was made from", file=file or None)
     if not nest.contours:
         return len(program.burns)
     if not program.burns:

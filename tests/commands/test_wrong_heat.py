@@ -66,6 +66,14 @@ def test_what_was_not_made_from_the_nest(folder: Path, verb: str, nest: Path, ma
     refused(expected, verb, nest, made_of_it)
 
 
+def test_the_check_notes_a_program_of_another_nest_and_judges_it(folder: Path) -> None:
+    own = kerfwise("check", NEST, "cut.nc")
+    assert (own.code, "another nest" in own.err) == (0, False), own.err
+    other = kerfwise("check", OTHER, "cut.nc")
+    assert other.code == 1
+    assert "note: the program was made from another nest: it names e1x_6.json with sha256" in other.err
+
+
 def test_cuts_that_are_not_the_nests_are_noted(folder: Path) -> None:
     Path("more.nc").write_text(
         Path("bare.nc").read_text().replace("(HOME)", "G0 X50 Y2\nM3 $0 S1\nG4 P0.5\nG1 X600 F2500\nM5 $0")
