@@ -21,12 +21,13 @@ from shapely import ops
 from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.geometry.segment import Point, Segment
-from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
+from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .bevel_faces import Slope, cut_away_mm, face_area, half_width_mm, section_of, slopes_of
 from .torch_run import tolerance_mm
 
 _RULE = "bevels"
@@ -37,80 +38,7 @@ _SHARE = 0.8
 _SAMPLE_MM, _NEAR_MM, _WAIT_S = 0.5, 0.06, 2e-3
 _STEPS = 17
 """Depths that are looked at, beside the roots, for each 20 mm and at the least."""
-_MITRE = 50.0
 _KG = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Slope:
-    """One slope of a bevel: the lean of the jet, positive where it leaves the part downwards, and its root's depth."""
-
-    lean_deg: float
-    root_mm: float
-
-
-def slopes_of(contour: Contour, thickness_mm: float) -> tuple[list[Slope], bool]:
-    """The slopes of a contour's bevel from the top face down, and whether it has a square face besides."""
-    bevel = contour.bevel
-    if bevel is None:
-        return [], True
-    both = bevel.kind in ("X", "K")
-    share = (0.5, 0.5) if both else (1.0, 0.0) if bevel.side != "bottom" else (0.0, 1.0)
-    sloped_mm = thickness_mm - bevel.land_mm
-    found = []
-    if share[0]:
-        found.append(Slope(bevel.angle_deg, share[0] * sloped_mm))
-    if share[1]:
-        found.append(Slope(-bevel.angle_deg, thickness_mm - share[1] * sloped_mm))
-    return found, bevel.land_mm > 0
-
-
-def cut_away_mm(contour: Contour, depth_mm: float, thickness_mm: float) -> float:
-    """How far the face lies behind the contour as drawn, at a depth."""
-    away = [0.0]
-    for slope in slopes_of(contour, thickness_mm)[0]:
-        over_mm = slope.root_mm - depth_mm if slope.lean_deg > 0 else depth_mm - slope.root_mm
-        away.append(over_mm * math.tan(math.radians(abs(slope.lean_deg))))
-    return max(away)
-
-
-def half_width_mm(lean_deg: float, profile: Profile) -> float:
-    """Half of what a jet at this angle burns away, measured level."""
-    rows = dict([(0.0, profile.material.kerf_mm), *profile.cuts.bevel.kerfs])
-    angles = sorted(rows)
-    kerf_mm = float(np.interp(abs(lean_deg), angles, [rows[a] for a in angles]))
-    return kerf_mm / (2 * math.cos(math.radians(lean_deg)))
-
-
-def as_burnt(nest: Nest, profile: Profile) -> Nest:
-    """The nest with its bevelled contours where upright kerfs would have to run to cut them at their roots."""
-    if profile.cuts.bevel.head is None or not any(c.bevel for c in nest.contours):
-        return nest
-    thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
-    wider = {
-        c.id: 0.0 if square else round(half_width_mm(slopes[-1].lean_deg, profile) - kerf_mm / 2, 9)
-        for c in nest.contours
-        if c.bevel is not None
-        for slopes, square in (slopes_of(c, thickness_mm),)
-    }
-    return _moved_out(nest, tuple(wider.items()))
-
-
-@cached_with_nest(most=2)
-def _moved_out(nest: Nest, wider: tuple[tuple[str, float], ...]) -> Nest:
-    by = dict(wider)
-
-    def made(contour: Contour) -> Contour:
-        if not by.get(contour.id):
-            return contour
-        out = by[contour.id] if contour.kind == "outer" else -by[contour.id]
-        area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
-        largest = max(shapely.get_parts(area), key=shapely.area)
-        points = shapely.get_coordinates(largest.exterior)[:-1]
-        return replace(contour, curve=Curve(np.column_stack([points, np.zeros(len(points))])))
-
-    parts = [replace(p, outer=made(p.outer), holes=tuple(map(made, p.holes))) for p in nest.parts]
-    return with_parts(nest, tuple(parts))
 
 
 # What a tilted burn is at each depth.
@@ -212,7 +140,7 @@ def judge_bevels(
         elif k in last:
             contour = contours[last[k][0]]
             slopes, square = slopes_of(contour, profile.material.thickness_mm)
-            if not square:
+            if not square and len(last[k][1]) == len(slopes):
                 burns.append(_made_upright(jets[k], contour, slopes[-1], profile))
     violations = tuple(Violation(_RULE, names, text) for names, text in found)
     return BevelsJudged(replace(program, burns=tuple(burns)), violations)
@@ -325,25 +253,6 @@ def _depths(bevelled: Sequence[Contour], thickness_mm: float) -> list[float]:
     return sorted({*np.linspace(0.0, thickness_mm, count).round(6).tolist(), *roots})
 
 
-def _face(contour: Contour, away_mm: float, sharp: bool) -> shapely.Geometry:
-    """What a contour goes round where its face lies so far behind it; inner corners `sharp`, or round."""
-    area = shapely.make_valid(contour.polygon)
-    if not away_mm:
-        return area
-    by = -away_mm if contour.kind == "outer" else away_mm
-    if sharp:
-        return shapely.buffer(area, by, join_style="mitre", mitre_limit=_MITRE)
-    return shapely.buffer(area, by, quad_segs=32)
-
-
-def _section(part: Part, depth_mm: float, thickness_mm: float) -> shapely.Geometry:
-    """The metal of a part at a depth."""
-    metal = _face(part.outer, cut_away_mm(part.outer, depth_mm, thickness_mm), sharp=True)
-    for hole in part.holes:
-        metal = shapely.difference(metal, _face(hole, cut_away_mm(hole, depth_mm, thickness_mm), sharp=True))
-    return metal
-
-
 def _metal(
     nest: Nest,
     bevelled: Sequence[Contour],
@@ -371,7 +280,7 @@ def _metal(
             for number in tree.query(area).tolist():
                 part = nest.parts[number]
                 if number not in sections:
-                    sections[number] = shapely.buffer(_section(part, depth_mm, thickness_mm), -allowed)
+                    sections[number] = shapely.buffer(section_of(part, depth_mm, thickness_mm), -allowed)
                 if (part.id, k) not in said and shapely.intersects(sections[number], area):
                     said.add((part.id, k))
                     x, y = shapely.get_coordinates(
@@ -401,7 +310,7 @@ def _left(
     it lies behind the contour, and half the jet.
     """
     away_mm = cut_away_mm(contour, depth_mm, thickness_mm)
-    inside = _face(contour, away_mm, sharp=False)
+    inside = face_area(contour, away_mm, sharp=False)
     ring = shapely.segmentize(shapely.boundary(inside), _SAMPLE_MM)
     points = shapely.points(shapely.get_coordinates(ring))
     far = ~shapely.dwithin(burnt, points, allowed)

@@ -21,7 +21,7 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
-from .bevels import as_burnt
+from .bevel_faces import as_burnt
 from .burn_pieces import stretches_of
 from .gouging import metal_of_parts
 from .matching import Matcher

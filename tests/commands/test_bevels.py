@@ -208,14 +208,18 @@ def test_parts_of_a_list_keep_their_bevels_turned_over_where_they_are(tmp_path: 
 
 
 def test_a_program_of_bevels_alone_is_timed_and_judged(tmp_path: Path) -> None:
-    nest, plant = write(tmp_path, {"kind": "V", "angle": 30}, HEAD)
-    program, plan = str(tmp_path / "out.nc"), str(tmp_path / "out.plan.json")
+    nest, plant = write(tmp_path, {"kind": "X", "angle": 30}, "cuts: {bevel: {lies_still: 0.5 kg}}\n")
+    program, plan = tmp_path / "out.nc", tmp_path / "out.plan.json"
     assert kerfwise("solve", nest, "-p", plant, "--work", "0.05", "-o", program, "--plan", plan).code == 0
     checked = kerfwise("check", nest, program, "-p", plant)
     assert checked.code == 0, checked.out + checked.err
     times = [kerfwise("time", nest, made, "-p", plant) for made in (program, plan)]
     assert times[0].out == times[1].out
     assert "along no contour" not in times[0].err
+    program.write_text(re.sub(r"(?s)\(CUT 1 P.outer ZONE 1 CW PASS 2.*?M5\n", "", program.read_text()))
+    checked = kerfwise("check", nest, program, "-p", plant)
+    assert checked.code == 1
+    assert "P.outer: no pass that leans by -30 degrees" in checked.out
 
 
 def test_a_plan_with_bevels_is_not_gone_on_with_after_a_stop(solved: Path) -> None:

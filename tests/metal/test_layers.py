@@ -40,10 +40,10 @@ def test_programs_of_made_nests_burn_no_part_and_leave_no_face(seed: int) -> Non
 
 @pytest.mark.full
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, 240, 20))
+@pytest.mark.parametrize("first", range(0, 200, 20))
 def test_two_hundred_made_nests(first: int) -> None:
     made = [one for one in map(planned, range(first, first + 20)) if one is not None]
-    assert len(made) >= 15
+    assert len(made) >= 16
     found = [f"{nest.file}: {f}" for nest, profile, program in made for f in simulate_layers(nest, program, profile)]
     assert found == []
 

@@ -1,0 +1,109 @@
+"""What a bevel means for the check: its slopes, its face at every depth, and how wide a tilted jet cuts.
+
+Found from the nest as drawn and the profile alone, by other means than the planning has.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
+from kerfwise.rules.profile.profile import Profile
+
+_MITRE = 50.0
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """One slope of a bevel: the lean of the jet, positive where it leaves the part downwards, and its root's depth."""
+
+    lean_deg: float
+    root_mm: float
+
+
+def slopes_of(contour: Contour, thickness_mm: float) -> tuple[list[Slope], bool]:
+    """The slopes of a contour's bevel from the top face down, and whether it has a square face besides."""
+    bevel = contour.bevel
+    if bevel is None:
+        return [], True
+    both = bevel.kind in ("X", "K")
+    share = (0.5, 0.5) if both else (1.0, 0.0) if bevel.side != "bottom" else (0.0, 1.0)
+    sloped_mm = thickness_mm - bevel.land_mm
+    found = []
+    if share[0]:
+        found.append(Slope(bevel.angle_deg, share[0] * sloped_mm))
+    if share[1]:
+        found.append(Slope(-bevel.angle_deg, thickness_mm - share[1] * sloped_mm))
+    return found, bevel.land_mm > 0
+
+
+def cut_away_mm(contour: Contour, depth_mm: float, thickness_mm: float) -> float:
+    """How far the face lies behind the contour as drawn, at a depth."""
+    away = [0.0]
+    for slope in slopes_of(contour, thickness_mm)[0]:
+        over_mm = slope.root_mm - depth_mm if slope.lean_deg > 0 else depth_mm - slope.root_mm
+        away.append(over_mm * math.tan(math.radians(abs(slope.lean_deg))))
+    return max(away)
+
+
+def half_width_mm(lean_deg: float, profile: Profile) -> float:
+    """Half of what a jet at this angle burns away, measured level."""
+    rows = dict([(0.0, profile.material.kerf_mm), *profile.cuts.bevel.kerfs])
+    angles = sorted(rows)
+    kerf_mm = float(np.interp(abs(lean_deg), angles, [rows[a] for a in angles]))
+    return kerf_mm / (2 * math.cos(math.radians(lean_deg)))
+
+
+def as_burnt(nest: Nest, profile: Profile) -> Nest:
+    """The nest with its bevelled contours where upright kerfs would have to run to cut them at their roots."""
+    if profile.cuts.bevel.head is None or not any(c.bevel for c in nest.contours):
+        return nest
+    thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
+    wider = {
+        c.id: 0.0 if square else round(half_width_mm(slopes[-1].lean_deg, profile) - kerf_mm / 2, 9)
+        for c in nest.contours
+        if c.bevel is not None
+        for slopes, square in (slopes_of(c, thickness_mm),)
+    }
+    return _moved_out(nest, tuple(wider.items()))
+
+
+@cached_with_nest(most=2)
+def _moved_out(nest: Nest, wider: tuple[tuple[str, float], ...]) -> Nest:
+    by = dict(wider)
+
+    def made(contour: Contour) -> Contour:
+        if not by.get(contour.id):
+            return contour
+        out = by[contour.id] if contour.kind == "outer" else -by[contour.id]
+        area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
+        largest = max(shapely.get_parts(area), key=shapely.area)
+        points = shapely.get_coordinates(largest.exterior)[:-1]
+        return replace(contour, curve=Curve(np.column_stack([points, np.zeros(len(points))])))
+
+    parts = [replace(p, outer=made(p.outer), holes=tuple(map(made, p.holes))) for p in nest.parts]
+    return with_parts(nest, tuple(parts))
+
+
+def face_area(contour: Contour, away_mm: float, sharp: bool) -> shapely.Geometry:
+    """What a contour goes round where its face lies so far behind it; inner corners `sharp`, or round."""
+    area = shapely.make_valid(contour.polygon)
+    if not away_mm:
+        return area
+    by = -away_mm if contour.kind == "outer" else away_mm
+    if sharp:
+        return shapely.buffer(area, by, join_style="mitre", mitre_limit=_MITRE)
+    return shapely.buffer(area, by, quad_segs=32)
+
+
+def section_of(part: Part, depth_mm: float, thickness_mm: float) -> shapely.Geometry:
+    """The metal of a part at a depth."""
+    metal = face_area(part.outer, cut_away_mm(part.outer, depth_mm, thickness_mm), sharp=True)
+    for hole in part.holes:
+        metal = shapely.difference(metal, face_area(hole, cut_away_mm(hole, depth_mm, thickness_mm), sharp=True))
+    return metal
