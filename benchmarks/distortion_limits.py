@@ -2,7 +2,7 @@
 
 Usage: python -m kerfwise.benchmarks.distortion_limits [--process oxyfuel|plasma|laser] [--first SEED] [--seeds N]
 
-For each nest the plan of the shipped profile is simulated on the mesh that plans are looked for with, and then
+For each nest the plan of the shipped profile is simulated on a coarse mesh, and then
 
 - *bands alone*: only how the yielded bands bend each part when all is cold, which no order changes;
 - *no yielding*: the same plan, all metal elastic;
@@ -20,6 +20,7 @@ that no order, no entry and no wait can be expected to reach, except by chance w
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -28,13 +29,14 @@ import numpy as np
 from kerfwise.apps.distortion.cutting import Moved, cut_sheet
 from kerfwise.apps.distortion.part_errors import PartError, errors_of
 from kerfwise.benchmarks.distortion_plans import Planned, planned
-from kerfwise.benchmarks.distortion_rules import PROCESSES, turned
+from kerfwise.benchmarks.distortion_rules import PROCESSES
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.timed_path import TorchOn, in_order, without_tabs
 
 WAIT_SHARE, LONG_WAIT_S = 0.15, 3600.0
 BRIDGE_MM, PIERCE_S = 15.0, 10.0
+CELLS = 800
 COLUMNS = (
     "process", "seed", "plan", "bands alone", "no yielding", "but for scale", "waits of 15 %", "an hour between cuts",
     "bridges last", "alone, as planned", "alone, the best way", "of the plan",
@@ -79,9 +81,10 @@ class Nested:
         self.nest, self.path, self._given = given.nest, given.path, given
 
     def moved(self, path: TimedPath, yields: bool = True) -> Moved:
-        """A path, simulated on the search's mesh."""
-        orders = self._given.orders
-        return cut_sheet(self.nest, path, self._given.profile.heat, replace(orders.how, yields=yields))
+        """A path, simulated on `CELLS` cells."""
+        x0, y0, x1, y1 = self.nest.sheet.bounds
+        how = replace(self._given.orders.how, grid_mm=math.sqrt((x1 - x0) * (y1 - y0) / CELLS), yields=yields)
+        return cut_sheet(self.nest, path, self._given.profile.heat, how)
 
     def mean(self, path: TimedPath, yields: bool = True) -> float:
         """Its error, mm."""
@@ -116,9 +119,8 @@ class Nested:
             *inner, outer = mine
             begin_s = float(inner[-1].at_s[-1]) + 5.0 if inner else 0.0
             ways = self._given.orders.ways(self.nest.index[part.outer.id], begin_s)
-            both = [way for one in ways for way in (one, turned(in_order([one], 0.0)).burns[0])]
             as_planned = self.alone(part, outer, inner)
-            yield as_planned, min([as_planned, *(self.alone(part, way, inner) for way in both)])
+            yield as_planned, min([as_planned, *(self.alone(part, way, inner) for way in ways)])
 
     def row(self) -> Iterator[float]:
         """The figures of the table, mm."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kerfwise.benchmarks.distortion import literature, strips
+from kerfwise.benchmarks.distortion import literature, strips, zones
+from kerfwise.benchmarks.distortion_limits import BRIDGE_MM, bridged, waiting
 from kerfwise.benchmarks.distortion_rules import BARE, PROCESSES, bare, last_first, made_nest, turned
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.rules.profile.load import load_profile
@@ -50,3 +51,29 @@ def test_strips_lie_apart_on_their_sheet() -> None:
     nest = strips(3)
     assert [part.id for part in nest.parts] == ["S1", "S2", "S3"]
     assert nest.sheet.polygon.contains(nest.parts[2].polygon)
+
+
+def test_waits_come_before_each_cut_but_the_first() -> None:
+    line = np.array([[0.0, 0.0], [10.0, 0.0]])
+    path = in_order([torch_on(f"{k}", line, 10.0 * k, 10.0 * k + 5) for k in range(3)], 25.0)
+    later = waiting(path, 100.0)
+    assert [burn.at_s[0] for burn in later.burns] == [0.0, 110.0, 220.0]
+    assert later.end_s == 225.0
+
+
+def test_bridges_are_cut_at_the_end_and_nothing_is_left() -> None:
+    nest = made_nest(101, "plasma")
+    line = np.array([[0.0, 0.0], [100.0, 0.0]])
+    names = [part.outer.id for part in nest.parts[:2]]
+    path = in_order([torch_on(name, line, 30.0 * k, 30.0 * k + 20) for k, name in enumerate(names)], 50.0)
+    burns = bridged(path, nest).burns
+    assert [burn.contour for burn in burns] == [names[0], names[0], names[1], names[1], *names]
+    low, high = 50 - BRIDGE_MM / 2, 50 + BRIDGE_MM / 2
+    assert [burn.xy[[0, -1], 0].tolist() for burn in burns[:2]] == [[0, low], [high, 100]]
+    assert [burn.xy[[0, -1], 0].tolist() for burn in burns[4:]] == [[low, high], [low, high]]
+    assert burns[4].seconds == pytest.approx(20 * BRIDGE_MM / 100)
+
+
+def test_a_flame_heats_deeper_than_an_arc_and_a_beam() -> None:
+    flame, arc, beam = (float(row.split("|")[3]) for row in list(zones())[2:])
+    assert flame > 2 * arc > 4 * beam > 0
