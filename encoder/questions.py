@@ -21,10 +21,11 @@ Answers = tuple[tuple[str, str], ...]
 ANSWERED, LIKELIEST = "as answered", "the likeliest, until it is answered"
 """Why something is taken for what it is that a question is about."""
 
-NARROW, SMALL_HOLES = "narrow", "small-holes"
-"""The ids of the questions that arise when a nest is to be cut: slots narrower than the kerf, and small holes."""
+NARROW, SMALL_HOLES, SHARED_EDGES = "narrow", "small-holes", "shared-edges"
+"""The ids of the questions that arise when a nest is to be cut: slots narrower than the kerf, small holes, and parts
+that share an edge, or are one kerf apart."""
 
-OF_CUTTING = (NARROW, SMALL_HOLES)
+OF_CUTTING = (NARROW, SMALL_HOLES, SHARED_EDGES)
 OF_DRAWING = ("units", "clip", "mask", "fill", "paper")
 """Those that arise as the lines of a file are read, before any of them is taken for something."""
 

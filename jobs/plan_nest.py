@@ -47,7 +47,7 @@ from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
 from .plan_without_zones import is_look_worthwhile, zoned_by
 from .progress import Listener
-from .request import Found, NoPlan, Request, common_cut_advice, facts_of, make_request, ways_on
+from .request import Found, NoPlan, Request, expect_no_shared_edges, facts_of, make_request, ways_on
 from .resume import lock_broken_cut_first
 from .time_limits import CommandLimit, JobLimit
 
@@ -181,7 +181,7 @@ def plan_nest(
                 error, facts, profile, within_limit=False, ways=ways_on(limits, engine, relax, error.proven)
             ) from error
         if conflict is not None and conflict.alone:
-            conflict = replace(conflict, notes=(*conflict.notes, *common_cut_advice(facts.nest, profile)))
+            expect_no_shared_edges(facts.nest, profile)
         ways = () if listener.interrupted else ways_on(limits, engine, relax, error.proven)
         raise NoPlan(error, facts, profile, conflict, ways=ways) from error
     limit.ended(verified.judging_s)

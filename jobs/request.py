@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -27,7 +27,7 @@ from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.identical_parts import Group, align_copies, entries_of_copies, shared_candidates
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import amount, long_job
-from kerfwise.encoder.questions import Questions
+from kerfwise.encoder.questions import SHARED_EDGES, Choice, Question, Questions, with_answers
 from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
 from kerfwise.models.engines.solution import Solution, SolveOptions
@@ -41,7 +41,7 @@ from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.rules.lock import check_locks
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile import SHORTEST_SHARED_MM, Profile
 from kerfwise.rules.profile.profile_sections import common_cut_problems
 from kerfwise.rules.profile.unfit_techniques import expect_bevels, expect_common_cuts, expect_snakes
 from kerfwise.rules.registry import RULES
@@ -134,17 +134,10 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
                 f"besides, {error.message}, and --relax (in Python: relax=True) does not help there:",
                 *error.details[:MOST_DETAILS],
             )
-            notes = (
-                *(f"{about.rule}: {about.sentence}" for about in alone),
-                *besides,
-                *common_cut_advice(nest, profile, already),
-            )
-            raise RulesConflict(HOPELESS, notes) from None
-        if isinstance(error, Questions):
-            raise
-        if advice := tuple(common_cut_advice(nest, profile, already)):
-            notes = (*error.details[:MOST_DETAILS], *advice, *error.details[MOST_DETAILS:])
-            raise InputError(error.message, file=error.file, details=notes) from None
+            expect_no_shared_edges(nest, profile, already)
+            raise RulesConflict(HOPELESS, (*(f"{a.rule}: {a.sentence}" for a in alone), *besides)) from None
+        if not isinstance(error, Questions):
+            expect_no_shared_edges(nest, profile, already)
         raise
     if groups:
         candidates, met, groups = _cut_alike(candidates, met, groups, step)
@@ -207,24 +200,49 @@ def _beside_bevels(
     return tuple(candidates[k] for k in kept), None if met is None else met.of_kept(kept, len(candidates))
 
 
-def common_cut_advice(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Iterator[str]:
-    """The sentence that common cuts would do, where parts are a kerf apart or touch, and they would."""
+def expect_no_shared_edges(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> None:
+    """Ask about parts that share an edge, or are a kerf apart, of a nest without a plan, where common cuts would do.
+
+    Raises
+    ------
+    Questions
+        With that question alone.
+    """
     if already or profile.common_options() is not None or profile.machine.torches.several:
+        return
+    if dict(profile.drawing.answers).get(SHARED_EDGES):
         return
     outers = [(k, c) for k, c in enumerate(nest.contours) if c.kind == "outer"]
     kerf_mm = profile.material.kerf_mm
-    for gap_mm, apart in ((kerf_mm, "one kerf apart"), (0.0, "that touch")):
+    touch = f"touch: each part loses half a kerf, {kerf_mm / 2:g} mm, along them"
+    for gap_mm, apart in ((kerf_mm, "are one kerf apart"), (0.0, touch)):
         facing = max(facing_edges(outers, gap_mm, tolerance_mm(kerf_mm)), key=lambda f: f.length_mm, default=None)
-        if facing is None or facing.length_mm < _LEAST_COMMON_MM:
+        if facing is None or facing.length_mm < SHORTEST_SHARED_MM:
             continue
-        wanted, keys = _with_common_cuts(profile, math.floor(min(facing.length_mm, 20.0)), accept_loss=gap_mm == 0)
+        answer, wanted, keys = _with_shared_edges(profile)
         try:
             make_request(facts_of(nest, wanted), wanted)
         except (InputError, RulesConflict):
             continue
         pair = f"{nest.contours[facing.contour].id} and {nest.contours[facing.other].id}"
-        yield f"{pair} have edges {apart}: common cuts, which cut such edges once, would do: {keys}"
-        return
+        once = Choice(answer, f"both parts by one cut ({keys})")
+        refuse = Choice("refuse", "not cut: the nest is refused, to be drawn otherwise")
+        text = f"there is no room for a cut between parts: edges of {pair} {apart}: how are such edges cut?"
+        raise Questions([Question(SHARED_EDGES, text, (once, refuse))], file=nest.file or None)
+
+
+def _with_shared_edges(profile: Profile) -> tuple[str, Profile, str]:
+    """The answer that has shared edges cut once, the profile with it, and all that it then has to say, as YAML."""
+    keys = f"cuts: {{common: {{shortest: {SHORTEST_SHARED_MM:g} mm, good_side: any, accept_loss: true}}}}"
+    wanted = _answered(profile, "once")
+    if not any(common_cut_problems(wanted.cuts.common, wanted.machine, wanted.material)) and _dialect_fits(wanted):
+        return "once", wanted, keys
+    return "pierced", _answered(profile, "pierced"), f"{keys}, machine: {{kerf_start: false}}"
+
+
+def _answered(profile: Profile, answer: str) -> Profile:
+    answers = with_answers(profile.drawing.answers, [(SHARED_EDGES, answer)])
+    return replace(profile, drawing=replace(profile.drawing, answers=answers)).as_answered()
 
 
 def _dialect_fits(profile: Profile) -> bool:
@@ -233,26 +251,6 @@ def _dialect_fits(profile: Profile) -> bool:
     except InputError:
         return False
     return True
-
-
-_LEAST_COMMON_MM = 1.0
-"""No shorter edges are advised to be cut once."""
-
-
-def _with_common_cuts(profile: Profile, shortest_mm: float, accept_loss: bool) -> tuple[Profile, str]:
-    """The profile with common cuts, and all that it then has to say, as YAML."""
-    machine, words = profile.machine, [f"shortest: {shortest_mm:g} mm"]
-    if profile.rules_of_direction("outer"):
-        words.append("good_side: any")
-    if accept_loss:
-        words.append("accept_loss: true")
-    common = replace(profile.cuts.common, shortest_mm=shortest_mm, accept_loss=accept_loss, good_side="any")
-    wanted = replace(profile, cuts=replace(profile.cuts, common=common))
-    keys = f"cuts: {{common: {{{', '.join(words)}}}}}"
-    if any(common_cut_problems(common, machine, profile.material)) or not _dialect_fits(wanted):
-        wanted = replace(wanted, machine=replace(machine, kerf_start=False))
-        keys = f"{keys}, with machine: {{kerf_start: false}}"
-    return wanted, keys
 
 
 def _cut_alike(

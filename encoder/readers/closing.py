@@ -131,8 +131,8 @@ def _along_parts(
     near = [o for o in outers if shapely.dwithin(o.curve.line(), reach, tolerance_mm)]
     if not near:
         return None
-    edges = [piece for line in near for piece in _split(line, (*near, *hanging), tolerance_mm)]
-    new = [piece for line in hanging for piece in _split(line, (*near, *hanging), tolerance_mm)]
+    edges = [piece for line in near for piece in split_at_vertices(line, (*near, *hanging), tolerance_mm)]
+    new = [piece for line in hanging for piece in split_at_vertices(line, (*near, *hanging), tolerance_mm)]
     of_chains = {id(piece) for piece in new}
     rings: list[DrawnCurve] = []
     divided: list[DrawnCurve] = []
@@ -164,8 +164,8 @@ def _held(chain: DrawnCurve, end: int, lines: Sequence[DrawnCurve], tree: shapel
     return any(lines[k] is not chain for k in tree.query(at, predicate="dwithin", distance=tolerance_mm).tolist())
 
 
-def _split(line: DrawnCurve, lines: Sequence[DrawnCurve], tolerance_mm: float) -> list[DrawnCurve]:
-    """A line, open where vertices of others lie on it, piece by piece; the pieces end on those."""
+def split_at_vertices(line: DrawnCurve, lines: Sequence[DrawnCurve], tolerance_mm: float) -> list[DrawnCurve]:
+    """The pieces of a line, cut where vertices of others lie on it, and ending on those; none of a ring without."""
     shape, curve = line.curve.line(), line.curve
     others = np.concatenate([o.curve.vertices[:, :2] for o in lines if o is not line])
     on = others[shapely.dwithin(shapely.points(others), shape, tolerance_mm)]

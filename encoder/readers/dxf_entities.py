@@ -29,6 +29,7 @@ from ezdxf.entities.polyline import Polyline
 from ezdxf.entities.spline import Spline
 from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
 from ezdxf.path import Path, make_path
+from ezdxf.transform import copies
 from ezdxf.xclip import XClip
 
 from kerfwise.encoder.errors import InputError
@@ -102,12 +103,34 @@ def entities(
                 attributes=(*placed.attributes, *attributes),
             )
             for insert in _inserted(entity, layer, unread):
-                skip = partial(_skipped, unread=unread, layer=layer)
-                inner = insert.virtual_entities(skipped_entity_callback=skip)
-                yield from entities(inner, hidden, unread, placed)
+                if _skews(insert):
+                    yield from _skewed(insert, hidden, unread, placed)
+                else:
+                    skip = partial(_skipped, unread=unread, layer=layer)
+                    inner = insert.virtual_entities(skipped_entity_callback=skip)
+                    yield from entities(inner, hidden, unread, placed)
                 yield from _attributes(insert, entity, hidden, placed)
         else:
             yield _placed(entity, layer, within)
+
+
+def _skews(insert: Insert) -> bool:
+    """Whether a block in it is turned and then scaled unequally, of which ezdxf makes an insertion that is wrong."""
+    wide, high = abs(insert.dxf.xscale), abs(insert.dxf.yscale)
+    inner = () if abs(wide - high) <= ROUND * wide else insert.block() or ()
+    return any(isinstance(one, Insert) and abs((one.dxf.rotation + 45) % 90 - 45) > ROUND for one in inner)
+
+
+def _skewed(insert: Insert, hidden: Hidden, unread: Unread, placed: Placed) -> Iterator[Placed]:
+    """What is in a block, taken apart in the block's own place first, and then moved."""
+    matrix = insert.matrix44()
+    axes = np.array([v.vec2 for v in matrix.transform_directions([Vec3(1, 0), Vec3(0, 1)])])
+    to = np.array(matrix.transform(Vec3()).vec2)
+    drawn = (one for one in insert.block() or () if isinstance(one, DXFGraphic) and not isinstance(one, AttDef))
+    for one in entities(drawn, hidden, unread, replace(placed, clips=())):
+        clips = (*placed.clips, *(shapely.transform(a, lambda points: points @ axes + to) for a in one.clips))
+        for moved in (each for each in copies([one.entity], matrix)[1] if isinstance(each, DXFGraphic)):
+            yield replace(one, entity=moved, clips=clips)
 
 
 def _placed(entity: DXFGraphic, layer: str, within: Placed | None) -> Placed:

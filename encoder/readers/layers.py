@@ -39,14 +39,17 @@ IGNORE_WORDS = _words(
     # axes and bends
     " cent(er|re)_?.?(line|mark) mittellinie tengely 中心线 tool.?cent arc.?cent"
     " bend_?.?(line|up|down|extent) abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít"
-    " kantlijn vouwlijn bockningslinj taivutus bükme ohyb d[oó]bra(s|do)? tangent осев 折弯 折り 曲げ"
+    " kantlijn vouwlijn bockning taivutus bükme ohyb d[oó]bra(s|do)? tangent осев 折弯 折り 曲げ"
+    " kantung quinagem zetlijn bukkelinj b[øö]yelinj b[øö]jelinj bøjning büküm [îi]ndoire savijanj upogib 절곡 κάμψη"
+    " piegatur doblez doblado középvonal hartlijn senterlinj keskiviiv merkez.?çizgi linha.?de.?centro mittelachs"
+    " verma(ß|ss)ung kótov poznámk megjegyz dimensjon розмір"
     # what is not to be cut, in so many words
     " (?<![^\\W\\d_])(do.?not|don.?t|not?|never|non|nicht|kein|ne.?pas|nie|nem|niet|ikke|inte|не).?"
     "(to.?be.?)?(cut|schneid|schnitt|tagli|coup|découp|cort|ciąć|cięcie|vág|snij|skär|skjær|рез) uncut",
     "annot adnotac comment hidden",
     "mått mitat kót[ya] maten ölçü"
     " hatch(es|ing)? dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei]"
-    " osi[ea]? oś ось оси bends? plis? pieg[ah]e? гиб",
+    " osi[ea]? osy oś ось оси bends? plis? pieg[ah]e? гиб(а|ы|ов)? bukk buiging zetting notas koty ölçüler",
 )
 SCRAP_WORDS = _words(
     "off.?cut schrott abfall restgitter gitterschnitt trennschnitt d[ée]chet squelette ferraille"
@@ -65,11 +68,12 @@ MARK_WORDS = _words(
     "engrav gravur grav[ií]r gravure laser.?(etch|mark|text|scrib) v.?score cent(er|re).?punch"
     " beschrift signier anr(ei|i)(ß|ss) k(ö|oe)rn(er|ung|punkt) ritzen ritzlinie pointage grabado grabar rotul"
     " incisione incidere graw(er|ir) trasow znakow маркир разметк гравир надпис felirat pontoz kazıma oyma bohrmark"
-    " 刻 打标 标记 文字",
+    " 刻 打标 标记 文字 각인 χάραξη vésés kaiverr merkint ryt[ií](?![a-z]) oznaczen märkning merking markering"
+    " inskription punktmarkier laserschrift incision[ie] scritt[ae] szöveg marcaç oznak işaret",
     "grav(?!el|it) bulin napis znaczen znač popis керн грав",
     "mark(s|ing|ings|ed|er|ierung|ierungen|ieren)? marc(a|as|ado|ados|aje|ar|atura|ature)? marqu(e|es|age|er|é)"
     " etch(ed|es|ing|ings)? scrib(e|es|ed|ing) texts? texte texto testo teksty? текст(ы|а)? label(s|led|ling)?"
-    " lettering pricks? jel jelöl[a-zé]*",
+    " lettering pricks? jel jelöl[a-zé]* znaki? opisy? schrift(en)? signatur kazı etiquetas?",
 )
 DOUBTFUL: tuple[tuple[tuple[Purpose, ...], str], ...] = (
     (
@@ -96,9 +100,9 @@ DOUBTFUL: tuple[tuple[tuple[Purpose, ...], str], ...] = (
 SHEET_WORDS = _words(
     # a Grundplatte, a base plate in one word, is a part
     "remnant blech tafel rohteil rohmaterial лист t[ôö]le chapa plancha"
-    " l[áa]mina lamiera lastra foglio arkusz blach lemez tábla tabule plech 板材 钢板",
+    " l[áa]mina placa plåt 원판 lamiera lastra foglio arkusz blach lemez tábla tabule plech 板材 钢板",
     "sheet pla(te|tte|at) stock",
-    "toles?",
+    "toles? plade plaka levy",
 )
 
 

@@ -30,7 +30,7 @@ from .json_nest import PART_KEYS
 from .layers import counted, setting
 from .open_lines import OpenLineDecision, decide_open_lines, ends, open_end_problems
 from .options import REPAIR_FACTOR, ReadOptions, doubts
-from .overlapping import without_overlaps
+from .overlapping import with_notches, without_overlaps
 from .reading import reading_of
 from .sheet import choose_sheet, frame_note, frame_of_drawing, surrounding, use_of_frame
 
@@ -119,7 +119,8 @@ def _assembled(
         rings, outline, why_sheet, frame_notes = _frame(single, stock.rings, drawing, told_apart, options, asking)
         rings, overlap_notes = without_overlaps(rings, asking)
         rings, hole_notes = holes_drawn_once(rings, options, asking)
-        ring_notes = [*doubled_notes, *frame_notes, *overlap_notes, *hole_notes]
+        rings, notch_notes = with_notches(rings, options.join_tolerance_mm)
+        ring_notes = [*doubled_notes, *frame_notes, *overlap_notes, *hole_notes, *notch_notes]
         rings, parts, thin, part_notes = _without_thin(rings, options, asking)
         open_lines = decide_open_lines(
             cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking, closed_layers

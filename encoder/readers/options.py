@@ -261,7 +261,7 @@ def dxf_units(
         )
     if longest > LONGEST_IN_INCHES:
         return "mm", f"{nothing}, and it is too large to be in inches"
-    if measurement == 1:
+    if measurement == 1 and not 0 < longest < SMALLEST_PART_MM:
         return "mm", f"{nothing}, $MEASUREMENT 1 says metric"
     if imperial:
         sentence = f"{' and '.join(imperial)} say{'s' if len(imperial) == 1 else ''} inches"

@@ -1,4 +1,4 @@
-"""Outlines that overlap each other, as drawings of illustrators have them: one outline round all, or a notch."""
+"""Outlines that overlap each other, as drawings of illustrators have them, and holes that reach an edge: notches."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from kerfwise.encoder.graphs import weak_components
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.questions import Asking, Choice, Question
 
+from .closing import split_at_vertices
 from .drawing import SNAP_MM, DrawnCurve
 from .fit_arcs import FLATTEN_MM, fit_curve
+from .join import join
 from .layers import counted
+from .sheet import surrounding
 
 LEAST_MM2 = 0.01
 """Outlines that overlap by less are drawn to touch."""
@@ -96,3 +99,64 @@ def _merged(rings: Sequence[DrawnCurve], group: Sequence[int], largest: int, joi
     ]
     points = [np.array(ring.coords) for ring in outlines]
     return [replace(rings[largest], curve=fit_curve(each) or Curve.of(each[:-1])) for each in points]
+
+
+# Holes that have a stretch of their edge in common with their part's outline, or with another hole of it. No metal is
+# between: the hole is a notch, or the two are one. Where a notch goes right across, the part is two.
+
+LEAST_SHARED_MM = 0.1
+"""Edges that have less than this in common touch at a point."""
+
+
+def with_notches(rings: Sequence[DrawnCurve], tolerance_mm: float) -> tuple[tuple[DrawnCurve, ...], list[Note]]:
+    """The rings with holes that share an edge with their part's outline, or with another hole, made one with that."""
+    found = list(rings)
+    notes: list[Note] = []
+    while (pair := _sharing(found, tolerance_mm)) is not None:
+        one, other = pair
+        made = _outline_of_both(found[one], found[other], tolerance_mm)
+        if made is None:
+            break
+        places = f"the hole {found[other].place} shares an edge with the line {found[one].place}"
+        text = f"{places}: they are cut as one outline"
+        notes.append(Note("repaired", text))
+        found = [each for k, each in enumerate(found) for each in (made if k == one else () if k == other else (each,))]
+    return tuple(found), notes
+
+
+def _sharing(rings: Sequence[DrawnCurve], tolerance_mm: float) -> tuple[int, int] | None:
+    """The first ring and hole that have a stretch of their edge in common, of a part's outline and its holes."""
+    if len(rings) < 2:
+        return None
+    depth, parent = surrounding([ring.area for ring in rings])
+    lines = np.array([ring.curve.line() for ring in rings], dtype=object)
+    near = np.column_stack(shapely.STRtree(lines).query(lines, predicate="dwithin", distance=SNAP_MM))
+    for one, other in near.tolist():
+        hole = depth[other] % 2 == 1
+        beside = one < other and depth[one] % 2 == 1 and parent[one] == parent[other]
+        if hole and (parent[other] == one or beside) and _shared_mm(lines[one], lines[other]) > LEAST_SHARED_MM:
+            return one, other
+    return None
+
+
+def _shared_mm(one: shapely.Geometry, other: shapely.Geometry) -> float:
+    band = shapely.buffer(one, SNAP_MM, cap_style="flat", quad_segs=2)
+    return float(shapely.intersection(other, band).length) - 4 * SNAP_MM
+
+
+def _middle(piece: DrawnCurve) -> shapely.Point:
+    return piece.curve.line().interpolate(0.5, normalized=True)
+
+
+def _outline_of_both(one: DrawnCurve, other: DrawnCurve, tolerance_mm: float) -> list[DrawnCurve] | None:
+    """What is left of two rings without the edge that they share; None where that does not close."""
+    left = [
+        piece
+        for ring, beside in ((one, other), (other, one))
+        for piece in split_at_vertices(ring, (beside, replace(ring)), tolerance_mm)  # at all of its own, too
+        if _middle(piece).distance(beside.curve.line()) > SNAP_MM
+    ]
+    joined = join(left, tolerance_mm)
+    if joined.chains or not joined.rings:
+        return None
+    return [replace(one, curve=ring.curve) for ring in joined.rings]

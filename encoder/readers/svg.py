@@ -132,7 +132,8 @@ def _width_mm(element: Any, to_mm: Any) -> float:
     if not _colour(element.stroke):
         return 0.0
     width = 1.0 if element.stroke_width is None else float(element.stroke_width)
-    return width * math.sqrt(abs(to_mm.a * to_mm.d - to_mm.b * to_mm.c))
+    matrix = element.transform * to_mm
+    return width * math.sqrt(abs(matrix.a * matrix.d - matrix.b * matrix.c))
 
 
 def _as_filled(
@@ -259,7 +260,7 @@ def parsed_svg(data: bytes) -> Any:
 
 def _parsed(plain: bytes) -> Any:
     try:
-        svg = svgelements.SVG.parse(io.BytesIO(plain), reify=True, ppi=96)
+        svg = svgelements.SVG.parse(io.BytesIO(plain), reify=False, ppi=96)
     except FOREIGN_ERRORS as error:
         raise InputError(f"not an SVG file that can be read: {error}") from error
     if not isinstance(svg, svgelements.SVG):
@@ -330,7 +331,9 @@ def curves(shape: Any, to_mm: Any) -> list[Curve]:
         The svgelements.Matrix from its coordinates to mm.
     """
     found = []
-    for subpath in abs(svgelements.Path(shape) * to_mm).as_subpaths():
+    path = svgelements.Path(shape)
+    matrix = path.transform * to_mm
+    for subpath in path.as_subpaths():
         rows: list[Floats] = []
         end, shut = None, False
         for segment in svgelements.Path(subpath):
@@ -338,7 +341,7 @@ def curves(shape: Any, to_mm: Any) -> list[Curve]:
                 continue
             shut = shut or isinstance(segment, svgelements.Close)
             if segment.start is not None and segment.end is not None and segment.start != segment.end:
-                vertices = _vertices(segment)
+                vertices = _vertices(segment, matrix)
                 rows.append(vertices[:-1])
                 end = vertices[-1:]
         if end is not None:
@@ -348,26 +351,32 @@ def curves(shape: Any, to_mm: Any) -> list[Curve]:
     return found
 
 
-def _vertices(segment: Any) -> Floats:
-    """The vertices of one segment, the last with bulge 0."""
+def _vertices(segment: Any, matrix: Any) -> Floats:
+    """The vertices of one segment under a matrix, the last with bulge 0."""
     match segment:
         case svgelements.Arc():
-            return _arc(segment)
+            return _arc(segment, matrix)
         case svgelements.CubicBezier() | svgelements.QuadraticBezier():
-            return _bezier(segment)
-    return np.array([(*segment.start, 0.0), (*segment.end, 0.0)])
+            return _bezier(segment * matrix)
+    return np.array([(*(segment.start * matrix), 0.0), (*(segment.end * matrix), 0.0)])
 
 
-def _arc(arc: Any) -> Floats:
-    if abs(arc.rx - arc.ry) < ROUND * max(arc.rx, arc.ry):
-        start, middle, end = _at(arc, 0), _at(arc, 0.5), _at(arc, 1)
-        halves = [(start, _at(arc, 0.25), middle), (middle, _at(arc, 0.75), end)]
+def _arc(arc: Any, matrix: Any) -> Floats:
+    """An arc of an ellipse. svgelements takes its axes for those of the ellipse that it becomes, which skews change."""
+    by = np.array([[matrix.a, matrix.c], [matrix.b, matrix.d]])
+    axes = by @ np.array([arc.prx - arc.center, arc.pry - arc.center]).T  # conjugate radii, one in each column
+    largest, least = np.linalg.svd(axes, compute_uv=False).tolist()
+    if largest - least < ROUND * largest:
+        start, middle, end = (_at(arc, matrix, share) for share in (0, 0.5, 1))
+        halves = [(start, _at(arc, matrix, 0.25), middle), (middle, _at(arc, matrix, 0.75), end)]
         whole = [(start, middle, end)]
         rows = [(*a, _bulge(a, m, b)) for a, m, b in (halves if abs(arc.sweep) > math.pi else whole)]
         return np.array([*rows, (*end, 0.0)])
-    _refuse_far([arc.center.x, arc.center.y, arc.rx, arc.ry])
-    step = 2 * math.sqrt(2 * FLATTEN_MM / max(arc.rx, arc.ry, FLATTEN_MM))
-    return _sampled(arc, max(8, math.ceil(abs(arc.sweep) / step)))
+    centre = arc.center * matrix
+    _refuse_far([centre.x, centre.y, largest])
+    step = 2 * math.sqrt(2 * FLATTEN_MM / max(largest, FLATTEN_MM))
+    points = np.array([_at(arc, matrix, k) for k in np.linspace(0, 1, max(8, math.ceil(abs(arc.sweep) / step)) + 1)])
+    return _arcs_through(points)
 
 
 def _bezier(curve: Any) -> Floats:
@@ -380,19 +389,20 @@ def _bezier(curve: Any) -> Floats:
     _refuse_far(control.ravel().tolist())
     degree = len(control) - 1
     bend = float(np.hypot(*np.diff(control, 2, axis=0).T).max())
-    return _sampled(curve, max(2, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8 * FLATTEN_MM)))))
+    pieces = max(2, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8 * FLATTEN_MM))))
+    points = np.array(curve.npoint(np.arange(pieces + 1) / pieces))
+    points[0], points[-1] = curve.start, curve.end  # exact, so that neighbours still meet
+    return _arcs_through(points)
 
 
-def _sampled(segment: Any, pieces: int) -> Floats:
-    points = np.array(segment.npoint(np.arange(pieces + 1) / pieces))
-    points[0], points[-1] = segment.start, segment.end  # exact, so that neighbours still meet
-    keep = np.append(np.hypot(*np.diff(points, axis=0).T) > 1e-9, True)
-    return fit_arcs(points[keep])
+def _arcs_through(points: Floats) -> Floats:
+    return fit_arcs(points[np.append(np.hypot(*np.diff(points, axis=0).T) > 1e-9, True)])
 
 
-def _at(segment: Any, fraction: float) -> Point:
-    ends = {0.0: segment.start, 1.0: segment.end}
-    point = ends[fraction] if fraction in ends else segment.point(fraction)
+def _at(arc: Any, matrix: Any, share: float) -> Point:
+    """A point of an arc under a matrix; its ends are exact, so that neighbours still meet."""
+    ends = {0.0: arc.start, 1.0: arc.end}
+    point = (ends[share] if share in ends else arc.point(share)) * matrix
     return float(point.x), float(point.y)
 
 

@@ -36,7 +36,7 @@ def styled(root: Element) -> None:
         For a selector that is not known: what it selects may be what is hidden.
     """
     sheets = [element for element in root.iter() if _tag(element) == "style"]
-    rules = [rule for sheet in sheets for rule in _rules("".join(sheet.itertext()))]
+    rules = [rule for sheet in sheets if _applies(sheet) for rule in _rules("".join(sheet.itertext()))]
     for sheet in sheets:
         sheet.text = ""
         sheet[:] = []
@@ -55,6 +55,12 @@ def styled(root: Element) -> None:
                     found[name] = value, rank
         if found:
             element.set("style", ";".join(f"{name}:{value}" for name, (value, _) in found.items()))
+
+
+def _applies(sheet: Element) -> bool:
+    """Whether a style sheet is one of CSS that holds for screens."""
+    media, kind = sheet.get("media", "").lower(), sheet.get("type", "").strip().lower()
+    return kind in ("", "text/css") and (not media.strip() or any(word in media for word in ("all", "screen", "(")))
 
 
 def declarations(text: str) -> dict[str, tuple[str, bool]]:
@@ -86,14 +92,29 @@ def _tag(element: Element) -> str:
 
 def _rules(text: str) -> Iterator[_Rule]:
     for selectors, says in _blocks(plain_rules(_screen_only(text))):
-        for selector in selectors.split(","):
+        for selector in _each_of(selectors):
             if selector.strip():
                 chain = tuple(_chain(selector.strip()))
                 yield _Rule(chain, declarations(says), _weight([part for _, part in chain]))
 
 
+def _each_of(selectors: str) -> list[str]:
+    """The selectors of a list, split at commas that stand in no brackets."""
+    return re.split(r",(?![^(\[]*[)\]])", selectors)
+
+
+_NO_RULES = ("@font", "@keyframes", "@-", "@page", "@property", "@counter", "@color", "@view")
+"""How blocks begin that say nothing of what is shown of a drawing that stands still."""
+
+
 def _screen_only(text: str) -> str:
-    """A sheet without what holds on paper only; rules for screens are taken out of their block."""
+    """A sheet without what holds on paper only; rules for screens are taken out of their block.
+
+    Raises
+    ------
+    InputError
+        For a block of which it is not known when it holds.
+    """
     kept, at = "", 0
     while (found := re.compile(r"@[\w-]+").search(text, at)) is not None:
         kept += text[at : found.start()]
@@ -106,8 +127,12 @@ def _screen_only(text: str) -> str:
             depth += {"{": 1, "}": -1}.get(text[end], 0)
             end += 1
         query = text[found.start() : opens].lower()
-        if query.startswith("@media") and not ("print" in query and "screen" not in query):
-            kept += text[opens + 1 : end - 1]
+        on_paper = query.startswith("@media") and "print" in query and "screen" not in query
+        unsupported = query.startswith("@supports") and re.search(r"\bnot\b", query)  # viewers know what drawings use
+        if query.startswith(("@media", "@supports")) and not (on_paper or unsupported):
+            kept += _screen_only(text[opens + 1 : end - 1])
+        elif not query.startswith(("@media", "@supports", *_NO_RULES)):
+            raise _unknown(query.strip())
         at = end
     return kept + text[at:]
 
@@ -132,7 +157,7 @@ def _chain(selector: str) -> Iterator[tuple[str, str]]:
 
 
 def _weight(parts: Sequence[str]) -> tuple[int, int, int]:
-    found = [match for part in parts for match in _PART.finditer(part)]
+    found = [match for part in parts for match in _PART.finditer(part) if match["pseudo"] != "where"]
     ids = sum(match["id"] is not None for match in found)
     names = sum(match["name"] is not None and match["name"] != "*" for match in found)
     return ids, len(found) - ids - names - sum(match["name"] == "*" for match in found), names
@@ -182,8 +207,8 @@ def _has(element: Element, part: re.Match[str], simple: str, parents: Mapping[El
     pseudo, arg = part["pseudo"], part["arg"]
     if pseudo in _NEVER:
         return False
-    if pseudo == "not" and arg:
-        return not _is(element, arg.strip(), parents)
+    if pseudo in ("not", "is", "where") and arg:
+        return any(_is(element, one.strip(), parents) for one in _each_of(arg)) is (pseudo != "not")
     parent = parents.get(element)
     if pseudo == "root":
         return parent is None
@@ -229,8 +254,9 @@ def _has_attribute(element: Element, name: str, op: str | None, value: str) -> b
 
 
 def _unknown(simple: str) -> InputError:
+    what = "block" if simple.startswith("@") else "selector"
     return InputError(
-        f"the style sheet's selector {simple!r} is not known, so that it is not clear what is shown; save the drawing "
+        f"the style sheet's {what} {simple!r} is not known, so that it is not clear what is shown; save the drawing "
         "as plain SVG, with styles on each shape"
     )
 

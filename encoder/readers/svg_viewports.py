@@ -86,6 +86,9 @@ def _resolve(element: Element, size: Size, em: float, root_em: float, is_root: b
     tag = str(element.tag).rpartition("}")[2]
     style = properties(element)
     em = _font_px(style.get("font-size", ""), em, root_em)
+    for name in ("width", "height"):
+        if element.get(name, "").strip() == "auto":
+            del element.attrib[name]
     if not is_root:
         _plain_lengths(element, tag, style, size, em, root_em)
     inner = size
@@ -141,6 +144,8 @@ def _nested(svg: Element, style: dict[str, str], around: Size) -> Size:
     if min(size) <= 0 or (box and min(box[2:]) <= 0):
         svg.set("style", "display:none")
         return size
+    if not box:  # without one svgelements leaves it at the origin
+        svg.set("viewBox", f"0 0 {size[0]:.12g} {size[1]:.12g}")
     seen_of(svg, size)
     return box[2:] if box else size
 

@@ -260,7 +260,8 @@ def _without_hidden(
         if (child.get("id") or "").startswith(SHAPE):
             continue
         style = properties(child)
-        own = dict(inherited) | {k: v for k, v in style.items() if k in _INHERITED and v != "inherit"}
+        own = dict(inherited) | {k: v for k, v in style.items() if k in _INHERITED and v not in ("inherit", "unset")}
+        own = {k: v for k, v in own.items() if v != "initial"}
         clear = opacity * _share(style.get("opacity", "1"))
         if style.get("display") == "none":
             _count(child, "display: none", seen)
@@ -284,12 +285,14 @@ def _why_hidden(
     leaf: Element, own: Mapping[str, str], style: Mapping[str, str], opacity: float, named: Mapping[str, Element]
 ) -> str:
     """Why a shape is not seen; "" for one that is, and for a <line> of which nobody says how it is drawn."""
-    if own.get("visibility") in ("hidden", "collapse"):
+    if own.get("visibility", "").strip().lower() in ("hidden", "collapse"):
         return "visibility: hidden"
     if opacity <= 0:
         return "opacity 0"
     if any(length_px(style.get(name, "0")) < 0 for name in ("width", "height", "r")):
         return "size below 0"
+    if _tag(leaf) == "rect" and any(style.get(name, "auto").strip() == "auto" for name in ("width", "height")):
+        return "a side is missing"
     colour = own.get("color", "black")
     filled = _tag(leaf) != "line" and not _is_clear(own.get("fill", "black"), colour, named)
     filled = filled and _share(own.get("fill-opacity", "1")) > 0

@@ -21,7 +21,7 @@ from kerfwise.encoder.facts.links import LinkOptions
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.nest import Kind, Nest
-from kerfwise.encoder.questions import NARROW, SMALL_HOLES
+from kerfwise.encoder.questions import NARROW, SHARED_EDGES, SMALL_HOLES
 from kerfwise.encoder.readers.layers import PURPOSES, Layers
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import with_scrap
@@ -39,6 +39,9 @@ _STEP_MM = 1e-3
 
 NARROW_ANSWERS = ("slit", "leave", "refuse")
 SMALL_HOLE_ANSWERS = ("skip", "spot", "cut", "refuse")
+SHARED_EDGE_ANSWERS = ("once", "pierced", "refuse")
+SHORTEST_SHARED_MM = 1.0
+"""Edges that parts share are cut once, as answered, where one of them is as long as this."""
 """What may be answered to the questions of `encoder/candidates/cut_questions.py`."""
 
 
@@ -263,7 +266,7 @@ class Profile(ProfileSections):
         return None if options is None or next(bevelled(nest), None) is None else plan_bevels(nest, options)
 
     def as_answered(self) -> Profile:
-        """The profile with what `drawing.answers` says of slots narrower than the kerf, and of small holes.
+        """The profile with what `drawing.answers` says of slots narrower than the kerf, small holes and shared edges.
 
         Raises
         ------
@@ -271,8 +274,11 @@ class Profile(ProfileSections):
             For an answer that is none of the choices.
         """
         answers = dict(self.drawing.answers)
-        cuts, holes = self.cuts, self.small_holes
-        for question, choices in ((NARROW, NARROW_ANSWERS), (SMALL_HOLES, SMALL_HOLE_ANSWERS)):
+        cuts, holes, machine = self.cuts, self.small_holes, self.machine
+        all_choices = {
+            NARROW: NARROW_ANSWERS, SMALL_HOLES: SMALL_HOLE_ANSWERS, SHARED_EDGES: SHARED_EDGE_ANSWERS
+        }  # fmt: skip
+        for question, choices in all_choices.items():
             if (answer := answers.get(question, choices[0])) not in choices:
                 raise InputError(
                     f"the answer {question}={answer} is none of the choices: expected {', '.join(choices)}"
@@ -284,7 +290,12 @@ class Profile(ProfileSections):
                 holes = replace(holes, min_hole=self.material.kerf_mm, under="skip")
             case "refuse" | "skip" | "spot" as under:
                 holes = replace(holes, under=under)
-        return self if (cuts, holes) == (self.cuts, self.small_holes) else replace(self, cuts=cuts, small_holes=holes)
+        if (shared := answers.get(SHARED_EDGES, "refuse")) != "refuse":
+            shortest_mm = self.cuts.common.shortest_mm or SHORTEST_SHARED_MM
+            common = replace(cuts.common, shortest_mm=shortest_mm, accept_loss=True, good_side="any")
+            cuts = replace(cuts, common=common)
+            machine = replace(machine, kerf_start=machine.kerf_start and shared != "pierced")
+        return replace(self, cuts=cuts, small_holes=holes, machine=machine)
 
     def corner_feed(self) -> CornerFeed | None:
         """The feeds at corners on this sheet; None where corners are cut like the rest."""

@@ -202,6 +202,23 @@ def test_a_block_stretched_in_one_direction(tmp_path: Path) -> None:
     assert areas_of(only(tmp_path, draw)) == pytest.approx(math.pi * 40 * 20, rel=1e-4)
 
 
+def test_a_block_that_is_turned_in_one_stretched_in_one_direction(tmp_path: Path) -> None:
+    """A square turned by 30° and then made twice as wide is none; it keeps the layer that it is inserted on."""
+
+    def draw(space: Any) -> None:
+        sheet(space)
+        space.doc.blocks.new("square").add_lwpolyline(square(0, 0, 20), close=True)
+        outer = space.doc.blocks.new("outer")
+        outer.add_blockref("square", (10, 0), dxfattribs={"rotation": 30, "layer": "Turned"})
+        space.add_blockref("outer", (100, 100), dxfattribs={"xscale": 2, "yscale": 1})
+
+    [contour] = read_dxf(tmp_path, draw).contours
+    assert areas_of(contour) == pytest.approx(800)
+    side, up = 20 * math.cos(math.pi / 6), 10.0
+    assert contour.polygon.bounds == pytest.approx((120 - 2 * up, 100, 120 + 2 * side, 100 + side + up))
+    assert (contour.source.layer, contour.source.block) == ("Turned", "outer/square")
+
+
 def test_a_block_inserted_in_rows(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         sheet(space)

@@ -8,19 +8,22 @@ from kerfwise.encoder.readers.layers import DEFAULT, Layers, Use, counted, setti
 NAMES = {
     "mark": "Engraving SCRIBE ETCH Part_Text Gravur Körnerpunkte Beschriftung Anriss Gravure Marquage Grabado Marcado"
     " Rotulado Incisione Marcatura Testo Grawerowanie Trasowanie Napisy Гравировка Маркировка Разметка Текст Керн"
-    " Gravír Gravir Jel Jelölés LaserEtch Top-Text LASERMARK",
+    " Gravír Gravir Jel Jelölés LaserEtch Top-Text LASERMARK Vésés Szöveg Kaiverrus Merkintä Merking Märkning Markering"
+    " Rytí Opis Oznaka Znak Scritte Marcação Schrift Laserschrift Punktmarkierung 각인",
     "ignore": "DIM DIM2 DIMLINES BENDLINES A-ANNO Annotation Defpoints HIDDEN Construction CENTER_LINE CenterLine Axis"
     " IV_BEND IV_TOOL_CENTER Bemaßung Bemassung Maßlinie Hilfslinien Mittellinie Biegelinien Verdeckt Cotation Cotes"
     " Axes Pli Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка"
-    " Вспомогательная Méret Hajlítás watermark DIM_TEXT Titleblock Schraffuren HATCH",
+    " Вспомогательная Méret Hajlítás watermark DIM_TEXT Titleblock Schraffuren HATCH Zetlijn Buiging Bockning"
+    " Bukkelinje Bøjning Kantung Quinagem Doblez Piegatura Savijanje Upogib Îndoire Büküm"
+    " Линии_гиба 절곡 Hartlijn Senterlinje Osy Középvonal Vermassung Kótovanie Megjegyzés Notas Koty Розміри",
     "sheet": "SHEET PLATE_2 Platte Stock Remnant Blech Blechtafel Rohteil Tôle TOLE Chapa Lámina Lamiera Lastra Blacha"
-    " Arkusz Лист Lemez",
+    " Arkusz Лист Lemez Plåt Plaka Placa",
     "scrap": "Scrap OFFCUT Off-cut Skeleton Schrott Abfall Restgitter Chute Déchets Chatarra Sfrido Odpad Złom Отходы"
     " Обрезь",
     "cut": "0 CUT OUTER HOLES Contour Kontur Außenkante Schnitt Bohrungen Découpe Corte Taglio Cięcie Контур Резка"
     " Template BASEPLATE Grundplatte Dimple Sediment Hatchback Corner Score Jelly Notch Layer_1"
     " CuttingLine IV_OUTER_PROFILE Punching Sketch001 Structure Texture Extrude Stretch MARCO Marcos Context Gravel"
-    " Cannot Denmark Benchmark Describe",
+    " Cannot Denmark Benchmark Describe Osa",
 }
 
 

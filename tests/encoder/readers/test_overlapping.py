@@ -99,3 +99,26 @@ def test_the_likeliest_unit_gives_a_sheet_that_can_be_one(tmp_path: Path, extent
 def test_a_disc_that_can_be_a_part_is_one(tmp_path: Path, outer: float, inner: float, off: float) -> None:
     found = areas(read_nest(save_dxf(tmp_path, pairs(outer, inner, off)), ReadOptions(frame="part", kerf_mm=0.2)))
     assert "P3.outer" in found
+
+
+@pytest.mark.parametrize(
+    ("holes", "expected"),
+    [
+        ('<rect x="10" y="30" width="20" height="10"/>', {"P1.outer": 5800}),  # flush with an edge
+        ('<path d="M50 10 a10 10 0 0 0 20 0 z"/>', {"P1.outer": 6000 - 50 * math.pi}),
+        ('<rect x="10" y="10" width="20" height="10"/>', {"P1.outer": 5800}),  # at a corner
+        ('<rect x="50" y="10" width="10" height="60"/>', {"P1.outer": 2400, "P2.outer": 3000}),  # right across
+        (
+            '<rect x="30" y="30" width="10" height="10"/><rect x="40" y="25" width="10" height="30"/>',
+            {"P1.outer": 6000, "P1.hole1": 400},
+        ),
+        ('<path d="M10 40 l20 10 v-20 z"/>', {"P1.outer": 6000, "P1.hole1": 200}),  # that touches at a point alone
+    ],
+)
+def test_a_hole_that_shares_an_edge_is_a_notch(tmp_path: Path, holes: str, expected: dict[str, float]) -> None:
+    nest = read_nest(svg(tmp_path, PLATE + holes), ReadOptions(frame="part"))
+    assert areas(nest) == pytest.approx(expected, rel=1e-6)
+    said = [note.text for note in nest.notes if "cut as one outline" in note.text]
+    assert len(said) == (0 if "P1.hole1" in expected and expected["P1.hole1"] == 200 else 1)
+    arcs = sum(s.is_arc for s in nest.contours[-1].curve.segments)
+    assert arcs == (1 if "a10" in holes else 0)

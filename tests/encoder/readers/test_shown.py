@@ -49,6 +49,15 @@ def read(folder: Path, body: str, **options: Any) -> Nest:
         ("@media print{.a{display:none}}", False),
         ("@media screen{.a{display:none}}", True),
         ("/* .a{display:none} */", False),
+        ("rect:is(.c, .a){display:none}", True),
+        ("#h{display:inline} rect:where(#h){display:none}", False),
+        ("rect:not(.b, .c){display:none}", True),
+        ("@supports (display:grid){@media screen{.a{display:none}}}", True),
+        ("@supports not (display:grid){.a{display:none}}", False),
+        ("@keyframes k{from{display:none}}", False),
+        (".a{visibility:Hidden}", True),
+        (".a{stroke:initial}", True),
+        (".a{stroke:unset}", True),  # what stands round it says none
     ],
 )
 def test_style_sheets_say_what_is_shown(tmp_path: Path, style: str, hidden: bool) -> None:
@@ -60,6 +69,13 @@ def test_style_sheets_say_what_is_shown(tmp_path: Path, style: str, hidden: bool
 def test_a_selector_that_is_not_known_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the style sheet's selector 'rect:has\\(x\\)' is not known"):
         read(tmp_path, f"<style>rect:has(x){{display:none}}</style>{PART}")
+    with pytest.raises(InputError, match="the style sheet's block '@layer x' is not known"):
+        read(tmp_path, f"<style>@layer x{{rect{{display:none}}}}</style>{PART}")
+
+
+@pytest.mark.parametrize("given", ['media="print"', 'type="text/less"'])
+def test_a_style_sheet_for_something_else_hides_nothing(tmp_path: Path, given: str) -> None:
+    assert areas(read(tmp_path, f"<style {given}>.a{{display:none}}</style>{PART}{HOLE}")) == BOTH
 
 
 @pytest.mark.parametrize(

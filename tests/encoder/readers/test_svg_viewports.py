@@ -137,3 +137,46 @@ def test_packed_files(tmp_path: Path, name: str) -> None:
     path.write_bytes(path.read_bytes()[:-20])
     with pytest.raises(InputError, match="the file is packed, and damaged"):
         read_nest(path, ReadOptions())
+
+
+TILT = math.tan(math.radians(20))
+
+
+@pytest.mark.parametrize(
+    ("body", "bounds"),
+    [
+        (
+            '<g transform="skewX(20)"><circle cx="60" cy="40" r="8"/></g>',
+            (60 + 40 * TILT - 8 * math.hypot(1, TILT), 52, 60 + 40 * TILT + 8 * math.hypot(1, TILT), 68),
+        ),
+        (
+            '<g transform="scale(2 1) rotate(45)"><path d="M40 10a10 5 0 0 1 -20 0a10 5 0 0 1 20 0z"/></g>',
+            tuple(
+                at + by * math.sqrt(62.5) * way
+                for at, by, way in (
+                    (40 / 2**0.5, 2, -1),
+                    (100 - 40 / 2**0.5, 1, -1),
+                    (40 / 2**0.5, 2, 1),
+                    (100 - 40 / 2**0.5, 1, 1),
+                )
+            ),
+        ),
+        (
+            '<svg x="50" y="10" width="100" height="60"><rect x="10" y="10" width="40" height="20"/></svg>',
+            (60, 60, 100, 80),
+        ),
+        ('<svg x="50" y="10" overflow="visible"><rect x="10" y="10" width="40" height="20"/></svg>', (60, 60, 100, 80)),
+        (PART + '<rect x="100" y="10" width="40"/>', (10, 70, 50, 90)),
+    ],
+)
+def test_where_a_shape_lies(tmp_path: Path, body: str, bounds: tuple[float, ...]) -> None:
+    nest = read(tmp_path, body, frame="part")
+    [contour] = nest.contours
+    assert contour.polygon.bounds == pytest.approx(bounds, abs=0.02)
+
+
+def test_a_page_as_wide_as_the_window(tmp_path: Path) -> None:
+    path = tmp_path / "drawing.svg"
+    path.write_text(HEAD.replace("300mm", "auto").replace("100mm", "auto") + PART + "</svg>", encoding="utf-8")
+    with pytest.raises(Questions, match="names no unit"):
+        read_nest(path, ReadOptions())
