@@ -1,4 +1,4 @@
-"""The commands of docs/snake.md print what the page says."""
+"""The commands of docs/snake.md and docs/bevel.md print what these pages say."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import kerfwise as package
 from kerfwise.tests.commands.run_cli import kerfwise
 
 ROOT = Path(package.__file__).resolve().parent
-SHOWN = re.findall(r"```console\n\$ kerfwise (.*)\n((?:.*\n)+?)```", (ROOT / "docs" / "snake.md").read_text("utf-8"))
+PAGES = "".join((ROOT / "docs" / name).read_text("utf-8") for name in ("snake.md", "bevel.md"))
+SHOWN = re.findall(r"```console\n\$ kerfwise (.*)\n((?:.*\n)+?)```", PAGES)
 
 
 @pytest.mark.parametrize(("words", "said"), SHOWN, ids=[words.split()[1] for words, _ in SHOWN])
