@@ -27,7 +27,7 @@ from kerfwise.models.engines.tuning import ZONES_TIMED as TIMED
 from kerfwise.models.engines.tuning import ZONES_TIMES as TIMES
 from kerfwise.models.engines.tuning import ZONES_TRIES as TRIES
 from kerfwise.models.jit import running_s
-from kerfwise.models.plan.plan import ZonesCost
+from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements

@@ -2,38 +2,31 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
-from kerfwise.encoder.cut import Pierce
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
-from kerfwise.models.engines.tuning import PASS_WORK as WORK
 from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
 from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
-from kerfwise.models.engines.tuning import WORK_SHARE
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.explain.context import solved_context
 from kerfwise.models.plan.explain.reasons import with_reasons
 from kerfwise.models.plan.make_plan import make_plan
-from kerfwise.models.plan.plan import IN_PASS, Plan, PlannedCut
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.check.stated import with_state
 from kerfwise.postproc.clock import cost_of_plan, with_times
 from kerfwise.postproc.dialects import expect_words
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.nc.toolpaths import outside
 from kerfwise.postproc.verdict.check_plan import check_plan, judge, report_of
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.profile.profile import Profile
@@ -45,6 +38,7 @@ from .adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, rungs, zones
 from .first_plan import first_plan, paid_for, plan_at_hand
 from .gantry import with_further_torches
 from .inputs import Inputs, Tell, expect_one_torch, silent
+from .pierce_pass import with_pierces
 from .plan_without_zones import is_look_worthwhile, zoned_by
 from .progress import Listener
 from .request import Found, NoPlan, Request, expect_no_shared_edges, facts_of, make_request, ways_on
@@ -479,55 +473,3 @@ def _solved(
         look_s = look_takes_s(facts, profile)
         limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
     return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, found=found)
-
-
-# The pierce pass: all holes of a zone, or of the sheet, in a way of their own, before the cuts that begin there.
-
-
-def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions) -> Plan:
-    """The plan with its pierce passes, where the profile asks for some; the order of its cuts stays.
-
-    Each pass comes right before the first cut that begins at one of its holes. Marks, links, scrap lines, cuts that
-    begin in an old kerf, and those that come in from the edge of the sheet have no hole.
-    """
-    if profile.cuts.pierce_pass is None:
-        return plan
-    from kerfwise.models.routing import way_through
-
-    home, cuts = profile.home_on(nest), [planned.cut for planned in plan.cuts]
-    ends = [home, *(cut.end for cut in cuts)]
-    options = SolveOptions(seed=limits.seed, work=min(WORK, WORK_SHARE * limits.work))
-    pierces: list[Pierce] = []
-    idle_mm, reasons = plan.totals.idle_mm, dict[int, str]()
-    for group in _groups(plan, nest, profile):
-        points, first = [cuts[k].pierce for k in group], group[0]
-        way = way_through(points, ends[first], points[0], options)
-        stops = [ends[first], *(points[k] for k in way), points[0]]
-        idle_mm += _length_mm(stops) - math.dist(ends[first], points[0])
-        where = "" if profile.cuts.pierce_pass == "sheet" else f" of zone {cuts[first].zone}"
-        for number, k in enumerate(way, 1):
-            cut = cuts[group[k]]
-            pierces.append(Pierce(cut.contour, cut.pierce, first + 1))
-            reasons[group[k]] = f"{IN_PASS}{where} (pierce {number} of {len(way)})"
-    planned = tuple(
-        replace(one, because=(*one.because, reasons[k])) if k in reasons else one for k, one in enumerate(plan.cuts)
-    )
-    return replace(plan, cuts=planned, pierces=tuple(pierces), totals=replace(plan.totals, idle_mm=idle_mm))
-
-
-def _groups(plan: Plan, nest: Nest, profile: Profile) -> Iterator[list[int]]:
-    """The numbers, from 0, of the cuts of each pass."""
-    off = outside(nest, [planned.cut.pierce for planned in plan.cuts]) if plan.cuts else []
-    whole = profile.cuts.pierce_pass == "sheet"
-    for _, rows in groupby(enumerate(plan.cuts), key=lambda row: 0 if whole else row[1].cut.zone):
-        group = [k for k, planned in rows if _has_hole(planned) and not off[k]]
-        if group:
-            yield group
-
-
-def _has_hole(planned: PlannedCut) -> bool:
-    return planned.kind not in ("mark", "scrap") and not planned.cut.linked and planned.cut.span is None
-
-
-def _length_mm(stops: list[Point]) -> float:
-    return sum(math.dist(a, b) for a, b in pairwise(stops))

@@ -30,7 +30,8 @@ from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
 from kerfwise.models.engines.tuning import UNZONED_STATED as STATED
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.make_plan import excuses as excused
-from kerfwise.models.plan.plan import RELAXED, ZonesCost
+from kerfwise.models.plan.plan import RELAXED
+from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.rules.profile.profile import Profile

@@ -25,7 +25,8 @@ from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import ForOneNest, changed_since
 
-from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, Prices, RuleReport, SolveReport, Totals, ZonesCost
+from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, Prices, RuleReport, SolveReport, Totals
+from .zones_cost import ZonesCost
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator

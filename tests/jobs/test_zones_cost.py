@@ -24,8 +24,8 @@ from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines import solve as rounds
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.plan import ZonesCost
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.case import nest, part, rect
