@@ -461,9 +461,8 @@ def out_comments(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iter
 def _cut_out(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     cut = planned.cut
     place = " ".join(number(v, DECIMALS) for v in cut.pierce)
-    yield comment(
-        dialect, head, names.get(cut.contour, cut.contour), f"ZONE {cut.zone} {cut.direction.upper()} PIERCE {place}"
-    )
+    told = f"ZONE {cut.zone} {cut.direction.upper()} PIERCE {place}"
+    yield comment(dialect, head, names.get(cut.contour, cut.contour), told)
     for name, lead in (("IN", cut.lead_in), ("OUT", cut.lead_out)):
         if lead is not None:
             what = "LINK" if cut.linked and name == "IN" else "LEAD"
@@ -493,8 +492,7 @@ def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:
     """The vertices as words, as many whole ones at a time as there is room for."""
     line: list[str] = []
     for row in lead.as_rows():
-        x, y, bulge = row if len(row) == 3 else (*row, 0.0)
-        vertex = [number(v, DECIMALS) for v in (x, y, bulge)]
+        vertex = [number(v, DECIMALS) for v in (*row, 0.0)[:3]]
         if line and len(" ".join([*line, *vertex])) > room:
             yield line
             line = []

@@ -12,8 +12,9 @@ from typing import Any
 
 from anyio import to_thread
 
+from .news import Background, News, Turns
 from .plan_request import SUPERSEDE, PlanRequest
-from .session import Background, News, Session, Turns
+from .session import Session
 from .worker import Died, Refused, Worker
 
 STOPPED_S = 5.0

@@ -29,9 +29,10 @@ from kerfwise.postproc.output_files import expect_outputs, expect_own, output_na
 from .job_edits import JobText
 from .kept_sessions import KeptSession, KeptSessions, job_difference, nest_differences
 from .nest_folder import Folder, NestList
+from .news import Background, News
 from .plan_request import PlanRequest, earlier_plan_name, sha256_of
 from .planning import Planning
-from .session import Alternative, Background, News, Session, request_after_cuts
+from .session import Alternative, Session, request_after_cuts
 from .worker import Died, Refused, Worker
 
 ANSWERED_S, SLOW_S = 120.0, 900.0

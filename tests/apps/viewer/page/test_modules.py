@@ -11,7 +11,7 @@ import pytest
 
 from kerfwise.apps.viewer import page, serve
 from kerfwise.apps.viewer.page.page_html import bundled
-from kerfwise.apps.viewer.serve.routes import ENTRY
+from kerfwise.apps.viewer.serve.package_pages import ENTRY
 from kerfwise.tests.tools.typescript import compiler
 
 HERE = Path(__file__).parent

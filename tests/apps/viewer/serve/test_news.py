@@ -8,7 +8,7 @@ import json
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve.session import News
+from kerfwise.apps.viewer.serve.news import News
 from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab
 
 pytestmark = pytest.mark.slow

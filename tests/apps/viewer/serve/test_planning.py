@@ -15,11 +15,13 @@ import pytest
 
 from kerfwise.apps.viewer.serve import planner
 from kerfwise.apps.viewer.serve.nest_folder import Folder
+from kerfwise.apps.viewer.serve.news import News
 from kerfwise.apps.viewer.serve.plan_request import PlanRequest, request_inputs, sha256_of
 from kerfwise.apps.viewer.serve.planner import Effects
+from kerfwise.apps.viewer.serve.plans_shown import RecentFacts
 from kerfwise.apps.viewer.serve.query_worker import Desk
 from kerfwise.apps.viewer.serve.server import save
-from kerfwise.apps.viewer.serve.session import News, Session
+from kerfwise.apps.viewer.serve.session import Session
 from kerfwise.encoder.already_cut import NOTHING_CUT
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.examples.gen_sheet import make_sheet
@@ -249,7 +251,7 @@ def test_a_drop_is_answered_along_the_plan_at_hand_first_without_a_program(
 
 
 def test_a_locked_place_asks_for_no_facts_anew(sixteen: Path) -> None:
-    recent = planner.RecentFacts()
+    recent = RecentFacts()
 
     def facts(job: str) -> object:
         given = request_inputs(PlanRequest(str(sixteen), job))
