@@ -150,8 +150,10 @@ class Worker:
 
 def _kill_all(process: SpawnProcess) -> None:
     """End a process, and whatever it has begun: solvers of others, which go on by themselves else."""
+    if process.pid is None:  # it could not be started
+        return
     process.kill()
-    if hasattr(os, "killpg") and process.pid is not None:
+    if hasattr(os, "killpg"):
         with contextlib.suppress(OSError):
             os.killpg(process.pid, signal.SIGKILL)
 
