@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
 
 MOST_ERRORS = 20
+MOST_LEAD_MM = 100_000.0
+"""A lead, or a link through waste, is no longer: longer than any sheet."""
 
 
 def read_plan(path: str | Path) -> Plan:
@@ -266,6 +268,8 @@ def _path(cut: dict[str, Any], key: str) -> Curve | None:
     path = checked_curve(cut[key], closed=False)
     if has_too_many_crossings(path.vertices[:, :2], closed=False, most=MOST_MEETINGS):
         raise InputError(f"its {key} crosses or touches itself more than {MOST_MEETINGS} times: no torch runs so")
+    if path.length_mm > MOST_LEAD_MM:
+        raise InputError(f"its {key} is {path.length_mm / 1000:.6g} m long: no torch runs so")
     return path
 
 

@@ -55,6 +55,10 @@ def test_there_and_back(tmp_path: Path) -> None:
             lambda d: d["cuts"][1].update(lead_out=[[0, 0], [9, 0]] * 80),
             "the plan is damaged: its lead_out crosses or touches itself more than 10000 times",
         ),
+        (
+            lambda d: d["cuts"][1].update(lead_out=[[30, 30, 1e6], [31, 31]]),
+            "the plan is damaged: its lead_out is 2221.44 m long: no torch runs so",
+        ),
         (lambda d: d["cuts"][1].update(excused=[1]), "cuts 2, excused 1: 1 given, expected a text"),
         (lambda d: d["cuts"][1].update(order=1), "not count 1, 2, 3 …: 2 is missing, and 1 is there 2 times"),
         (lambda d: d["cuts"].pop(0), "the order of its cuts does not count 1, 2, 3 …: 1 is missing"),
