@@ -157,7 +157,7 @@ def traced(root: Path) -> tuple[str, str]:
     """Files and functions of kerfwise that a solve runs through."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-c", TRACED, str(root) + os.sep, str(NEST)]
-        text = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+        text = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", check=True).stdout
     files, functions = text.splitlines()[-1].split()
     return files, functions
 

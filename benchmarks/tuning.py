@@ -164,7 +164,7 @@ def main() -> int:
         if label not in kept:
             kept[label] = make()
             if given.kept is not None:
-                given.kept.write_text(json.dumps(kept, indent=1), encoding="utf-8")
+                given.kept.write_text(json.dumps(kept, indent=1), encoding="utf-8", newline="\n")
         return kept[label]
 
     solve(given.only, 0.1)  # kernels are compiled, libraries loaded

@@ -234,7 +234,9 @@ def _add_package(pyproject: Path, module: str) -> None:
     """List the folder of a new rule among the packages of a wheel."""
     above = '    "kerfwise.rules.catalogue",\n'
     text = pyproject.read_text(encoding="utf-8")
-    pyproject.write_text(text.replace(above, f'{above}    "kerfwise.rules.catalogue.{module}",\n', 1), encoding="utf-8")
+    pyproject.write_text(
+        text.replace(above, f'{above}    "kerfwise.rules.catalogue.{module}",\n', 1), encoding="utf-8", newline="\n"
+    )
 
 
 def new_outside_rule(name: str, language: str, folder: Path) -> Path:

@@ -112,6 +112,8 @@ def given(**settings: str) -> list[str]:
     return [word for key, value in settings.items() for word in ("--set", f"{key.replace('__', '.')}={value}")]
 
 
+BEVELS = given(cuts__bevel__head="tilting", machine__dialect="linuxcnc")
+V_45 = {**A, "bevel": {"kind": "V", "angle": 45}}
 SCRAP = ([(250, 150), (250, 290)], "Scrap cuts", False)
 SHARED = ["--answer", "layer:0=open:shared"]
 LASER = ["-p", "laser-st10kp-2mm"]
@@ -306,6 +308,29 @@ ADVICE = [
         ["--answer", "frame"],
     ),
     # what cannot be cut
+    Advice(
+        "from which mass on a loose part lies still (cuts.bevel.lies_still)",
+        r"A\.outer, bevel X 30: the first of its 2 passes sets loose what the others cut: A weighs 0\.377 kg",
+        parts({**A, "bevel": {"kind": "X", "angle": 30}}),
+        (
+            Do("cuts.bevel.lies_still", given(cuts__bevel__lies_still="0.2 kg")),
+            Do("a bevel V has one pass", file=parts({**A, "bevel": {"kind": "V", "angle": 30}})),
+        ),
+        BEVELS,
+        "facts",
+    ),
+    Advice(
+        "no loop has room at the corner",
+        r"bevel V 45 top: no loop has room at the corner \(120\.0, 20\.0\): the torch would come within 1\.53 mm of B",
+        parts(V_45, part("B", rect(132, 20, 200, 80))),
+        (
+            Do("leave more web", file=parts(V_45, part("B", rect(160, 20, 200, 80)))),
+            Do("shorten cuts.bevel.run", given(cuts__bevel__run="1 mm")),
+            Do("say cuts.bevel.corner: either", given(cuts__bevel__corner="either")),
+        ),
+        [*BEVELS, *given(cuts__bevel__corner="loop")],
+        "facts",
+    ),
     Advice(
         "`{IN_PROFILE[self.key]}: ",
         r"A\.hole1 is 4\.00 mm across, less than small_holes\.min_hole, 6 mm",

@@ -26,6 +26,7 @@ OPTION = re.compile(
 """What names an option in a string of the source."""
 
 FACTS = {
+    "the head would turn more than cuts.bevel.most_turn": "what the plant says of its head; nothing is advised",
     "by the profile (drawing.layers.": "why a layer is taken for what it is",
     "left out, as drawing.layers.ignore matches their layers": "what was left out, and why",
     "as given (--": "who has said it",

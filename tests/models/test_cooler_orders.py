@@ -49,10 +49,10 @@ def test_the_best_is_lawful_told_right_and_no_worse_than_the_plan_without_prices
     price_mm, first = 20.0, planned(0, ())
     found = cooler().find(price_mm, planned)
     assert not broken(posed(), posed().candidate_site[list(found.route)].tolist())
-    assert found.overheats == overheats(found.route)
+    assert found.shown == overheats(found.route)
     dearest = cooler().find(price_mm, lambda k, further: first, judge=lambda route: 0.0 if route == first else None)
     assert dearest.route == first
-    assert found.overheats < dearest.overheats
+    assert found.shown < dearest.shown
     again = cooler().find(price_mm, planned)
     assert (again.route, again.cost_mm) == (found.route, found.cost_mm)
 
@@ -60,8 +60,8 @@ def test_the_best_is_lawful_told_right_and_no_worse_than_the_plan_without_prices
 def test_what_was_simulated_for_a_low_price_helps_a_high_one() -> None:
     shared = cooler()
     low, high = shared.find(5.0, planned), shared.find(500.0, planned)
-    assert high.overheats <= low.overheats
-    assert high.cost_mm + 500 * high.overheats <= low.cost_mm + 500 * low.overheats
+    assert high.shown <= low.shown
+    assert high.cost_mm + 500 * high.shown <= low.cost_mm + 500 * low.shown
 
 
 def test_without_time_the_plan_without_prices_is_there() -> None:
@@ -81,4 +81,4 @@ def test_a_round_without_a_plan_is_the_last() -> None:
             raise RulesConflict("no time left")
         return planned(k, further)
 
-    assert cooler().find(20.0, planner).overheats >= 0
+    assert cooler().find(20.0, planner).shown >= 0

@@ -7,6 +7,7 @@ from random import Random
 
 import click
 
+from kerfwise.apps import VERBS as APP_VERBS
 from kerfwise.cli import VERBS, program
 
 NAMES = (
@@ -35,7 +36,7 @@ TEXTS = (
     "nothing", "\x1b[2J", "\udcff", "a\nb", "laser-wood", "water-jet", "plasma-carbon-steel", "linuxcnc", "'", "--x",
 )  # fmt: skip
 
-TRIED = tuple(verb for verb in VERBS if verb not in ("batch", "serve", "warm-up"))
+TRIED = tuple(verb for verb in (*VERBS, *APP_VERBS) if verb not in ("batch", "serve", "warm-up"))
 """A batch starts processes of its own, which the fuzzer's workers may not; what watches, or serves, never ends."""
 
 
