@@ -64,7 +64,7 @@ class Moved:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Followed:
-    """Points (k, 2), mm, followed at times (f,), s, in order: `moved` (f, k, 2) is how far they have moved by then, mm.
+    """Points (k, 2), mm, followed at times (f,), s, in order: `moved` (f, k, 2) is how far they have moved, mm.
 
     `part` (k,) is the number of the part that each belongs to, -1 for the sheet. What is cut free stays where it was.
     """

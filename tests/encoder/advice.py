@@ -113,6 +113,7 @@ def given(**settings: str) -> list[str]:
 
 
 BEVELS = given(cuts__bevel__head="tilting", machine__dialect="linuxcnc")
+LOOPS = [*BEVELS, *given(cuts__bevel__corner="loop")]
 V_45 = {**A, "bevel": {"kind": "V", "angle": 45}}
 SCRAP = ([(250, 150), (250, 290)], "Scrap cuts", False)
 SHARED = ["--answer", "layer:0=open:shared"]
@@ -313,8 +314,8 @@ ADVICE = [
         r"A\.outer, bevel X 30: the first of its 2 passes sets loose what the others cut: A weighs 0\.377 kg",
         parts({**A, "bevel": {"kind": "X", "angle": 30}}),
         (
-            Do("cuts.bevel.lies_still", given(cuts__bevel__lies_still="0.2 kg")),
-            Do("a bevel V has one pass", file=parts({**A, "bevel": {"kind": "V", "angle": 30}})),
+            Do("cuts.bevel.lies_still", [*BEVELS, *given(cuts__bevel__lies_still="0.2 kg")]),
+            Do("a bevel V has one pass", BEVELS, parts({**A, "bevel": {"kind": "V", "angle": 30}})),
         ),
         BEVELS,
         "facts",
@@ -324,11 +325,11 @@ ADVICE = [
         r"bevel V 45 top: no loop has room at the corner \(120\.0, 20\.0\): the torch would come within 1\.53 mm of B",
         parts(V_45, part("B", rect(132, 20, 200, 80))),
         (
-            Do("leave more web", file=parts(V_45, part("B", rect(160, 20, 200, 80)))),
-            Do("shorten cuts.bevel.run", given(cuts__bevel__run="1 mm")),
-            Do("say cuts.bevel.corner: either", given(cuts__bevel__corner="either")),
+            Do("leave more web", LOOPS, parts(V_45, part("B", rect(160, 20, 200, 80)))),
+            Do("shorten cuts.bevel.run", [*LOOPS, *given(cuts__bevel__run="1 mm")]),
+            Do("say cuts.bevel.corner: either", [*BEVELS, *given(cuts__bevel__corner="either")]),
         ),
-        [*BEVELS, *given(cuts__bevel__corner="loop")],
+        LOOPS,
         "facts",
     ),
     Advice(

@@ -90,11 +90,12 @@ def test_an_order_that_goes_from_end_to_end_makes_none() -> None:
 
 @pytest.mark.parametrize(
     "decided",
-    [{"zone_contours": 4}, {"zone_fixed": (("00", 1),)}, {"zone_places": (("00", 1),)}, {"zone_heat_kj": 1e9}],
+    [{"zone_contours": 4}, {"zone_fixed": (("00", 1),)}, {"zone_heat_kj": 1e9}],
 )
 def test_zones_that_the_plant_decides_on_do_not_move(decided: dict[str, object]) -> None:
     facts = grid(4, 2)
     assert movable(facts)
+    assert movable(replace(facts, options=replace(facts.options, zone_places=(("00", 1),))))  # the route keeps it
     assert not movable(replace(facts, options=replace(facts.options, **decided)))  # type: ignore[arg-type]
 
 

@@ -48,7 +48,7 @@ SHARING = {
     "first_plan": set(),
     "plan_nest": set(),
     "plan_without_zones": set(),
-    "request": {"_LEAST_COMMON_MM"},
+    "request": set(),
     "time_limits": set(),
     "warm_up": set(),
 }

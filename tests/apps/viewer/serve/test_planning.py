@@ -13,7 +13,7 @@ from typing import Any, cast
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve import planner
+from kerfwise.apps.viewer.serve import planner, plans_shown
 from kerfwise.apps.viewer.serve.nest_folder import Folder
 from kerfwise.apps.viewer.serve.news import News
 from kerfwise.apps.viewer.serve.plan_request import PlanRequest, request_inputs, sha256_of
@@ -225,7 +225,7 @@ def sixteen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_drop_is_answered_along_the_plan_at_hand_first_without_a_program(
     sixteen: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(planner, "BARE_FROM", 10)
+    monkeypatch.setattr(plans_shown, "BARE_FROM", 10)
     told = Told()
     done = told.planner.solve(PlanRequest(str(sixteen)), 0.2)
     before, text = [cut["contour"] for cut in plan_of(done)["cuts"]], done["files"][done["plan_file"]].text()
@@ -298,7 +298,7 @@ def session_of(wanted: PlanRequest) -> Session:
 
 
 def test_a_plan_is_saved_once_its_program_is_checked(sixteen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(planner, "BARE_FROM", 10)
+    monkeypatch.setattr(plans_shown, "BARE_FROM", 10)
     told, wanted = Told(), PlanRequest(str(sixteen))
     told.planner.solve(wanted, 0.05)
     bare, checked = told.plans()[:2]
