@@ -80,7 +80,7 @@ def test_swept_backwards_to_the_end_stretches_promise_what_the_best_plan_costs(d
     plans = sorted((route_cost(tiny, route), route) for route in lawful(tiny))
     assume(plans)
     (best, _), (most, worst) = plans[0], plans[-1]
-    settled = priced.price(tiny, Incumbent(worst, most), Deadline(1e-3, most_bytes=1e9), (), 1.0)
+    settled = priced.price(tiny, Incumbent(worst, most), Deadline(1e-3, most_bytes=1e9), (), 1.0, OVERDRAWN_S)
     assert settled is not None
     assert settled.root == best
     with ThreadPoolExecutor(1) as thread:
