@@ -66,9 +66,9 @@ def new(name: str, like: str | None, programs: tuple[str, ...], output: str | No
     if path.exists():
         raise InputError("the file is there already: nothing is written", file=str(path))
     if more and not programs:
-        raise InputError(f"{more[0]}: expected --from before the first program")
+        raise click.UsageError(f"{more[0]}: expected --from before the first program")
     if not programs and like is None:
-        raise InputError("expected --like X, a dialect to copy, or --from OLD.nc, a program to tell one from")
+        raise click.UsageError("expected --like X, a dialect to copy, or --from OLD.nc, a program to tell one from")
     expect_outputs([path], [Path(old) for old in (*programs, *more, *([like] if like else []))])
     text = _told(name, (*programs, *more), like) if programs else new_dialect_text(name, like or "")
     write_files({path: text})
