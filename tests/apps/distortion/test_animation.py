@@ -57,6 +57,7 @@ def test_another_kind_of_file_is_refused_before_anything_is_read(tmp_path: Path)
 
 
 @pytest.mark.full
+@pytest.mark.browser
 def test_a_browser_plays_it_to_the_end(tmp_path: Path) -> None:
     (tmp_path / "a.html").write_text(page(), encoding="utf-8")
     with launched() as browser:
