@@ -87,7 +87,7 @@ def test_no_plan_is_cheaper_for_it_and_the_best_costs_the_same(seed: int) -> Non
 def test_a_bound_over_last_contours_holds_and_knows_conditions_on_blocks(seed: int) -> None:
     """The first contour of another block is what a site asks to be still in, at a price: its last one stands for it.
 
-    Of seed 3 the linear program takes halves of two ways, and pays for none of the conditions.
+    Of seed 3 the bound is that without the conditions: nothing is branched on.
     """
     held = Condition(2, (0, 3), (-1, -1), -1, ABOUT, when=4, cost=300)
     seen = blocks(seed, [2, 1, 2], held=[held, Condition(2, (0,), (-1,), 0, ABOUT, when=5, cost=200)])
