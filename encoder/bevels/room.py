@@ -184,6 +184,7 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
             f"{less} from which mass on a loose part lies still (cuts.bevel.lies_still); a bevel V has one pass"
         )
     kept_apart_mm = options.kerfs[0][1] + _SLACK_MM
+    others = shapely.union_all([area for name, area in found.taken.items() if name != drawn.id])
     for edge in options.edges(drawn, ccw=True):
         if edge.made_by.tilt_deg == 0:
             yield ()
@@ -198,7 +199,6 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
                     why = str(error)
                     continue
                 burnt = _swept(path, options)
-                others = shapely.union_all([area for name, area in found.taken.items() if name != drawn.id])
                 hit = metal.hit(path, drawn.part, along=False, apart_mm=kept_apart_mm)
                 if hit is None and shapely.intersects(burnt, others):
                     hit = "it would cross the loop of another contour"
