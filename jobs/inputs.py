@@ -335,7 +335,7 @@ def _why_not(profile: Profile) -> Iterator[str]:
         yield "a pierce pass is not planned together with several torches: say cuts.pierce_pass: off"
     if limit is not None:
         yield f"{limit.rule} simulates the heat of one torch: turn it off"
-    if profile.objective.heat and profile.heat.absorbed_power_w:
+    if profile.prices_overheats:
         yield "the price of heat is simulated for one torch: say objective: {heat: 0}"
     if any(getattr(setting.options, "zone_heat_kj", None) is not None for setting in profile.settings().values()):
         yield "the heat of zones is counted for one torch: say zone_heat: unlimited"

@@ -91,6 +91,11 @@ class Profile(ProfileSections):
         """The machine's coordinates on the nest."""
         return frame_of(nest, self.machine)
 
+    @property
+    def prices_overheats(self) -> bool:
+        """Whether overheats cost something, and a torch heats the sheet: then orders are simulated."""
+        return bool(self.objective.heat and self.heat.absorbed_power_w)
+
     def home_on(self, nest: Nest) -> Point:
         """The machine's home in the coordinates of the nest's drawing."""
         return frame_of(nest, self.machine).on_drawing(self.machine.home)

@@ -47,7 +47,7 @@ def expect_snakes(profile: Profile, nest: Nest | None = None) -> None:
 
 
 def _no_snakes(profile: Profile, nest: Nest | None) -> Iterator[str]:
-    cuts, limit, price = profile.cuts, profile.temperature_limit(), profile.objective
+    cuts, limit = profile.cuts, profile.temperature_limit()
     if profile.tabs() is not None:
         yield "a part that tabs hold is cut in one round: turn off the rule that leaves tabs"
     if cuts.pierce_pass is not None:
@@ -60,9 +60,9 @@ def _no_snakes(profile: Profile, nest: Nest | None) -> Iterator[str]:
         yield "slower corners are counted for whole rounds: say corners.corner_feed: 1"
     if limit is not None:
         yield f"{limit.rule} simulates whole rounds: turn it off"
-    if price.heat and profile.heat.absorbed_power_w:
+    if profile.prices_overheats:
         yield "the price of heat is simulated for whole rounds: say objective: {heat: 0}"
-    if price.distortion:
+    if profile.objective.distortion:
         yield "the price of distortion is simulated for whole rounds: say objective: {distortion: 0}"
 
 
@@ -97,7 +97,7 @@ def expect_bevels(profile: Profile, nest: Nest | None = None, resumed: bool = Fa
 
 
 def _no_bevels(profile: Profile, nest: Nest | None, resumed: bool) -> Iterator[str]:
-    cuts, limit, price = profile.cuts, profile.temperature_limit(), profile.objective
+    cuts, limit = profile.cuts, profile.temperature_limit()
     if profile.tabs() is not None:
         yield "a tilted torch leaves no tabs: turn off the rule that leaves them"
     if cuts.pierce_pass is not None:
@@ -120,9 +120,9 @@ def _no_bevels(profile: Profile, nest: Nest | None, resumed: bool) -> Iterator[s
         yield "slower corners are counted for upright torches: say corners.corner_feed: 1"
     if limit is not None:
         yield f"{limit.rule} simulates upright torches: turn it off"
-    if price.heat and profile.heat.absorbed_power_w:
+    if profile.prices_overheats:
         yield "the price of heat is simulated for upright torches: say objective: {heat: 0}"
-    if price.distortion:
+    if profile.objective.distortion:
         yield "the price of distortion is simulated for upright torches: say objective: {distortion: 0}"
     if resumed:
         yield "a nest with bevels is not gone on with after a stop: cut it from the old program"

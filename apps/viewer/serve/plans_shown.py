@@ -115,7 +115,7 @@ class PlansShown:
     @property
     def unpriced(self) -> bool:
         """Whether plans on the way do not pay for overheats, which the profile prices: a simulation tells them last."""
-        return bool(self._given.profile.objective.heat and self._given.profile.heat.absorbed_power_w)
+        return self._given.profile.prices_overheats
 
     def first(self, start: Plan | None, recent: RecentFacts) -> None:
         """A lawful plan at once, and what a short search makes of it; none where the best is found as soon."""
