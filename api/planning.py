@@ -50,6 +50,7 @@ def solve(
     redo_last: bool = False,
     start: Plan | Result | str | Path | None = None,
     first: bool = False,
+    date: str = "",
     on_progress: OnProgress | None = None,
 ) -> Result:
     """Plan a nest: an order, pierces and directions that keep every hard rule, the NC program, and the verdict on both.
@@ -102,6 +103,8 @@ def solve(
     first
         Give the first lawful plan, which a moment's search finds, and stop. Moves over parts that are out cost nothing
         then.
+    date
+        Day that the program says at its top, as "2026-12-24"; "" for that of the job file.
     on_progress
         Called now and then with what the engines have reached, perhaps from a thread of theirs. Return False to stop
         with the best plan so far. An exception that it raises ends the planning and is raised by `solve`.
@@ -136,7 +139,7 @@ def solve(
     '(KERFWISE FOR LINUXCNC, QTPLASMAC)'
     """
     notes: list[str] = []
-    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from, answers), notes.append)
+    inputs = inputs_for(nest, nest_request(profile, job, settings, locks, resume_from, answers, date), notes.append)
     engine = OLD_NAMES.get(engine, engine)
     limits = options_for(
         inputs.nest, inputs.profile,

@@ -13,6 +13,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.inputs import ProfileLike, drawn_nest, plant_of
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job import read_job as read_job_file
+from kerfwise.jobs.nest_job.job import day_of
 from kerfwise.jobs.nest_job.request import JobLike, NestRequest, answered
 from kerfwise.jobs.result import Result
 from kerfwise.models.plan.plan import Plan
@@ -177,19 +178,20 @@ def nest_request(
     locks: Iterable[LockLike] | LockLike = (),
     last: Plan | Result | str | Path | None = None,
     answers: Mapping[str, str] | None = None,
+    date: str = "",
 ) -> NestRequest:
     """What is asked for a nest; `last` is the plan in which contours have the numbers that locks call them by."""
     plan = None if last is None else plan_or_path(last)
-    return NestRequest(
-        profile, job, _settings(settings), tuple(map(lock_of, _listed(locks))), tuple((answers or {}).items()), plan
-    )
+    laid = tuple(map(lock_of, _listed(locks)))
+    answered = tuple((answers or {}).items())
+    return NestRequest(profile, job, settings_of(settings), laid, answered, plan, day_of(date))
 
 
 def _listed(locks: Iterable[LockLike] | LockLike) -> list[LockLike]:
     return [locks] if isinstance(locks, Lock | str | Mapping) else list(locks)
 
 
-def _settings(settings: Settings) -> tuple[Setting, ...]:
+def settings_of(settings: Settings) -> tuple[Setting, ...]:
     if isinstance(settings, Mapping):
         lines = [f"{key}={value if isinstance(value, str) else json.dumps(value)}" for key, value in settings.items()]
     else:

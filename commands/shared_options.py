@@ -250,12 +250,12 @@ def nest_request(
 
 def _day(_: click.Context, __: click.Parameter, value: str) -> str:
     """A day of the calendar, as it is written: year first."""
-    import datetime
+    from kerfwise.jobs.nest_job.job import day_of
 
     try:
-        return datetime.date.fromisoformat(value).isoformat() if value else ""
-    except ValueError:
-        raise click.BadParameter(f"expected a day such as 2026-12-24 (year-month-day), got {value!r}") from None
+        return day_of(value)
+    except InputError as error:
+        raise click.BadParameter(error.message.removeprefix("date: ")) from None
 
 
 DATE = click.option("--date", callback=_day, default="", metavar="DAY",

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+from kerfwise.api.reading import Settings, settings_of
 from kerfwise.apps.nesting.find_nests import (
     PURPOSES,
     WEIGH_WORK,
@@ -18,7 +20,7 @@ from kerfwise.apps.nesting.find_nests import (
     spacing_of,
     spacing_warning,
 )
-from kerfwise.apps.nesting.nest_list import ListRequest, nest_groups, request_list
+from kerfwise.apps.nesting.nest_list import ListRequest, nest_groups, plant_of_sheet, request_list
 from kerfwise.apps.nesting.placement.demand import Demand
 from kerfwise.apps.nesting.placement.layout import Layout
 from kerfwise.apps.nesting.placement.rounds import Effort
@@ -26,12 +28,15 @@ from kerfwise.apps.nesting.programs import make_programs
 from kerfwise.apps.nesting.request import order_of
 from kerfwise.apps.nesting.result import Done, Nests, nests_of_job
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.questions import Answers
 from kerfwise.encoder.text import unknown
-from kerfwise.jobs.inputs import ProfileLike, plant_of, reading
+from kerfwise.jobs.inputs import ProfileLike, Tell, plant_of, reading
+from kerfwise.jobs.nest_job.job import day_of
 from kerfwise.jobs.nest_job.request import answered
 from kerfwise.jobs.progress import Listener
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.rules.profile.load import DEFAULT
+from kerfwise.rules.profile.overrides import with_settings
 from kerfwise.rules.profile.profile import Profile
 
 Files = Mapping[str | Path, int] | Iterable[str | Path] | str | Path
@@ -60,6 +65,8 @@ def nest(
     skip_bad: bool = False,
     name_pattern: str | None = None,
     answers: Mapping[str, str] | None = None,
+    settings: Settings = (),
+    date: str = "",
     on_round: OnRound | None = None,
 ) -> Nests:
     """Lay parts on sheets, remnants first, as `kerfwise nest` does. Nothing is written: see `Nests.save`.
@@ -90,6 +97,10 @@ def nest(
         What the names of files say, such as "{part}_{quantity}x".
     answers
         Answers to questions of drawings, and of which row of a chart is for a material: {"row:S235-8mm": "10mm"}.
+    settings
+        Values of the profiles for this list only: {"leads.lead_in": "4 mm"}, or lines such as "leads.lead_in=4 mm".
+    date
+        Day that every program says at its top, and the job file of every sheet, as "2026-12-24".
     on_round
         Called after each round; if it answers False, the best nests so far are taken.
 
@@ -114,8 +125,12 @@ def nest(
     (1, 8, {})
     """
     notes: list[str] = []
-    how = _How((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
-    request = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
+    how = Laying((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
+    request = list_request(
+        (parts, sheets, remnants), profile, how, notes.append,
+        settings=settings, units=units, repair=repair, skip_bad=skip_bad, name_pattern=name_pattern,
+        answers=tuple((answers or {}).items()), date=date,
+    )  # fmt: skip
     found = nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
     return nests_of_job(request, [Done(one, result) for one, result in found], seed, notes)
 
@@ -142,6 +157,8 @@ def make(
     skip_bad: bool = False,
     name_pattern: str | None = None,
     answers: Mapping[str, str] | None = None,
+    settings: Settings = (),
+    date: str = "",
     on_round: OnRound | None = None,
 ) -> Nests:
     """Lay parts on sheets, and turn every sheet into a checked program, as `kerfwise make` does.
@@ -149,7 +166,7 @@ def make(
     Parameters
     ----------
     parts, profile, sheets, remnants, gap_mm, edge_mm, engine, purpose, weigh, weigh_work, rounds, seed
-    units, repair, skip_bad, name_pattern, answers
+    units, repair, skip_bad, name_pattern, answers, settings, date
         As for `nest`.
     time_s, on_round
         As for `nest`: of laying parts, not of planning.
@@ -174,27 +191,33 @@ def make(
     'sheet1.nc: 12 contours'
     """
     notes: list[str] = []
-    how = _How((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
-    request = _asked((parts, sheets, remnants), profile, how, units, repair, skip_bad, name_pattern, answers, notes)
+    how = Laying((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
+    request = list_request(
+        (parts, sheets, remnants), profile, how, notes.append,
+        settings=settings, units=units, repair=repair, skip_bad=skip_bad, name_pattern=name_pattern,
+        answers=tuple((answers or {}).items()), date=date,
+    )  # fmt: skip
     found = nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
     done = [
         Done(
             one,
             result,
-            make_programs(result.nested, _always(one.cutting.plant), work, relax, lambda name: Listener(), skip_bad),
+            make_programs(
+                result.nested,
+                partial(plant_of_sheet, request, one, None),
+                work,
+                relax,
+                lambda name: Listener(),
+                skip_bad,
+            ),
         )
         for one, result in found
     ]
     return nests_of_job(request, done, seed, notes)
 
 
-def _always(plant: Profile) -> Callable[[object, int], Profile]:
-    """The same profile for every sheet: which folder job files will be in is not known yet."""
-    return lambda nested, number: plant
-
-
 @dataclass(frozen=True, slots=True)
-class _How:
+class Laying:
     """How parts are laid, as the caller said it."""
 
     distances_mm: tuple[float | None, float | None]
@@ -218,39 +241,50 @@ class _How:
             if mm is not None and not mm >= 0:
                 raise InputError(f"{name}: expected 0 or more, got {mm!r}")
 
-    def request(self, plant: Profile, wanted: Demand, notes: list[str]) -> NestingRequest:
+    def request(self, plant: Profile, wanted: Demand, tell: Tell) -> NestingRequest:
         """What is to be laid under a profile."""
         spacing = spacing_of(plant, *self.distances_mm)
-        if warning := spacing_warning(plant, spacing):
-            notes.append(warning)
+        for note in (spacing_warning(plant, spacing), *plant.chart_notes()):
+            if note:
+                tell(note)
         return NestingRequest(
             plant, wanted, spacing, self.effort, self.engine, self.purpose, self.weigh, self.weigh_work
         )
 
 
-def _asked(
+def list_request(
     files: tuple[Files, Files, Files],
-    profile: ProfileLike | Sequence[ProfileLike],
-    how: _How,
-    units: str | None,
-    repair: bool,
-    skip_bad: bool,
-    name_pattern: str | None,
-    answers: Mapping[str, str] | None,
-    notes: list[str],
+    profiles: ProfileLike | Sequence[ProfileLike],
+    how: Laying,
+    tell: Tell,
+    *,
+    settings: Settings = (),
+    trust: bool = False,
+    units: str | None = None,
+    repair: bool = False,
+    skip_bad: bool = False,
+    name_pattern: str | None = None,
+    answers: Answers = (),
+    date: str = "",
 ) -> ListRequest:
+    """Read parts, sheets and remnants, and find for each group of parts how it is cut; `tell` hears the readers."""
     how.expect()
-    pairs = tuple((answers or {}).items())
-    named = [profile] if isinstance(profile, str | Path | Profile) else list(profile)
-    plants = [answered(plant_of(one), None, pairs) for one in named]
+    named = [profiles] if isinstance(profiles, str | Path | Profile) else list(profiles)
+    laid = settings_of(settings)
+    plants = [with_settings(answered(plant_of(one, trust), None, answers), laid) for one in named]
     expect_engine(how.engine)
     for plant in plants:
         spacing_of(plant, *how.distances_mm)
     parts, sheets, remnants = (_words(named) for named in files)
     options = reading(plants[0], units=units, repair=repair)
-    order = order_of(parts, sheets, remnants, options, notes.append, skip_bad=skip_bad, name_pattern=name_pattern)
+    order = order_of(parts, sheets, remnants, options, tell, skip_bad=skip_bad, name_pattern=name_pattern)
     return request_list(
-        order, plants, lambda plant, wanted: how.request(plant, wanted, notes), skip_bad=skip_bad, answers=pairs
+        order,
+        plants,
+        lambda plant, wanted: how.request(plant, wanted, tell),
+        skip_bad=skip_bad,
+        answers=answers,
+        date=day_of(date),
     )
 
 

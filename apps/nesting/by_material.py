@@ -11,8 +11,8 @@ from kerfwise.encoder.candidates import build_with_older_kerfs
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.questions import Answers, Choice, Question, Questions
-from kerfwise.rules.charts import Chart, read_chart
-from kerfwise.rules.charts.chart import COLUMNS
+from kerfwise.rules.charts import Chart, read_chart, shipped_charts
+from kerfwise.rules.charts.chart import COLUMNS, family_of
 from kerfwise.rules.profile.overrides import read_setting, with_settings
 from kerfwise.rules.profile.profile import Profile
 
@@ -137,17 +137,13 @@ def cutting_of(plants: Sequence[Profile], group: Group, answers: Answers = ()) -
     fitting = [plant for plant in plants if _is_of(plant, group)] if group.said else plants[:1]
     if fitting:
         return Cutting(fitting[0], fitting[0])
-    why = []
-    for plant in plants:
-        if plant.material.chart is None:
-            continue
+    why, charted = [], _charted(plants)
+    for plant, chart in charted:
         try:
-            return _with(plant, _settings(group))
+            return _with(plant, (*chart, *_settings(group)))
         except InputError as error:
             why.append(error.message.removeprefix("--set (in Python: settings): "))
-    if (started := _starting(plants[0], group)) is not None:
-        return started
-    question = _question(plants, group, why)
+    question = _question(plants, charted, group, why)
     answer = dict(answers).get(question.id)
     if answer is None:
         return question
@@ -158,25 +154,23 @@ def cutting_of(plants: Sequence[Profile], group: Group, answers: Answers = ()) -
         return None
     if answer == _AS_IT_IS:
         return Cutting(plants[0], plants[0])
-    charted = next(plant for plant in plants if plant.material.chart is not None)
+    plant, chart = charted[0]
     if answer == _BETWEEN:
-        return _with(charted, (*_settings(group), "material.interpolate=true"))
-    return _with(charted, _as_row(charted, group, answer))
+        return _with(plant, (*chart, *_settings(group), "material.interpolate=true"))
+    return _with(plant, _as_row(plant, chart, group, answer))
 
 
-_STARTING = {"plasma": "plasma-air"}
+_STARTING = {"plasma": "plasma-air", "oxyfuel": "oxyfuel"}
 """The shipped chart for a process, which a shipped profile takes where it is for another thickness."""
 
 
-def _starting(plant: Profile, group: Group) -> Cutting | None:
-    """A shipped profile with the row of the shipped chart of its process; None where it has none."""
-    chart = _STARTING.get(plant.machine.process)
-    if chart is None or plant.material.chart is not None or not plant.file.startswith(SHIPPED):
-        return None
-    try:
-        return _with(plant, (f"material.chart={chart}", *_settings(group)))
-    except InputError:
-        return None
+def _charted(plants: Sequence[Profile]) -> list[tuple[Profile, tuple[str, ...]]]:
+    """The profiles that have a chart; else the first with the setting that gives it the shipped one, if it may."""
+    own: list[tuple[Profile, tuple[str, ...]]] = [(plant, ()) for plant in plants if plant.material.chart is not None]
+    chart = _STARTING.get(plants[0].machine.process)
+    if own or chart is None or not plants[0].file.startswith(SHIPPED):
+        return own
+    return [(plants[0], (f"material.chart={chart}",))]
 
 
 def _is_of(plant: Profile, group: Group) -> bool:
@@ -194,11 +188,10 @@ def _with(plant: Profile, settings: tuple[str, ...]) -> Cutting:
     return Cutting(with_settings(plant, [read_setting(one) for one in settings]), plant, settings)
 
 
-def _as_row(plant: Profile, group: Group, thickness: str) -> tuple[str, ...]:
+def _as_row(plant: Profile, chart: tuple[str, ...], group: Group, thickness: str) -> tuple[str, ...]:
     """Settings that cut a group with the row of another thickness."""
-    at = with_settings(
-        plant, [read_setting(f"material.thickness={thickness}"), *map(read_setting, _settings(group)[1:])]
-    )
+    settings = (*chart, f"material.thickness={thickness}", *_settings(group)[1:])
+    at = with_settings(plant, [read_setting(one) for one in settings])
     assert at.chart is not None
     taken = ((COLUMNS[one.column], one.text) for one in at.chart.taken)
     rows = (f"{column.section}.{column.option}={_quoted(text)}" for column, text in taken if column.option)
@@ -210,11 +203,16 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _question(plants: Sequence[Profile], group: Group, why: Sequence[str]) -> Question:
+def _question(
+    plants: Sequence[Profile],
+    charted: Sequence[tuple[Profile, tuple[str, ...]]],
+    group: Group,
+    why: Sequence[str],
+) -> Question:
     of = [f"{plant.name} ({plant.material.name}, {plant.material.thickness_mm:g} mm)" for plant in plants]
     reasons = "; ".join(why) or f"no profile is of it, and none has a chart: {', '.join(of)}"
-    choices = [*_rows(plants, group)]
-    if not choices:
+    choices = _rows(charted, group)
+    if not choices or all(plant.material.chart is None for plant in plants):
         choices.append(Choice(_AS_IT_IS, f"cut with {plants[0].name} as it is", of[0]))
     choices.append(Choice(_SKIP, "leave its parts out"))
     count = sum(kind.quantity for kind in group.wanted.types)
@@ -222,12 +220,13 @@ def _question(plants: Sequence[Profile], group: Group, why: Sequence[str]) -> Qu
     return Question(f"{ROW}{group.name}", text, tuple(choices))
 
 
-def _rows(plants: Sequence[Profile], group: Group) -> list[Choice]:
+def _rows(charted: Sequence[tuple[Profile, tuple[str, ...]]], group: Group) -> list[Choice]:
     """Rows of the chart that are near, and what lies between them."""
-    charted = next((plant for plant in plants if plant.material.chart is not None), None)
-    if charted is None or group.thickness_mm is None:
+    if not charted or group.thickness_mm is None:
         return []
-    chart = read_chart(str(charted.material.chart), charted.material.chart_units)
+    plant, _ = charted[0]
+    file = plant.material.chart or shipped_charts()[_STARTING[plant.machine.process]]
+    chart = read_chart(str(file), plant.material.chart_units)
     thicknesses = sorted(_thicknesses(chart, group.material))
     thicker = [t for t in thicknesses if t > group.thickness_mm]
     thinner = [t for t in thicknesses if t < group.thickness_mm]
@@ -243,8 +242,12 @@ def _thicknesses(chart: Chart, material: str) -> set[float]:
         t
         for row in chart.rows
         if isinstance(t := row.values.get("thickness"), float)
-        and (not material or plain_grade(str(row.values.get("material", material))) == plain_grade(material))
+        and (not material or _same_grade(str(row.values.get("material", material)), material))
     }
+
+
+def _same_grade(of_row: str, material: str) -> bool:
+    return plain_grade(of_row) == plain_grade(material) or of_row == family_of(material)
 
 
 def cuttings_of(

@@ -144,12 +144,17 @@ def nest_groups(
 # What is written: a folder a group, job files that name the profile, and a table of the whole list.
 
 
-def job_text(request: ListRequest, one: GroupRequest, folder: Path, nested: Nested, number: int) -> str:
-    """The job file of a sheet: its profile, what is set in that for the group, the orders, the first day, the date."""
+def job_text(request: ListRequest, one: GroupRequest, folder: Path | None, nested: Nested, number: int) -> str:
+    """The job file of a sheet: its profile, what is set in that for the group, the orders, the first day, the date.
+
+    Without a folder, where nothing is written yet, it names no profile.
+    """
     cutting = one.cutting
     orders = dict.fromkeys(str(o) for part in nested.nests[number].parts if (o := part.attributes.get("order")))
     days = [str(day) for part in nested.nests[number].parts if (day := part.attributes.get("due"))]
-    lines = [f"profile: {json.dumps(_profile_name(cutting.base, folder), ensure_ascii=False)}"]
+    lines = []
+    if folder is not None:
+        lines += [f"profile: {json.dumps(_profile_name(cutting.base, folder), ensure_ascii=False)}"]
     lines += [f"order: {json.dumps(', '.join(orders), ensure_ascii=False)}"] if orders else []
     lines += [f"due: {min(days)}"] if days else []
     lines += [f"date: {request.date}"] if request.date else []
@@ -159,14 +164,17 @@ def job_text(request: ListRequest, one: GroupRequest, folder: Path, nested: Nest
     return "\n".join(lines) + "\n"
 
 
-def plant_of_sheet(request: ListRequest, one: GroupRequest, out: Path, nested: Nested, number: int) -> Profile:
-    """The profile of a sheet, from 0 on, with its job file as it will be written in `out` laid over it."""
+def plant_of_sheet(request: ListRequest, one: GroupRequest, out: Path | None, nested: Nested, number: int) -> Profile:
+    """The profile of a sheet, from 0 on, with its job file as it will be written in `out` laid over it.
+
+    Where nobody knows yet which folder that is, programs have what the job file says, and not its name.
+    """
     if not _has_job(request, one):
         return one.cutting.plant
-    folder = out / request.folder(one)
+    folder = None if out is None else out / request.folder(one)
     text, file = job_text(request, one, folder, nested, number), f"{nested.names[number]}{ENDING}"
     job = replace(job_of(text, file), sha256=hashlib.sha256(text.encode()).hexdigest())
-    return with_values(one.cutting.base, job, (), ())
+    return with_values(one.cutting.base, job if folder else replace(job, file="", sha256=""), (), ())
 
 
 def _has_job(request: ListRequest, one: GroupRequest) -> bool:

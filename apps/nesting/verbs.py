@@ -34,10 +34,9 @@ from .find_nests import Watching
 if TYPE_CHECKING:
     from kerfwise.rules.profile.profile import Profile
 
-    from .find_nests import Engine, NestingRequest, NestingResult, Purpose
+    from .find_nests import Engine, NestingResult, Purpose
     from .nest_list import GroupRequest, ListRequest
     from .nests import Nested
-    from .placement.demand import Demand
     from .placement.layout import Layout
     from .programs import Programs
 
@@ -168,41 +167,24 @@ def read_list_request(
     What is asked for, group by group, and the folder that the nests are written to.
     """
     from kerfwise.encoder.questions import answers_of
-    from kerfwise.jobs.inputs import plant_of, reading
-    from kerfwise.jobs.nest_job.request import answered
-    from kerfwise.rules.profile.overrides import read_setting, with_settings
 
-    from .find_nests import NestingRequest as Asked
-    from .find_nests import expect_engine, spacing_of, spacing_warning
-    from .nest_list import request_list
+    from .api import Laying, list_request
     from .nests import expect_folder
     from .placement.rounds import Effort
-    from .request import order_of
 
     if output is None:
         raise click.UsageError("Missing option '-o' / '--output'.")
-    chosen, out = answers_of(answers), Path(output)
-    named = [answered(plant_of(name, trust), None, chosen) for name in profiles or (DEFAULT,)]
-    plants = [with_settings(plant, [read_setting(one) for one in settings]) for plant in named]
-    expect_engine(engine)
+    out = Path(output)
     expect_folder(out)
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     edge_mm = None if edge is None else length_or_zero("--edge", edge)
-    for plant in plants:
-        spacing_of(plant, gap_mm, edge_mm)
-    options = reading(plants[0], units=units, repair=repair)
-    order = order_of(parts, sheets, remnants, options, print_note, skip_bad=skip_bad, name_pattern=name_pattern)
-    effort = Effort(rounds, time_limit, seed)
-
-    def request(plant: Profile, wanted: Demand) -> NestingRequest:
-        spacing = spacing_of(plant, gap_mm, edge_mm)
-        if warning := spacing_warning(plant, spacing):
-            print_note(warning)
-        for text in plant.chart_notes():
-            print_note(text)
-        return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
-
-    return request_list(order, plants, request, skip_bad=skip_bad, answers=chosen, date=date), out
+    how = Laying((gap_mm, edge_mm), Effort(rounds, time_limit, seed), engine, purpose, weigh, weigh_work)
+    request = list_request(
+        (parts, sheets, remnants), profiles or DEFAULT, how, print_note,
+        settings=settings, trust=trust, units=units, repair=repair, skip_bad=skip_bad, name_pattern=name_pattern,
+        answers=answers_of(answers), date=date,
+    )  # fmt: skip
+    return request, out
 
 
 def looked_for(request: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:

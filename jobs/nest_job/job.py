@@ -55,6 +55,20 @@ class Day(OptionKind):
         return "a day such as 2026-12-24 (year-month-day)"
 
 
+def day_of(text: str) -> str:
+    """A day of the calendar as programs say it, year first; "" for none.
+
+    Raises
+    ------
+    InputError
+        For anything else.
+    """
+    try:
+        return datetime.date.fromisoformat(text).isoformat() if text else ""
+    except (TypeError, ValueError):
+        raise InputError(f"date: expected a day such as 2026-12-24 (year-month-day), got {text!r}") from None
+
+
 # What a planner writes down about one nest: its profile, locks and settings, how many sheets, for whom and when.
 
 MOST_SHEETS = 100_000

@@ -187,7 +187,8 @@ def with_values(
         return profile
     old = profile.for_one_nest or ForOneNest()
     lines = (*old.locks, *(line for lock in locks for line in lines_of(lock)))
-    file, sha256, read = (old.file, old.sha256, ()) if job is None else (job.name, job.sha256, (job.file,))
+    file, sha256 = (old.file, old.sha256) if job is None else (job.name, job.sha256)
+    read = (job.file,) if job is not None and job.file else ()
     said = {**old.said, **({} if job is None else job.said), **({"date": date} if date else {})}
     made_with = ForOneNest(file, sha256, (*old.settings, *map(str, settings)), lines, said=said)
     return replace(profile, for_one_nest=made_with, read_from=(*profile.read_from, *read))

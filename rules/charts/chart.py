@@ -182,11 +182,15 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class LookedUp:
-    """What a chart says, column by column, and what the row is called: None where there is none of that thickness."""
+    """What a chart says, column by column, and what the row is called: None where there is none of that thickness.
+
+    `source` is who has published the row, or the rows between which the values lie; "" where nobody is named.
+    """
 
     label: str
     values: Mapping[str, Found]
     row: ChartRow | None
+    source: str = ""
 
 
 def look_up(
@@ -227,17 +231,20 @@ def look_up(
             raise NoRow(_no_thickness(kin, wanted, chart, "; say interpolate: true to have what lies between two rows"))
     own = {} if row is None else row.values
     values = {c: Found(v, (row.line_of(c),)) for c, v in own.items() if c not in ABOUT and row is not None}
+    sources = [] if row is None else [row]
     if interpolate and isinstance(at_mm, float):
         between = _neighbours(kin, at_mm)
+        sources = sources or between
         if row is None:
             _expect_one_process(between, wanted, chart)
         values = {**_blended(kin, at_mm, row is None), **values}
+    source = ", ".join(dict.fromkeys(str(one.values["source"]) for one in sources if "source" in one.values))
     if row is None:
         known = [c for c in ("material", "thickness") if c in wanted]
         text = ", ".join(value_text(c, wanted[c]) for c in known)
         values |= {c: Found(wanted[c], ()) for c in known}
-        return LookedUp(text, values, None)
-    return LookedUp(row.label, values, row)
+        return LookedUp(text, values, None, source)
+    return LookedUp(row.label, values, row, source)
 
 
 def _named(chart: Chart, name: str) -> list[ChartRow]:
@@ -379,7 +386,7 @@ def _blended(rows: Sequence[ChartRow], at_mm: float, texts: bool) -> dict[str, F
     """Every column between the nearest rows that have it; with `texts` those too that are the same in both."""
     found: dict[str, Found] = {}
     for name, column in COLUMNS.items():
-        if name in ("name", "material", "thickness"):
+        if name in (*ABOUT, "material", "thickness"):
             continue
         having = [row for row in rows if name in row.values]
         ends = sorted(_neighbours(having, at_mm), key=lambda row: float(row.values["thickness"]))

@@ -364,8 +364,7 @@ def _filled(
         if name not in looked_up.values and COLUMNS[name].key not in own
     ]
     line = 0 if looked_up.row is None else looked_up.row.line
-    source = "" if looked_up.row is None else str(looked_up.row.values.get("source", ""))
-    use = ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent), source)
+    use = ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent), looked_up.source)
     return values | {"chart": use}
 
 

@@ -14,7 +14,7 @@ import kerfwise as package
 from kerfwise.apps.nesting import programs
 from kerfwise.apps.nesting.nests import Nested
 from kerfwise.apps.nesting.placement.layout import nest_dxf, nest_json
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -180,6 +180,37 @@ def test_every_program_says_the_day(shop: Path) -> None:
     assert Path("again.nc").read_bytes() == made
     ended = kerfwise("make", *words, "--date", "tomorrow")
     assert (ended.code, "expected a day such as 2026-12-24" in ended.err) == (2, True)
+
+
+def test_every_program_says_the_day_from_python_too(shop: Path) -> None:
+    made = package.make("plate.json=2", "plant.yaml", sheets="400x300", rounds=1, work=0.2, date="2026-12-01")
+    made.save("out")
+    assert "(DATE 2026-12-01)" in Path("out/sheet1.nc").read_text()
+    assert "date: 2026-12-01" in Path("out/sheet1.job.yaml").read_text()
+    with pytest.raises(InputError, match="expected a day such as 2026-12-24"):
+        package.make("plate.json=2", "plant.yaml", sheets="400x300", rounds=1, date="tomorrow")
+    solved = package.solve("out/sheet1.json", work=0.2, date="2026-12-02")
+    assert "(DATE 2026-12-02)" in solved.program
+
+
+def test_settings_of_a_list_from_python(shop: Path) -> None:
+    laid = package.nest("plate.json=2", sheets="400x300", rounds=1, settings={"nesting.web": "20 mm"})
+    plain = package.nest("plate.json=2", sheets="400x300", rounds=1)
+    gaps = [one._found[0].nested.layout.spacing.gap_mm for one in (laid, plain)]
+    assert gaps[0] > gaps[1]
+
+
+def test_a_thickness_between_the_rows_of_a_shipped_chart_is_asked_with_its_rows(shop: Path) -> None:
+    Path("list.csv").write_text("file;qty;mat;t\nplate;1;S235;30\n")
+    words = ("list.csv", "--sheet", "400x300", "-p", "oxyfuel-thick-plate")
+    code, _, err = nested(*words)
+    assert code == 3
+    assert [word for word in ("=interpolate", "=50mm", "=25mm", "=as-it-is", "=skip") if word not in err] == []
+    code, _, err = nested(*words, "--answer", "row:S235-30mm=interpolate")
+    assert code == 0, err
+    assert "starting values of Carvill" in err
+    assert "chart: oxyfuel" in (job := Path("out/sheet1.job.yaml").read_text())
+    assert "interpolate: true" in job
 
 
 def test_a_shipped_profile_takes_the_shipped_row_of_the_thickness(shop: Path) -> None:

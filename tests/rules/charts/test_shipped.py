@@ -59,6 +59,32 @@ def test_a_profile_names_a_shipped_chart_and_is_told_what_it_is(tmp_path: Path) 
     assert not any("itself" in note for note in notes)
 
 
+@pytest.mark.parametrize(
+    ("based_on", "chart", "thickness", "feed_mm_min"),
+    [("plasma-carbon-steel", "plasma-air", 7, 2060), ("oxyfuel-thick-plate", "oxyfuel", 30, 264)],
+)
+def test_between_two_rows_of_a_shipped_chart(
+    tmp_path: Path, based_on: str, chart: str, thickness: int, feed_mm_min: int
+) -> None:
+    path = tmp_path / "plant.yaml"
+    row = f"{{chart: {chart}, name: S355, thickness: {thickness} mm, interpolate: true}}"
+    path.write_text(f"based_on: {based_on}\nmaterial: {row}\n")
+    plant = load_profile(path)
+    assert round(plant.machine.cut_feed_mm_s * 60) == feed_mm_min
+    assert "starting values of" in next(iter(plant.chart_notes()))
+
+
+def test_a_flames_chart_has_feeds_and_leaves_kerf_and_preheating_to_the_profile(tmp_path: Path) -> None:
+    path = tmp_path / "plant.yaml"
+    path.write_text("based_on: oxyfuel-thick-plate\nmaterial: {chart: oxyfuel, name: S355, thickness: 25 mm}\n")
+    plant = load_profile(path)
+    assert (round(plant.machine.cut_feed_mm_s * 60), plant.material.kerf_mm) == (280, 2.0)
+    notes = "\n".join(plant.chart_notes())
+    assert "nozzle 1.6 mm" in notes
+    assert "says nothing of kerf" in notes
+    assert "says nothing of pierce_delay" in notes
+
+
 def test_charts_on_the_command_line(tmp_path: Path) -> None:
     listed = kerfwise("profile", "chart")
     assert listed.out.count("starting values of") == len(shipped_charts())
