@@ -81,8 +81,13 @@ def settle(
     """
     onward, limit, whole = begun.onward, begun.limit, deadline.left
     least, enough, room = relaxed.bound, int(SPREAD * known), max(1, int(FIRST * known))
+    try:
+        rest = _rest(posed, relaxed, deadline.left)
+    except bounds.TooMuch:
+        return replace(begun, work=0.0)
+    deadline.spend(rest.work * deadline.per_s)
     with ThreadPoolExecutor(THREADS) as threads, suppress(TooLarge):
-        backward = Backward(posed, relaxed, entry, _rest(posed, relaxed))
+        backward = Backward(posed, relaxed, entry, rest)
         while limit < min(int(onward.max()), known):
             had = deadline.left
             if least + room > limit:
@@ -97,10 +102,16 @@ def settle(
     return Settled(onward, limit, whole - max(0.0, deadline.left))
 
 
-def _rest(posed: Problem, relaxed: ReducedCosts) -> Completion:
-    """What is still to come of what multipliers leave, from the end to the beginning: one round, as it took before."""
+def _rest(posed: Problem, relaxed: ReducedCosts, most: float) -> Completion:
+    """What is still to come of what multipliers leave, from the end to the beginning: one round, of less than `most`.
+
+    Raises
+    ------
+    bounds.TooMuch
+        If it takes as much.
+    """
     walked = reverse_problem(replace(posed, matrix=relaxed.dear, conditions=()))
-    return bounds.complete(walked, None, Deadline(0.0), MOST_NEIGHBOURS)
+    return bounds.complete(walked, None, Deadline(0.0), MOST_NEIGHBOURS, most)
 
 
 class Backward:

@@ -16,6 +16,7 @@ from kerfwise.models.engines.bounds import completion
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge, sweep_through, sweeping
+from kerfwise.models.engines.ideals.priced import price
 from kerfwise.models.engines.ideals.stretch import series
 from kerfwise.models.engines.ideals.stretch_bounds import Ahead, look_ahead, missed_in
 from kerfwise.models.engines.ideals.stretch_tables import FAR
@@ -184,23 +185,53 @@ def test_bounds_that_take_more_than_there_is_are_left_alone(monkeypatch: pytest.
     assert whatever[-1] == (None, 9)  # three stages of three zones
 
 
-@pytest.mark.parametrize("work", [1e-4, 1e-3, 1e-2])
-def test_bounds_by_walks_take_no_more_than_the_limit(work: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not even where a single round of all stretches takes longer, and linear programs come next."""
-    half = 20
+def in_two_halves(half: int) -> tuple[Problem, Incumbent]:
+    """Contours of which one half is cut before the other, and a plan."""
     bare = scattered(5, 2 * half, 8)
     where = [[(x / 1000, y / 1000) for x, y in bare.pierce_um[list(bare.sites(i))].tolist()] for i in range(2 * half)]
     zoned = problem(where, pairs=[(a, b) for a in range(half) for b in range(half, 2 * half)])
     assert PROVING.priceable(zoned)
     route = tuple(int(s) for s in zoned.first[:-1])
-    taken = []
+    return zoned, Incumbent(route, route_cost(zoned, route))
+
+
+@pytest.fixture
+def rounds(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Deterministic seconds of each round of a bound by walks from now on."""
+    taken: list[float] = []
     back = completion._look_back
 
-    def counted(n: int, additions: float, *tables: object) -> None:
+    def counted(n: int, additions: float, *tables: Any) -> None:
         taken.append(n * additions / completion.ADDITIONS_PER_S)
         back(n, additions, *tables)
 
     monkeypatch.setattr(completion, "_look_back", counted)
+    return taken
+
+
+@pytest.mark.parametrize("work", [1e-4, 1e-3, 1e-2])
+def test_bounds_by_walks_take_no_more_than_the_limit(
+    work: float, rounds: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even where a single round of all stretches takes longer, and linear programs come next."""
+    zoned, plan = in_two_halves(20)
     monkeypatch.setattr(PROVING, "OVERDRAWN_S", 0.0)
-    prove(zoned, Incumbent(route, route_cost(zoned, route)), Deadline(work, most_bytes=1e9))
-    assert sum(taken) <= 2 * work  # the sweep backwards has one of its own, as long as that before it
+    prove(zoned, plan, Deadline(work, most_bytes=1e9))
+    assert sum(rounds) <= work
+
+
+def test_the_round_of_a_sweep_backwards_counts(rounds: list[float]) -> None:
+    """It is not begun where it takes more than the sweeps backwards have, and is part of what they took."""
+    zoned, plan = in_two_halves(6)
+
+    def spent(swept: float) -> tuple[int, list[float]]:
+        rounds.clear()
+        stretches = price(zoned, plan, Deadline(0.1, most_bytes=1e9), (), swept, 1.0)
+        assert stretches is not None
+        return len(rounds), [stretch.settled.work for stretch in stretches.stretches]
+
+    forwards, nothing = spent(0.0)
+    assert spent(1e-7) == (forwards, nothing)
+    both, backwards = spent(1.0)
+    assert both == forwards + 2
+    assert min(backwards) > min(rounds) > 0
