@@ -26,7 +26,7 @@ NARROW, SMALL_HOLES, SHARED_EDGES = "narrow", "small-holes", "shared-edges"
 that share an edge, or are one kerf apart."""
 
 OF_CUTTING = (NARROW, SMALL_HOLES, SHARED_EDGES)
-OF_DRAWING = ("units", "clip", "mask", "fill", "paper")
+OF_DRAWING = ("units", "clip", "mask", "fill", "paper", "off-page")
 """Those that arise as the lines of a file are read, before any of them is taken for something."""
 
 LAYER = "layer:"

@@ -207,7 +207,8 @@ def _by_colour(
     found: dict[Look, Use] = {}
     for colour in sorted({p.colour for p in mixed} - outlines):
         same = [p for p in mixed if p.colour == colour]
-        engraved = colour in marks or all(p.filled for p in same) or bool(join(same, tolerance_mm).chains)
+        fillings = all(p.filled for p in same) and not all(p.filled for p in mixed)
+        engraved = colour in marks or fillings or bool(join(same, tolerance_mm).chains)
         order: tuple[Purpose, ...] = ("mark", "cut", "ignore") if engraved else ("cut", "mark", "ignore")
         answer = asking.ask(
             Question(
@@ -228,8 +229,9 @@ def _look(same: Sequence[DrawnCurve], colour: str) -> str:
 def _colours_of_outlines(mixed: Sequence[DrawnCurve]) -> set[str]:
     """The colour of the lines that reach furthest out: whatever else there is, outlines of parts are cut."""
     size: Counter[str] = Counter()
+    drawn = [p for p in mixed if not p.filled] or mixed
     for colour in {p.colour for p in mixed}:
-        lines = np.array([p.curve.line() for p in mixed if p.colour == colour and not p.filled], dtype=object)
+        lines = np.array([p.curve.line() for p in drawn if p.colour == colour], dtype=object)
         if len(lines):
             x0, y0, x1, y1 = shapely.total_bounds(lines).tolist()
             size[colour] = int(1000 * (x1 - x0) * (y1 - y0)) + 1

@@ -34,21 +34,34 @@ def filled_outlines(curves: Sequence[Curve], even_odd: bool) -> list[Curve] | No
     [32.0]
     """
     closed = [Curve(curve.vertices, True) for curve in curves if len(curve.vertices) > 2 or curve.closed]
-    if not closed:
-        return None
     rings = np.array([curve.line(FLATTEN_MM) for curve in closed], dtype=object)
-    if not _cross(closed, rings) or any(
-        has_too_many_crossings(curve.flatten(FLATTEN_MM), closed=True, most=MOST_MEETINGS) for curve in closed
+    if (
+        not closed
+        or not _cross(closed, rings)
+        or any(has_too_many_crossings(curve.flatten(FLATTEN_MM), closed=True, most=MOST_MEETINGS) for curve in closed)
     ):
         return None
+    filled = filled_area(closed, even_odd)
+    outlines = [ring for part in shapely.get_parts(filled) for ring in (part.exterior, *part.interiors)]
+    return [_as_drawn(ring, closed, rings) for ring in outlines if ring.length > SNAP_MM] or None
+
+
+def filled_area(curves: Sequence[Curve], even_odd: bool) -> shapely.Geometry:
+    """What a fill rule fills of closed curves.
+
+    Examples
+    --------
+    >>> rings = [Curve.of([(0, 0), (9, 0), (9, 9), (0, 9)]), Curve.of([(4, 4), (6, 4), (6, 6), (4, 6)])]
+    >>> filled_area(rings, True).area, filled_area(rings, False).area
+    (77.0, 81.0)
+    """
+    rings = [curve.line(FLATTEN_MM) for curve in curves]
     faces = np.array(shapely.polygonize([shapely.node(shapely.multilinestrings(rings))]).geoms, dtype=object)
     if not len(faces):
-        return None
+        return shapely.Polygon()
     points = shapely.get_coordinates(shapely.point_on_surface(faces))
-    turns = np.sum([_turns(curve.flatten(FLATTEN_MM), points) for curve in closed], axis=0)
-    filled = shapely.union_all(faces[turns % 2 == 1 if even_odd else turns != 0])
-    outlines = [ring for part in shapely.get_parts(filled) for ring in (part.exterior, *part.interiors)]
-    return [_as_drawn(ring, closed, rings) for ring in outlines if ring.length > SNAP_MM]
+    turns = np.sum([_turns(curve.flatten(FLATTEN_MM), points) for curve in curves], axis=0)
+    return shapely.union_all(faces[turns % 2 == 1 if even_odd else turns != 0])
 
 
 def unseen_rings(curves: Sequence[Curve]) -> list[int]:

@@ -18,7 +18,7 @@ from kerfwise.encoder.contour_checks import enclosed
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Note
+from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
 
@@ -33,7 +33,7 @@ from .drawing import (
     brought_near,
     checked_curve,
 )
-from .fill_rule import filled_outlines, unseen_rings
+from .fill_rule import filled_area, filled_outlines, unseen_rings
 from .fit_arcs import FLATTEN_MM, fit_arcs
 from .layers import counted
 from .options import ReadOptions
@@ -95,13 +95,35 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
     notes = [*_unread(shown), *(Note("warning", text) for text in hidden_told(seen)), *text_notes]
     if not kept and seen.hidden:
         raise InputError(f"nothing to cut: {next(hidden_told(seen)).removeprefix('left out, as the ')}")
+    kept, page_notes = _on_page(kept, page.sheet, asking)
     near, near_texts, far_notes = brought_near(kept, seen_texts)
-    notes += [*fill_notes, *mask_notes, *clip_notes, *far_notes]
+    notes += [*page_notes, *fill_notes, *mask_notes, *clip_notes, *far_notes]
     sheet = None if far_notes else page.sheet
     return Drawing(near, page.units, tuple(notes), sheet, page.because, near_texts)
 
 
 EMPTY = shapely.Polygon()
+
+
+def _on_page(pieces: list[DrawnCurve], page: Sheet | None, asking: Asking) -> tuple[list[DrawnCurve], list[Note]]:
+    """Without what lies wholly off the page, as no viewer shows it, or with it, where somebody wants that."""
+    if page is None:
+        return pieces, []
+    off = shapely.disjoint(page.outline.polygon(), np.array([piece.curve.line() for piece in pieces], dtype=object))
+    if not off.any() or off.all():  # a drawing beside its page is all that there is
+        return pieces, []
+    gone = counted(piece.layer for piece, is_off in zip(pieces, off, strict=True) if is_off)
+    answer = asking.ask(
+        Question(
+            "off-page",
+            f"beside the page, where no viewer shows anything, more is drawn ({gone}): is that cut?",
+            (Choice("ignore", "left out"), Choice("cut", "cut, too")),
+        )
+    )
+    if answer == "cut":
+        return pieces, []
+    kept = [piece for piece, is_off in zip(pieces, off, strict=True) if not is_off]
+    return kept, [Note("warning", f"left out, as it lies beside the page: {gone}")]
 
 
 def _text(shown: Shown, order: int, to_mm: Any) -> tuple[DrawnText, Shown]:
@@ -224,13 +246,17 @@ def _clip_areas(group: Any, to_mm: Any) -> dict[str, shapely.Geometry]:
         name = str(element.id or "")
         if name.startswith(SHAPE):
             shapes = [s for s in element.select() if isinstance(s, svgelements.Shape)]
-            rings = [c for s in shapes for c in curves(s, to_mm)]
-            found[name.removeprefix(SHAPE)] = shapely.union_all(
-                [enclosed(Curve(c.vertices, True)) for c in rings if len(c.vertices) > 1]
-            )
+            found[name.removeprefix(SHAPE)] = shapely.union_all([_clip_area(s, to_mm) for s in shapes])
         else:
             found |= _clip_areas(element, to_mm)
     return found
+
+
+def _clip_area(shape: Any, to_mm: Any) -> shapely.Geometry:
+    rings = [Curve(c.vertices, True) for c in curves(shape, to_mm) if len(c.vertices) > 1]
+    if len(rings) == 1:
+        return enclosed(rings[0])
+    return filled_area(rings, str(shape.values.get("clip-rule") or "").strip() == "evenodd")
 
 
 def sound_svg(data: bytes) -> tuple[bytes, Seen]:

@@ -35,7 +35,7 @@ def styled(root: Element) -> None:
     InputError
         For a selector that is not known: what it selects may be what is hidden.
     """
-    sheets = [element for element in root.iter() if _tag(element) == "style"]
+    sheets = [element for element in root.iter() if tag_of(element) == "style"]
     rules = [rule for sheet in sheets if _applies(sheet) for rule in _rules("".join(sheet.itertext()))]
     for sheet in sheets:
         sheet.text = ""
@@ -54,13 +54,51 @@ def styled(root: Element) -> None:
                 if name not in found or rank >= found[name][1]:
                     found[name] = value, rank
         if found:
-            element.set("style", ";".join(f"{name}:{value}" for name, (value, _) in found.items()))
+            with_style(element, {name: value for name, (value, _) in found.items()})
 
 
 def _applies(sheet: Element) -> bool:
     """Whether a style sheet is one of CSS that holds for screens."""
-    media, kind = sheet.get("media", "").lower(), sheet.get("type", "").strip().lower()
-    return kind in ("", "text/css") and (not media.strip() or any(word in media for word in ("all", "screen", "(")))
+    return sheet.get("type", "").strip().lower() in ("", "text/css") and _on_screens(sheet.get("media", ""))
+
+
+_KNOWN_FEATURES = {
+    "prefers-color-scheme": "light", "prefers-reduced-motion": "no-preference", "prefers-contrast": "no-preference",
+    "forced-colors": "none", "scripting": "none", "update": "fast", "color": "", "monochrome": "0", "grid": "0",
+}  # fmt: skip
+"""What a screen is that nobody has set up: whether it is wide, or has a mouse, is not known."""
+
+
+def _on_screens(media: str) -> bool:
+    """Whether a list of media queries holds for a plain screen.
+
+    Raises
+    ------
+    InputError
+        For one of which that depends on the screen, such as on how wide it is.
+
+    Examples
+    --------
+    >>> [_on_screens(one) for one in ("", "print", "not print", "print, screen and (color)")]
+    [True, False, True, True]
+    >>> _on_screens("(prefers-color-scheme: dark)"), _on_screens("not all and (prefers-color-scheme: dark)")
+    (False, True)
+    """
+    return not media.strip() or any(_one_on_screens(query.strip().lower(), media) for query in media.split(","))
+
+
+def _one_on_screens(query: str, media: str) -> bool:
+    found = re.fullmatch(r"(?:(not|only)\s+)?(?:([a-z][a-z-]*)(?:\s+and\s+|$))?((?:\([^()]*\)(?:\s+and\s+|$))*)", query)
+    if found is None:
+        raise _unknown(f"@media {media.strip()}")
+    holds = found[2] in (None, "all", "screen")
+    for feature in re.findall(r"\(([^()]*)\)", found[3]) if holds else ():
+        name, _, value = (word.strip() for word in feature.partition(":"))
+        if name not in _KNOWN_FEATURES:
+            raise _unknown(f"@media {media.strip()}")
+        known = _KNOWN_FEATURES[name]
+        holds = holds and (known == value if value else known not in ("none", "0", "no-preference"))
+    return holds is not (found[1] == "not")
 
 
 def declarations(text: str) -> dict[str, tuple[str, bool]]:
@@ -72,12 +110,17 @@ def declarations(text: str) -> dict[str, tuple[str, bool]]:
     {'fill': ('none', False), 'display': ('none', True)}
     """
     found = {}
-    for one in text.split(";"):
-        name, colon, value = one.partition(":")
-        if colon and name.strip():
-            plain = re.sub(r"\s*!\s*important\s*$", "", value.strip(), flags=re.IGNORECASE)
-            found[name.strip().lower()] = plain, plain != value.strip()
+    for one in re.sub(r"/\*.*?(\*/|$)", " ", text, flags=re.DOTALL).split(";"):
+        name, colon, value = (word.strip() for word in one.partition(":"))
+        if colon and name:
+            plain = re.sub(r"\s*!\s*important\s*$", "", value, flags=re.IGNORECASE)
+            found[name if name.startswith("--") else name.lower()] = plain, plain != value
     return found
+
+
+def with_style(element: Element, style: Mapping[str, str]) -> None:
+    """Write the style of an element."""
+    element.set("style", ";".join(f"{name}:{value}" for name, value in style.items()))
 
 
 def properties(element: Element) -> dict[str, str]:
@@ -86,8 +129,15 @@ def properties(element: Element) -> dict[str, str]:
     return own | {name: value for name, (value, _) in declarations(element.get("style", "")).items()}
 
 
-def _tag(element: Element) -> str:
-    return str(element.tag).rpartition("}")[2]
+def called(element: Element) -> str:
+    """An element by its kind and its id, for messages."""
+    name = f" '{element.get('id')}'" if element.get("id") else ""
+    return f"the <{tag_of(element)}>{name}"
+
+
+def tag_of(element: Element) -> str:
+    """The name of an element without its name space; "" for a comment."""
+    return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
 
 
 def _rules(text: str) -> Iterator[_Rule]:
@@ -126,13 +176,17 @@ def _screen_only(text: str) -> str:
         while depth and end < len(text):
             depth += {"{": 1, "}": -1}.get(text[end], 0)
             end += 1
-        query = text[found.start() : opens].lower()
-        on_paper = query.startswith("@media") and "print" in query and "screen" not in query
-        unsupported = query.startswith("@supports") and re.search(r"\bnot\b", query)  # viewers know what drawings use
-        if query.startswith(("@media", "@supports")) and not (on_paper or unsupported):
+        kind, query = found[0].lower(), text[found.end() : opens].lower()
+        if kind == "@media":
+            holds = _on_screens(query)
+        elif kind == "@supports":
+            holds = re.search(r"\bnot\b", query) is None  # viewers know what drawings use
+        elif kind.startswith(_NO_RULES):
+            holds = False
+        else:
+            raise _unknown(f"{kind}{query}".strip())
+        if holds:
             kept += _screen_only(text[opens + 1 : end - 1])
-        elif not query.startswith(("@media", "@supports", *_NO_RULES)):
-            raise _unknown(query.strip())
         at = end
     return kept + text[at:]
 
@@ -197,7 +251,7 @@ def _is(element: Element, simple: str, parents: Mapping[Element, Element]) -> bo
 
 def _has(element: Element, part: re.Match[str], simple: str, parents: Mapping[Element, Element]) -> bool:
     if part["name"] is not None:
-        return part["name"] in ("*", _tag(element))
+        return part["name"] in ("*", tag_of(element))
     if part["id"] is not None:
         return element.get("id") == part["id"]
     if part["cls"] is not None:
@@ -214,7 +268,7 @@ def _has(element: Element, part: re.Match[str], simple: str, parents: Mapping[El
         return parent is None
     others = [element] if parent is None else [e for e in parent if isinstance(e.tag, str)]
     if pseudo.endswith("of-type"):
-        others = [e for e in others if _tag(e) == _tag(element)]
+        others = [e for e in others if tag_of(e) == tag_of(element)]
     place, count = others.index(element) + 1, len(others)
     kind = pseudo.removesuffix("-of-type").removesuffix("-child")
     if kind == "first":
@@ -254,7 +308,7 @@ def _has_attribute(element: Element, name: str, op: str | None, value: str) -> b
 
 
 def _unknown(simple: str) -> InputError:
-    what = "block" if simple.startswith("@") else "selector"
+    what = "block" if simple.startswith("@") else "rule" if "{" in simple else "selector"
     return InputError(
         f"the style sheet's {what} {simple!r} is not known, so that it is not clear what is shown; save the drawing "
         "as plain SVG, with styles on each shape"
@@ -281,6 +335,8 @@ def plain_rules(text: str) -> str:
     rules, at = [], 0
     while (opens := bare.find("{", at)) >= 0 and (closes := bare.find("}", opens)) >= 0:
         selector, says = bare[at:opens].strip(), bare[opens + 1 : closes].strip()
+        if "{" in says:
+            raise _unknown(f"{selector} {{{says[: says.find('{') + 1]}")
         if selector and says:
             rules.append(f"{selector}{{{says}}}")
         at = closes + 1

@@ -16,6 +16,8 @@ import numpy as np
 from kerfwise.arrays import Floats
 
 from .lettering import is_of_symbols, lacking, lettering, width_of
+from .svg_css import properties, tag_of
+from .svg_viewports import PX
 
 TEXT, TROUBLE = "data-kerfwise-text", "data-kerfwise-trouble"
 """What a path of strokes says, and why it has none."""
@@ -24,7 +26,6 @@ CAPITAL = 0.716
 """How tall a capital is, as a share of the size of a font: that of Arial and Helvetica."""
 
 UNDRAWN = frozenset({"defs", "clipPath", "mask", "marker", "pattern", "symbol"})
-_PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 960 / 25.4, "in": 96.0, "pt": 96 / 72, "pc": 16.0, "q": 24 / 25.4}
 _WORDS = {
     "xx-small": 9.0, "x-small": 10.0, "small": 13.0, "medium": 16.0, "large": 18.0, "x-large": 24.0, "xx-large": 32.0,
 }  # fmt: skip
@@ -80,7 +81,7 @@ def write_out(root: Element, box: tuple[float, float]) -> None:
 
 def _write_out(parent: Element, above: _Style, box: tuple[float, float]) -> None:
     for k, child in enumerate(list(parent)):
-        tag = _tag(child)
+        tag = tag_of(child)
         if tag in UNDRAWN:
             continue
         own = _styled(child, above)
@@ -91,7 +92,7 @@ def _write_out(parent: Element, above: _Style, box: tuple[float, float]) -> None
 
 
 def _styled(element: Element, above: _Style) -> _Style:
-    own = _properties(element)
+    own = properties(element)
     style = dict(above.said) | {name: own[name] for name in _INHERITED if own.get(name, "inherit") != "inherit"}
     if short := re.search(r"(?:^|\s)([0-9.]+\s*(?:px|pt|mm|cm|in|pc|em|%))(?:/\S+)?\s+(\S.*)$", own.get("font", "")):
         own.setdefault("font-size", short[1])
@@ -115,22 +116,9 @@ def _length(text: str, em: float, whole: float) -> float | None:
     if found is None:
         return None
     number, unit = float(found[1]), found[2].lower()
-    if unit in _PX:
-        return number * _PX[unit]
+    if unit in PX:
+        return number * PX[unit]
     return number * {"em": em, "rem": 16.0, "ex": em / 2, "%": whole / 100}.get(unit, math.nan)
-
-
-def _properties(element: Element) -> dict[str, str]:
-    own = {name: value for name, value in element.items() if "}" not in name}
-    for one in element.get("style", "").split(";"):
-        name, colon, value = one.partition(":")
-        if colon:
-            own[name.strip().lower()] = re.sub(r"\s*!\s*important\s*$", "", value.strip(), flags=re.IGNORECASE)
-    return own
-
-
-def _tag(element: Element) -> str:
-    return str(element.tag).rpartition("}")[2]
 
 
 # The letters of an element, in order, with their places.
@@ -142,7 +130,7 @@ def _signs(element: Element, style: _Style, preserve: bool, box: tuple[float, fl
         preserve = space == "preserve" or style.said.get("white-space", "").startswith(("pre", "break-spaces"))
     own: list[_Sign] = [_Sign(sign, style) for sign in _plain(element.text, preserve, style)]
     for child in element:
-        tag = _tag(child)
+        tag = tag_of(child)
         if tag in ("tspan", "a", "flowPara", "flowSpan"):
             own += _signs(child, _styled(child, style), preserve, box)
         elif tag == "textPath":
@@ -189,12 +177,12 @@ def _collapsed(signs: Sequence[_Sign], preserve: bool) -> list[_Sign]:
 
 def _group(text: Element, style: _Style, box: tuple[float, float]) -> Element:
     """The group that stands in the place of a <text>."""
-    space = str(text.tag)[: -len(_tag(text))]
+    space = str(text.tag)[: -len(tag_of(text))]
     named = {k: v for k, v in text.items() if k == "id" or k.rpartition("}")[2] == "label"}
     gone = {*named, "x", "y", "dx", "dy", "rotate", "textLength", "lengthAdjust"}
     group = Element(f"{space}g", {k: v for k, v in text.items() if k not in gone})
     group.tail = text.tail
-    if _tag(text) == "flowRoot":
+    if tag_of(text) == "flowRoot":
         style.trouble = "it flows into a shape"
     if style.said.get("writing-mode", "").startswith(("tb", "vertical")):
         style.trouble = "it runs from top to bottom"

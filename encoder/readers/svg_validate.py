@@ -11,11 +11,25 @@ from xml.parsers import expat
 from kerfwise.encoder.errors import InputError
 
 from .drawing import check_copies
-from .svg_css import declarations, styled, too_long
-from .svg_visible import Seen, laid_out
+from .svg_css import called, declarations, styled, tag_of, too_long, with_style
+from .svg_values import computed
+from .svg_visible import MATTERS, Seen, laid_out
 
 UNDRAWN = frozenset(
-    ("clipPath", "mask", "marker", "pattern", "filter", "symbol", "style", "metadata", "title", "desc", "script")
+    (
+        "clipPath",
+        "mask",
+        "marker",
+        "pattern",
+        "filter",
+        "symbol",
+        "style",
+        "metadata",
+        "title",
+        "desc",
+        "script",
+        "foreignObject",
+    )
 )
 """Elements whose shapes are tools of drawing, or say something of it; some are drawn where they are used."""
 XLINK = "{http://www.w3.org/1999/xlink}href"
@@ -52,9 +66,10 @@ def validate_svg(data: bytes) -> tuple[bytes, Seen]:
     root = ElementTree.fromstring(data)
     _check(root, data)
     _check_clones(root)
-    imported = _IMPORT.findall(" ".join("".join(e.itertext()) for e in root.iter() if _tag(e) == "style"))
+    imported = _IMPORT.findall(" ".join("".join(e.itertext()) for e in root.iter() if tag_of(e) == "style"))
     linked = re.findall(rb"<\?xml-stylesheet[^>]*?\bhref=[\"']([^\"']*)", data[:_HEAD_BYTES])
     styled(root)
+    computed(root, MATTERS)
     for element in root.iter():
         _path_of_style(element)
     _check(root)
@@ -65,7 +80,7 @@ def validate_svg(data: bytes) -> tuple[bytes, Seen]:
     ]
     for element in list(root.iter()):
         for child in list(element):
-            if _tag(child) in UNDRAWN:
+            if tag_of(child) in UNDRAWN:
                 element.remove(child)
     return ElementTree.tostring(root), seen
 
@@ -76,10 +91,10 @@ _HEAD_BYTES = 4000
 
 def _path_of_style(element: ElementTree.Element) -> None:
     """The path that a style gives in place of the attribute."""
-    style = declarations(element.get("style", "")).get("d", ("", False))[0] if _tag(element) == "path" else ""
+    style = declarations(element.get("style", "")).get("d", ("", False))[0] if tag_of(element) == "path" else ""
     if found := re.fullmatch(r"path\(\s*[\"'](.*)[\"']\s*\)|none", style):
         kept = declarations(element.get("style", "")).items()
-        element.set("style", ";".join(f"{name}:{text}" for name, (text, _) in kept if name != "d"))
+        with_style(element, {name: text for name, (text, _) in kept if name != "d"})
         element.set("d", found[1] or "")
 
 
@@ -87,9 +102,8 @@ def _check(root: ElementTree.Element, data: bytes = b"") -> None:
     """Refuse the first shape that cannot be read, with its line in the file's bytes."""
     for number, element in enumerate(root.iter()):
         for wrong in _wrong(element):
-            name = f" '{element.get('id')}'" if element.get("id") else ""
             raise InputError(
-                f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG",
+                f"{called(element)} cannot be read: {wrong}; save it again as plain SVG",
                 line=_line_of(data, number) if data else None,
             )
 
@@ -111,19 +125,15 @@ def _check_clones(root: ElementTree.Element) -> None:
 
     def made_of(name: str) -> tuple[int, list[tuple[str, int]]]:
         inner = list(named[name].iter()) if name in named else []
-        clones = [element for element in inner if _tag(element) == "use"]
+        clones = [element for element in inner if tag_of(element) == "use"]
         hrefs = (clone.get("href") or clone.get(XLINK) or "" for clone in clones)
         return len(inner) - len(clones), [(href.removeprefix("#"), 1) for href in hrefs if href.startswith("#")]
 
     check_copies("", made_of, "clone")
 
 
-def _tag(element: Any) -> str:
-    return str(element.tag).rpartition("}")[2]
-
-
 def _wrong(element: Any) -> Iterator[str]:
-    tag = _tag(element)
+    tag = tag_of(element)
     yield from filter(None, (too_long(name, value) for name, value in element.items()))
     for key in _SIZES.get(tag, ()):
         attribute = element.get(key)

@@ -6,7 +6,7 @@ import math
 import re
 from xml.etree.ElementTree import Element
 
-from .svg_css import declarations, properties
+from .svg_css import declarations, properties, tag_of, with_style
 
 VIEWPORT = "kerfwise-viewport"
 """An attribute: of a nested <svg> and of a symbol what is seen of it, in its own units; of a <use> the size around."""
@@ -83,7 +83,7 @@ def lengths_resolved(root: Element) -> None:
 
 
 def _resolve(element: Element, size: Size, em: float, root_em: float, is_root: bool = False) -> None:
-    tag = str(element.tag).rpartition("}")[2]
+    tag = tag_of(element)
     style = properties(element)
     em = _font_px(style.get("font-size", ""), em, root_em)
     for name in ("width", "height"):
@@ -122,7 +122,7 @@ def _set(element: Element, said: dict[str, str], name: str, value: str) -> None:
     """Set an attribute, in the place of what the element's style says of it."""
     style = declarations(element.get("style", ""))
     if style.pop(name, None) is not None:
-        element.set("style", ";".join(f"{key}:{text}" for key, (text, _) in style.items()))
+        with_style(element, {key: text for key, (text, _) in style.items()})
     element.set(name, value)
     said[name] = value
 

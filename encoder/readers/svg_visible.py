@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from kerfwise.encoder.errors import InputError
 
-from .svg_css import declarations, properties
+from .svg_css import called, declarations, properties, tag_of, with_style
 from .svg_text import TEXT, write_out
 from .svg_viewports import PX, VIEWPORT, length_px, lengths_resolved, symbol_fitted, view_size
 
@@ -25,9 +25,13 @@ FILLED = "data-kerfwise-filled"
 """An attribute of shapes of which the file says how they are filled; others are black for want of a word."""
 LEAVES = frozenset({"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"})
 _INHERITED = (
-    "visibility", "fill", "stroke", "fill-opacity", "stroke-opacity", "stroke-width", "stroke-dasharray", "color",
+    "visibility", "fill", "stroke", "fill-opacity", "stroke-opacity", "stroke-width", "stroke-dasharray",
+    "stroke-linecap", "color",
 )  # fmt: skip
-_MATTERS = (*_INHERITED, "display", "opacity", "clip-path", "mask", "d", "transform")
+MATTERS = frozenset(
+    (*_INHERITED, "display", "opacity", "filter", "mask", "d", "transform", "x", "y", "width", "height", "rx", "ry",
+     "r", "cx", "cy")
+)  # fmt: skip
 """What decides whether and where something is seen."""
 
 
@@ -50,8 +54,8 @@ def laid_out(root: Element) -> Seen:
         For what cannot be told, such as a clipping path in shares of a shape's box.
     """
     seen = Seen()
+    _not_read(root, seen)
     named = {element.get("id", ""): element for element in root.iter() if element.get("id")}
-    _check_styles(root)
     _only_what_applies(root)
     lengths_resolved(root)
     _clones(root, named, seen)
@@ -64,30 +68,9 @@ def laid_out(root: Element) -> Seen:
     return seen
 
 
-def _tag(element: Element) -> str:
-    return str(element.tag).rpartition("}")[2]
-
-
-def _check_styles(root: Element) -> None:
-    """Refuse what would have to be computed to know what is shown."""
-    for element in root.iter():
-        style = properties(element)
-        for name in _MATTERS:
-            if "var(" in style.get(name, ""):
-                raise InputError(
-                    f"{_called(element)} has {name}: {style[name]}, a variable, which is not read; save the drawing as "
-                    "plain SVG"
-                )
-
-
-def _called(element: Element) -> str:
-    name = f" '{element.get('id')}'" if element.get("id") else ""
-    return f"the <{_tag(element)}>{name}"
-
-
 def _only_what_applies(root: Element) -> None:
     """Of every <switch> the first child that any viewer shows, or one in English."""
-    for switch in [element for element in root.iter() if _tag(element) == "switch"]:
+    for switch in [element for element in root.iter() if tag_of(element) == "switch"]:
         shown = next((child for child in switch if isinstance(child.tag, str) and _applies(child)), None)
         for child in [child for child in switch if child is not shown]:
             switch.remove(child)
@@ -103,7 +86,7 @@ def _clones(root: Element, named: Mapping[str, Element], seen: Seen) -> None:
     """Every <use> as a group that holds a copy of what it shows; symbols are groups, fitted into their size."""
     for parent in list(root.iter()):
         for k, child in enumerate(list(parent)):
-            if _tag(child) == "use":
+            if tag_of(child) == "use":
                 parent[k] = _drawn(child, named, (), seen)
 
 
@@ -122,7 +105,7 @@ def _drawn(use: Element, named: Mapping[str, Element], within: tuple[str, ...], 
     x, y = (length_px(use.get(name, "0")) for name in ("x", "y"))
     holder = SubElement(group, f"{space}g", {"transform": f"translate({x:.12g} {y:.12g})"}) if x or y else group
     inner = copy.deepcopy(target)
-    if _tag(inner) in ("symbol", "svg"):
+    if tag_of(inner) in ("symbol", "svg"):
         transform = symbol_fitted(inner, use)
         if transform is None:
             return group
@@ -134,15 +117,23 @@ def _drawn(use: Element, named: Mapping[str, Element], within: tuple[str, ...], 
     holder.append(inner)
     for parent in list(holder.iter()):
         for k, child in enumerate(list(parent)):
-            if _tag(child) == "use":
+            if tag_of(child) == "use":
                 parent[k] = _drawn(child, named, (*within, href), seen)
     return group
 
 
+_MOVES = ("translate", "rotate", "scale", "offset-path", "offset", "zoom")
+"""Properties of styles that move something as `transform` does."""
+
+
 def _moved_origin(element: Element, box: tuple[float, float]) -> None:
     """A transform of a style becomes an attribute, about its origin."""
-    style = properties(element)
-    styled = declarations(element.get("style", "")).get("transform", ("", False))[0]
+    style, own = properties(element), declarations(element.get("style", ""))
+    for name in _MOVES:
+        if name in own and own[name][0].lower() not in ("none", "initial", "unset", "normal", "1"):
+            what = f"{called(element)} is moved by its style ({name}: {own[name][0]}), which is not read"
+            raise InputError(f"{what}; save the drawing as plain SVG, with transforms")
+    styled = own.get("transform", ("", False))[0]
     transform = styled or element.get("transform", "")
     origin = style.get("transform-origin", "").strip()
     if not transform or transform == "none" or not (styled or origin):
@@ -151,16 +142,16 @@ def _moved_origin(element: Element, box: tuple[float, float]) -> None:
         r"([-+]?[0-9.]+(?:[eE][-+]?\d+)?)(px|mm|cm|in|pt|pc|deg|rad|turn|grad)\b", _plain_number, transform
     )
     if origin and origin not in ("0 0", "0px 0px", "0"):
-        if style.get("transform-box", "view-box") not in ("view-box", "") and _tag(element) != "svg":
+        if style.get("transform-box", "view-box") not in ("view-box", "") and tag_of(element) != "svg":
             raise InputError(
-                f"{_called(element)} is turned about its own box (transform-box), which is not read; save the "
+                f"{called(element)} is turned about its own box (transform-box), which is not read; save the "
                 "drawing as plain SVG"
             )
         x, y = _origin(origin, box)
         transform = f"translate({x:.12g} {y:.12g}) {transform} translate({-x:.12g} {-y:.12g})"
-    kept = {k: v for k, (v, _) in declarations(element.get("style", "")).items() if not k.startswith("transform")}
+    kept = {k: v for k, (v, _) in own.items() if not k.startswith("transform")}
     if "style" in element.attrib:
-        element.set("style", ";".join(f"{name}:{value}" for name, value in kept.items()))
+        with_style(element, kept)
     element.attrib.pop("transform-origin", None)
     element.set("transform", transform)
 
@@ -191,12 +182,12 @@ def _origin(text: str, box: tuple[float, float]) -> tuple[float, float]:
 def _clipped(root: Element, named: Mapping[str, Element], seen: Seen) -> None:
     """Groups round what is clipped and what is masked; in the first the clipping path's shapes stand in front."""
     for parent in list(root.iter()):
-        if _tag(parent) in ("clipPath", "mask"):
+        if tag_of(parent) in ("clipPath", "mask"):
             continue
         for k, child in enumerate(list(parent)):
             style = properties(child)
-            space = str(child.tag)[: -len(_tag(child))]
-            mask = style.get("mask") or style.get("mask-image") or "none"
+            space = str(child.tag)[: -len(tag_of(child))]
+            mask = next((style[name] for name in _MASKS if style.get(name)), "none")
             if mask.strip() != "none" and (not _url(mask) or _url(mask) in named):
                 seen.masks += 1
                 child = _wrapped(parent, k, child, f"{space}g", f"{MASK}{seen.masks}")
@@ -207,17 +198,21 @@ def _clipped(root: Element, named: Mapping[str, Element], seen: Seen) -> None:
                 SubElement(shapes, f"{space}rect", dict(numbers))
                 child.insert(0, shapes)
                 child = _wrapped(parent, k, child, f"{space}g", f"{CLIP}{seen.clips}")
-            clip = style.get("clip-path", "none").strip()
+            clip, clips = style.get("clip-path", "none").strip(), list[str]()
             if "(" in clip and not _url(clip):
-                raise InputError(f"{_called(child)} is clipped by {clip}, which is not read; release it in {_PROGRAM}")
-            if _url(clip) in named:
+                raise InputError(f"{called(child)} is clipped by {clip}, which is not read; release it in {_PROGRAM}")
+            while _url(clip) in named and clip not in clips:  # a clipping path may be clipped itself
                 seen.clips += 1
-                shapes = _clipping_shapes(named[_url(clip)], space, style.get("transform", ""), seen.clips)
+                clips.append(clip)
+                path = named[_url(clip)]
+                shapes = _clipping_shapes(path, space, style.get("transform", ""), seen.clips)
                 child = _wrapped(parent, k, child, f"{space}g", f"{CLIP}{seen.clips}")
                 child.insert(0, shapes)
+                clip = properties(path).get("clip-path", "none").strip()
 
 
 _PROGRAM = "the drawing program"
+_MASKS = ("mask", "mask-image", "-webkit-mask", "-webkit-mask-image")
 
 
 def _clipping_shapes(path: Element, space: str, transform: str, number: int) -> Element:
@@ -227,17 +222,19 @@ def _clipping_shapes(path: Element, space: str, transform: str, number: int) -> 
         raise InputError(
             f"the clipping path '{name}' is in shares of what it clips, which is not read; release it in {_PROGRAM}"
         )
-    if any(str(one.tag).rpartition("}")[2] in ("text", "image") or one.get(TEXT) for one in path.iter()):
+    if any(tag_of(one) in ("text", "image") or one.get(TEXT) for one in path.iter()):
         raise InputError(f"the clipping path '{name}' is made of letters, which is not read; release it in {_PROGRAM}")
     shapes = Element(f"{space}g", {"id": f"{SHAPE}{number}"})
     if transform:
         shapes.set("transform", transform)
-    inner = SubElement(shapes, f"{space}g")
-    if path.get("transform"):
-        inner.set("transform", str(path.get("transform")))
+    kept = {key: value for key, value in properties(path).items() if key in ("transform", "clip-rule")}
+    inner = SubElement(shapes, f"{space}g", kept)
     inner.extend(copy.deepcopy(list(path)))
-    for shape in inner.iter():
-        shape.attrib.pop("clip-path", None)
+    if clipped := next((shape for shape in inner.iter() if properties(shape).get("clip-path", "none") != "none"), None):
+        raise InputError(
+            f"{called(clipped)} in the clipping path '{name}' is clipped itself, which is not read; release it in "
+            f"{_PROGRAM}"
+        )
     return shapes
 
 
@@ -257,27 +254,40 @@ def _without_hidden(
     element: Element, inherited: Mapping[str, str], opacity: float, named: Mapping[str, Element], seen: Seen
 ) -> None:
     for child in list(element):
-        if (child.get("id") or "").startswith(SHAPE):
+        if (child.get("id") or "").startswith(SHAPE) or not isinstance(child.tag, str):
             continue
         style = properties(child)
         own = dict(inherited) | {k: v for k, v in style.items() if k in _INHERITED and v not in ("inherit", "unset")}
         own = {k: v for k, v in own.items() if v != "initial"}
         clear = opacity * _share(style.get("opacity", "1"))
-        if style.get("display") == "none":
+        for share in re.findall(r"\bopacity\(([^()]+)\)", style.get("filter", "")):
+            clear *= _share(share)
+        if style.get("display", "").strip().lower() == "none":
             _count(child, "display: none", seen)
             element.remove(child)
-        elif _tag(child) in LEAVES:
+        elif tag_of(child) in LEAVES:
             if why := _why_hidden(child, own, style, clear, named):
                 seen.hidden[why] += 1
                 element.remove(child)
             elif "fill" in own:
                 child.set(FILLED, "yes")
-        elif _tag(child) not in ("defs", "symbol"):
+        elif tag_of(child) not in _HOLDERS:
+            _count(child, f"in <{tag_of(child)}>, which no viewer knows", seen)
+            element.remove(child)
+        elif tag_of(child) not in ("defs", "symbol"):
             _without_hidden(child, own, clear, named, seen)
 
 
+_HOLDERS = frozenset({
+    "svg", "g", "a", "switch", "defs", "symbol", "text", "image", "style", "title", "desc", "metadata", "clipPath",
+    "mask", "marker", "pattern", "filter", "script", "foreignObject", "view", "linearGradient", "radialGradient",
+    "namedview", "animate", "animateTransform", "animateMotion", "set",
+})  # fmt: skip
+"""Elements with others inside, as far as they are looked into or passed over without a word."""
+
+
 def _count(element: Element, why: str, seen: Seen) -> None:
-    if (count := sum(_tag(one) in LEAVES for one in element.iter())) > 0:
+    if (count := sum(tag_of(one) in LEAVES for one in element.iter())) > 0:
         seen.hidden[why] += count
 
 
@@ -287,21 +297,49 @@ def _why_hidden(
     """Why a shape is not seen; "" for one that is, and for a <line> of which nobody says how it is drawn."""
     if own.get("visibility", "").strip().lower() in ("hidden", "collapse"):
         return "visibility: hidden"
-    if opacity <= 0:
+    if opacity < FAINTEST:
         return "opacity 0"
     if any(length_px(style.get(name, "0")) < 0 for name in ("width", "height", "r")):
         return "size below 0"
-    if _tag(leaf) == "rect" and any(style.get(name, "auto").strip() == "auto" for name in ("width", "height")):
+    if tag_of(leaf) == "rect" and any(style.get(name, "auto").strip() == "auto" for name in ("width", "height")):
         return "a side is missing"
     colour = own.get("color", "black")
-    filled = _tag(leaf) != "line" and not _is_clear(own.get("fill", "black"), colour, named)
+    filled = tag_of(leaf) != "line" and not _is_clear(own.get("fill", "black"), colour, named)
     filled = filled and _share(own.get("fill-opacity", "1")) > 0
     drawn = (
-        not _is_clear(own.get("stroke", "black" if _tag(leaf) == "line" else "none"), colour, named)
+        not _is_clear(own.get("stroke", "black" if tag_of(leaf) == "line" else "none"), colour, named)
         and _share(own.get("stroke-opacity", "1")) > 0
     )
-    drawn = drawn and _is_width(own.get("stroke-width", "1"))
+    drawn = drawn and _is_width(own.get("stroke-width", "1")) and not _is_all_gaps(own)
     return "" if filled or drawn else "neither line nor fill"
+
+
+FAINTEST = 1 / 510
+"""The faintest of 256 shades is seen, what is half of it is not."""
+
+
+def _is_clear_server(name: str, named: Mapping[str, Element]) -> bool:
+    """Whether a gradient is clear all over, or a pattern holds nothing; of one without stops, those of another hold."""
+    for _ in range(5):
+        if name not in named:
+            return True
+        server = named[name]
+        if tag_of(server) == "pattern" and len(server):
+            return False
+        if stops := [properties(one) for one in server if tag_of(one) == "stop"]:
+            return all(
+                _share(stop.get("stop-opacity", "1")) <= 0 or _is_clear(stop.get("stop-color", "black"), "black", {})
+                for stop in stops
+            )
+        name = (server.get("href") or server.get(XLINK) or "").removeprefix("#")
+    return True
+
+
+def _is_all_gaps(own: Mapping[str, str]) -> bool:
+    """Whether a line is dashed by dashes that have no length, nor ends that stick out."""
+    numbers = [float(number) for number in re.findall(r"[0-9.]+", own.get("stroke-dasharray", ""))]
+    dashes = numbers if len(numbers) % 2 else numbers[::2]
+    return any(numbers) and not any(dashes) and own.get("stroke-linecap", "butt").strip() == "butt"
 
 
 def _is_clear(paint: str, colour: str, named: Mapping[str, Element]) -> bool:
@@ -317,10 +355,10 @@ def _is_clear(paint: str, colour: str, named: Mapping[str, Element]) -> bool:
     text = paint.strip().lower()
     if name := _url(paint.strip()):
         after = text.partition(")")[2].strip()
-        return name not in named and _is_clear(after or "none", colour, named)
+        return _is_clear(after or "none", colour, named) if name not in named else _is_clear_server(name, named)
     if text == "currentcolor":
         return colour.strip().lower() != "currentcolor" and _is_clear(colour, "black", named)
-    if re.fullmatch(r"#(?:[0-9a-f]{3}0|[0-9a-f]{6}00)", text) or text in ("none", "transparent"):
+    if re.fullmatch(r"#(?:[0-9a-f]{3}0|[0-9a-f]{6}00)", text) or text in _CLEAR:
         return True
     found = re.fullmatch(r"[a-z]+\((.*)\)", text)
     if found is None:
@@ -329,6 +367,10 @@ def _is_clear(paint: str, colour: str, named: Mapping[str, Element]) -> bool:
     values = found[1].split(",")
     alpha = alpha if slash else values[3] if len(values) == 4 else "1"
     return _share(alpha) <= 0
+
+
+_CLEAR = ("none", "transparent", "context-fill", "context-stroke")
+"""The last two are those of a shape that a marker is on."""
 
 
 def _is_width(text: str) -> bool:
@@ -341,6 +383,29 @@ def _share(text: str) -> float:
         return float(text.strip()[:-1]) / 100 if text.strip().endswith("%") else float(text)
     except ValueError:
         return 1.0
+
+
+def _not_read(root: Element, seen: Seen) -> None:
+    """Say what of a file is drawn and is no line, or moves; what stands in a <foreignObject> is taken out."""
+    styles = [properties(element) for element in root.iter() if isinstance(element.tag, str)]
+    tags = Counter(tag_of(element) for element in root.iter())
+    marked = sum(any(_url(style.get(name, "")) for name in _MARKERS) for style in styles)
+    patterns = {
+        name for name, one in ((one.get("id", ""), one) for one in root.iter()) if tag_of(one) == "pattern" and len(one)
+    }
+    filled = sum(_url(style.get("fill", "")) in patterns for style in styles)
+    moving = sum(tags[name] for name in ("animate", "animateTransform", "animateMotion", "set"))
+    for count, what in (
+        (marked, "markers of lines, such as arrow heads"),
+        (filled, "patterns that shapes are filled with"),
+        (tags["foreignObject"], "what stands in a <foreignObject>"),
+        (moving, "animations, so that all is read as it stands without them"),
+    ):
+        if count:
+            seen.missing.append(f"left out: {what} ({count})")
+
+
+_MARKERS = ("marker", "marker-start", "marker-mid", "marker-end")
 
 
 def hidden_told(seen: Seen) -> Iterator[str]:

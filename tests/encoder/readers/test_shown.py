@@ -21,6 +21,11 @@ HOLE = f'<rect class="a" id="h" x="20" y="20" width="10" height="10" {SEEN}/>'
 BOTH, ALONE = {"P1.outer": 1600.0, "P1.hole1": 100.0}, {"P1.outer": 1600.0}
 
 
+GRADIENT = '<linearGradient id="g" href="#s"/><linearGradient id="s"><stop {}/></linearGradient>'
+ZEROS = ["0", "0%", "-1", "calc(0)", "calc(1 - 1)", "calc(2 * (3 - 6 / 2))", "var(--x, calc(0))", "clamp(0, -1, 1)"]
+"""Ways to write that nothing is seen."""
+
+
 def read(folder: Path, body: str, **options: Any) -> Nest:
     path = folder / "drawing.svg"
     head = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
@@ -58,6 +63,27 @@ def read(folder: Path, body: str, **options: Any) -> Nest:
         (".a{visibility:Hidden}", True),
         (".a{stroke:initial}", True),
         (".a{stroke:unset}", True),  # what stands round it says none
+        *[(f".a{{opacity:{zero}}}", True) for zero in ZEROS],
+        *[(f".a{{opacity:{more}}}", False) for more in ("calc(1 - .5)", "var(--not-set)", "var(--x, 1)", "min(1, 2)")],
+        (":root{--Shown:none; --shown:inline} .a{display:var(--Shown)}", True),
+        (":root{--shown:none} g{--shown:inline} .a{display:var(--shown)}", False),
+        (".a{visibility:COLLAPSE}", True),
+        (".a{display:None !important}", True),
+        (".a{fill:red; fill-opacity:calc(0); stroke-opacity:0%}", True),
+        (".a{stroke:rgb(0 0 0 / calc(1 - 1))}", True),
+        (".a{stroke:rgb(0 0 0 / calc(1 - .5))}", False),
+        (".a{stroke:var(--stroke-0, black)}", False),
+        (".a{stroke-width:calc(2px - 2px)}", True),
+        (".a{stroke-width:calc(1mm - 2px)}", False),
+        (".a{stroke-dasharray:0 4}", True),
+        (".a{stroke-dasharray:0}", False),
+        (".a{stroke:context-stroke}", True),
+        (".a{filter:opacity(0%)}", True),
+        (".a{filter:blur(1px)}", False),
+        ("@media not print{.a{display:none}}", True),
+        ("@media not screen{.a{display:none}}", False),
+        ("@media only screen and (color), print{.a{display:none}}", True),
+        ("@media (prefers-color-scheme: dark){.a{display:none}}", False),
     ],
 )
 def test_style_sheets_say_what_is_shown(tmp_path: Path, style: str, hidden: bool) -> None:
@@ -69,6 +95,8 @@ def test_style_sheets_say_what_is_shown(tmp_path: Path, style: str, hidden: bool
 def test_a_selector_that_is_not_known_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the style sheet's selector 'rect:has\\(x\\)' is not known"):
         read(tmp_path, f"<style>rect:has(x){{display:none}}</style>{PART}")
+    with pytest.raises(InputError, match=r"the style sheet's rule 'g \{rect\{' is not known"):
+        read(tmp_path, f"<style>g {{rect{{display:none}}}}</style>{PART}")
     with pytest.raises(InputError, match="the style sheet's block '@layer x' is not known"):
         read(tmp_path, f"<style>@layer x{{rect{{display:none}}}}</style>{PART}")
 
@@ -82,11 +110,17 @@ def test_a_style_sheet_for_something_else_hides_nothing(tmp_path: Path, given: s
     "hole",
     [
         HOLE.replace("<rect", '<rect opacity="0"'),
+        HOLE.replace("<rect", '<rect opacity="calc(0)"'),
+        HOLE.replace("<rect", '<rect style="/* stroke:red; */ opacity: max(0, -1)"'),
+        f'<g style="--o:0; opacity:var(--o)">{HOLE}</g>',
         HOLE.replace("<rect", '<rect visibility="collapse"'),
         HOLE.replace('stroke="black"', 'stroke="none"'),
         HOLE.replace("<rect", '<rect stroke-width="0"'),
         f'<g opacity="0">{HOLE}</g>',
         f'<g style="display:none">{HOLE}</g>',
+        f"<blob>{HOLE}</blob>",
+        HOLE.replace('stroke="black"', 'stroke="url(#g)"') + GRADIENT.format('stop-opacity="0"'),
+        HOLE.replace('stroke="black"', 'stroke="url(#g)"') + GRADIENT.format('stop-color="transparent"'),
         f"<defs>{HOLE}</defs>",
         f'<symbol id="s">{HOLE}</symbol>',
     ],
@@ -129,6 +163,13 @@ def test_transforms_about_their_origin(tmp_path: Path, turned: str, x0: float) -
         assert box == pytest.approx((50, 60, 90, 80))
 
 
+@pytest.mark.parametrize("moved", ["translate: 5px", "rotate: 45deg", "scale: .5", "zoom: 2", "offset-path: none 1"])
+def test_what_a_style_moves_by_other_means_is_refused(tmp_path: Path, moved: str) -> None:
+    with pytest.raises(InputError, match="the <rect> is moved by its style"):
+        read(tmp_path, PART.replace("<rect", f'<rect style="{moved}"'))
+    assert areas(read(tmp_path, PART.replace("<rect", f'<rect style="{moved.split(":")[0]}: none"'))) == ALONE
+
+
 CLIP = '<clipPath id="c"><rect x="0" y="0" width="{}" height="100"/></clipPath>'
 
 
@@ -150,6 +191,50 @@ def test_a_clipping_path_hides_what_is_outside(tmp_path: Path, width: int, found
 def test_a_clipping_path_moves_with_what_it_clips(tmp_path: Path) -> None:
     body = f'{CLIP.format(60)}<g transform="translate(100 0)" clip-path="url(#c)">{PART}</g>'
     assert areas(read(tmp_path, body)) == ALONE
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        '<clipPath id="c"><path clip-rule="evenodd" d="M0 0h90v90h-90zM15 15h20v20h-20z"/></clipPath>',
+        '<clipPath id="c" style="clip-rule: evenodd"><path d="M0 0h90v90h-90zM15 15h20v20h-20z"/></clipPath>',
+        '<clipPath id="c"><path d="M0 0h90v90h-90zM15 15v20h20v-20z"/></clipPath>',
+        '<clipPath id="d"><rect width="9" height="9"/></clipPath>'
+        '<clipPath id="c" clip-path="url(#d)"><rect width="90" height="90"/></clipPath>',
+    ],
+)
+def test_a_clipping_path_has_a_hole_or_is_clipped_itself(tmp_path: Path, path: str) -> None:
+    assert areas(read(tmp_path, path + PART + HOLE.replace("<rect", '<rect clip-path="url(#c)"'))) == ALONE
+
+
+def test_what_lies_beside_the_page_is_asked_about(tmp_path: Path) -> None:
+    beside = HOLE.replace('x="20"', 'x="-20"')
+    with pytest.raises(Questions) as asked:
+        read(tmp_path, PART + beside)
+    assert [(q.id, [c.value for c in q.choices]) for q in asked.value.questions] == [("off-page", ["ignore", "cut"])]
+    left = read(tmp_path, PART + beside, answers=(("off-page", "ignore"),))
+    assert areas(left) == ALONE
+    assert "left out, as it lies beside the page: 1 on 'h'" in texts(left.notes)
+    both = read(tmp_path, PART + beside, answers=(("off-page", "cut"),))
+    assert areas(both) == ALONE | {"P2.outer": 100.0}
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (
+            '<marker id="m"><path d="M0 0h5"/></marker><path marker-end="url(#m)" fill="none"/>',
+            "markers of lines, such as arrow heads (1)",
+        ),
+        ('<pattern id="p"><circle r="1"/></pattern><g fill="url(#p)"/>', "patterns that shapes are filled with (1)"),
+        (f"<foreignObject>{HOLE}</foreignObject>", "what stands in a <foreignObject> (1)"),
+        ('<set attributeName="display" to="none"/>', "animations, so that all is read as it stands without them (1)"),
+    ],
+)
+def test_what_is_drawn_by_other_means_is_said(tmp_path: Path, more: str, told: str) -> None:
+    nest = read(tmp_path, PART + more)
+    assert areas(nest) == ALONE
+    assert f"left out: {told}" in texts(nest.notes)
 
 
 def test_what_a_mask_hides_is_asked_about(tmp_path: Path) -> None:

@@ -94,7 +94,9 @@ def test_what_no_viewer_shows_is_not_cut(tmp_path: Path, hole: str) -> None:
     [
         ('<rect style="clip-path: inset(0 50% 0 0)" width="50" height="40"/>', r"clipped by inset\(0 50% 0 0\)"),
         ('<clipPath id="k"><text>A</text></clipPath><rect clip-path="url(#k)" width="9"/>', "of letters"),
-        ('<style>rect{display:var(--shown)}</style><rect width="50" height="40"/>', "a variable"),
+        ('<rect style="width: calc(50px - 1%)" height="40"/>', r"has width: calc\(50px - 1%\), which is not computed"),
+        ('<g style="--a: var(--b); --b: var(--a); opacity: var(--a)"><rect width="9"/></g>', "not computed"),
+        ("<style>@media (min-width: 9px) {rect {opacity: 0}}</style>", r"block '@media \(min-width: 9px\)'"),
         ('<rect width="50" height="40" transform="rotate(45deg)"/>', r"its transform is 'rotate\(45deg\)'"),
         ("""<path style="d:path('M 0 0 h')"/>""", "h is followed by ''"),
     ],
