@@ -22,7 +22,7 @@ from .news import Item
 from .package_pages import list_page, static_file, worked_page
 from .profile_writing import profile_told, values_of, write_profile
 from .server import Server, key_of, save
-from .session import Session, restore_plan
+from .session import Session, request_after_cuts, restore_plan, with_job_text
 
 LISTED_S, MOST_ROWS = 0.5, 500
 """A list of nests waits no longer for the last of them, and tells no more at a time."""
@@ -304,15 +304,25 @@ class Writing:
     async def cut(self, request: Request) -> Response:
         """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""
         session, body = await self._writing(request, "upto", "plan", shown=True)
-        await self._server.cut_up_to(session, whole(body.get("upto")))
+        wanted = request_after_cuts(session, session.wanted, session.shown, whole(body.get("upto")))
+        await self._server.want(session, wanted)
         self._plan(session, body)
         return JSONResponse(self._server.as_json(session))
 
     async def back(self, request: Request) -> Response:
-        """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again."""
-        session, body = await self._writing(request, "to", "plan")
+        """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again.
+
+        With `"job_text"` and `"upto"`, which an undo sends, that is wanted in place of what the plan was made of; to 0
+        is back to no plan.
+        """
+        session, body = await self._writing(request, "to", "job_text", "upto", "plan")
         number = whole(body.get("to"))
-        await self._server.want(session, restore_plan(session, number), shown=number, following=0)
+        wanted = restore_plan(session, number)
+        if "upto" in body and (upto := whole(body["upto"])) != wanted.upto:
+            wanted = request_after_cuts(session, wanted, number, upto)
+        if "job_text" in body:
+            wanted = with_job_text(session, wanted, body["job_text"])
+        await self._server.want(session, wanted, shown=number, following=0)
         self._plan(session, body)
         return JSONResponse(self._server.as_json(session))
 

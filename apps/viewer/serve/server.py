@@ -32,7 +32,7 @@ from .nest_folder import Folder, NestList
 from .news import Background, News
 from .plan_request import PlanRequest, earlier_plan_name, sha256_of
 from .planning import Planning
-from .session import Alternative, Session, request_after_cuts
+from .session import Alternative, Session
 from .worker import Died, Refused, Worker
 
 ANSWERED_S, SLOW_S = 120.0, 900.0
@@ -297,10 +297,6 @@ class Server:
         opened = await self.asked("opened", wanted=wanted)
         session.expect(version)
         session.changed(wanted=wanted, opened=opened, conflict=None, problem="", questions=[], **also)
-
-    async def cut_up_to(self, session: Session, upto: int) -> None:
-        """Count the first cuts of the shown plan as made."""
-        await self.want(session, request_after_cuts(session, upto))
 
     async def page(self, session: Session, number: int | None = None) -> bytes:
         """What the page shows of the shown plan, or of another one, as JSON; of the nest alone where there is none."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML
 from kerfwise.jobs.nest_job.job import beside_name
 from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
@@ -214,21 +215,28 @@ def _locks(wanted: PlanRequest) -> tuple[str, ...]:
     return tuple(line for line, _ in JobText(wanted.job_text or "").lines())
 
 
-def restore_plan(session: Session, number: object) -> PlanRequest:
-    """What was wanted when an earlier plan was made; with a job file that says nothing where one was saved since."""
-    before = session.alternative(number).wanted
-    text = "" if before.job_text is None and session.on_disk is not None else before.job_text
-    return replace(before, job_text=text, profile_now=session.wanted.profile_now)
-
-
-def request_after_cuts(session: Session, upto: int) -> PlanRequest:
-    """The same wanted of what is left once the first cuts of the shown plan are made; all of it again with 0."""
-    if upto == 0:
+def restore_plan(session: Session, number: int) -> PlanRequest:
+    """What was wanted when an earlier plan was made; with 0, for no plan, what is wanted now of the whole nest."""
+    if number == 0:
         return replace(session.wanted, old_plan=None, upto=0)
-    current = session.current
-    if current is None:
+    before = session.alternative(number).wanted
+    return with_job_text(session, replace(before, profile_now=session.wanted.profile_now), before.job_text)
+
+
+def with_job_text(session: Session, wanted: PlanRequest, text: object) -> PlanRequest:
+    """The same by another job file; None is one that says nothing where one was saved since."""
+    if not (text is None or (isinstance(text, str) and len(text.encode("utf-8", "replace")) <= MOST_BYTES_OF_YAML)):
+        raise InputError(f"job_text: expected a text of at most {MOST_BYTES_OF_YAML} bytes, or null")
+    return replace(wanted, job_text="" if text is None and session.on_disk is not None else text)
+
+
+def request_after_cuts(session: Session, wanted: PlanRequest, number: int, upto: int) -> PlanRequest:
+    """The same wanted of what is left once the first cuts of a plan are made; all of it again with 0."""
+    if upto == 0:
+        return replace(wanted, old_plan=None, upto=0)
+    if number == 0:
         raise InputError("there is no plan yet that could be cut up to some place")
-    return replace(session.wanted, old_plan=current.plan, upto=upto)
+    return replace(wanted, old_plan=session.alternative(number).plan, upto=upto)
 
 
 class Keeper(Protocol):

@@ -6,8 +6,7 @@ import { tr } from "./say.js";
  *
  * @typedef {object} Wanted
  * @property {number} shown
- * @property {string[]} locked
- * @property {Record<string, string>} settings
+ * @property {string | null} job_text
  * @property {number} upto
  */
 
@@ -77,35 +76,18 @@ export class History {
 }
 
 /** @type {(state: any) => Wanted} */
-export function wantedIn({ shown, locked, settings, upto }) {
-  return { shown, locked: [...locked], settings: { ...settings }, upto };
+function wantedIn({ shown, job_text, upto }) {
+  return { shown, job_text, upto };
 }
 
 /** @type {(a: Wanted, b: Wanted) => boolean} */
 function sameWanted(a, b) {
-  return JSON.stringify([a.shown, a.upto, a.locked, Object.entries(a.settings).sort()]) === JSON.stringify([b.shown, b.upto, b.locked, Object.entries(b.settings).sort()]);
+  return a.shown === b.shown && a.upto === b.upto && (a.job_text ?? "") === (b.job_text ?? "");
 }
 
-/**
- * What has to be changed in a job file so that it says what is wanted.
- *
- * @type {(now: Wanted, wanted: Wanted) => object[]}
- */
-export function changesTo(now, wanted) {
-  return [
-    ...now.locked.filter(line => !wanted.locked.includes(line)).map(line => ({ unlock: line })),
-    ...wanted.locked.filter(line => !now.locked.includes(line)).map(line => ({ lock: line })),
-    ...Object.keys(now.settings).filter(key => !(key in wanted.settings)).map(key => ({ unset: key })),
-    ...Object.entries(wanted.settings).filter(([key, value]) => now.settings[key] !== value).map(([key, value]) => ({ set: key, to: String(value) })),
-  ];
-}
-
+/** In one request: nothing is seen of a plan with the locks of another. */
 /** @type {(work: Work, wanted: Wanted) => Promise<boolean>} whether the server did it */
-async function restore(work, wanted) {
+async function restore(work, { shown, job_text, upto }) {
   if (work.state.solving) await work.cancel(false); // what it has shown stays in the list
-  if (wanted.shown && wanted.shown !== work.state.shown && !await work.change("back", { to: wanted.shown })) return false;
-  const changes = changesTo(wantedIn(work.state), wanted);
-  if (changes.length && !await work.edit(changes)) return false;
-  if (wanted.upto !== work.state.upto && !wanted.upto) return Boolean(await work.change("cut", { upto: 0 }));
-  return true;
+  return Boolean(await work.change("back", { to: shown, job_text, upto }));
 }

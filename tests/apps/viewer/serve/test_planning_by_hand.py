@@ -32,7 +32,7 @@ def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: i
     page.wait_for_selector("#hands-plans li:nth-child(1).shown", state="attached")
     for _ in range(2):  # nobody waits for the answer to the first
         page.keyboard.press("Control+z")
-    page.wait_for_selector("#hands-undo[disabled]")  # a step that goes back to a plan shows its own locks meanwhile
+    page.wait_for_selector("#hands-undo[disabled]")
     at.until("document.querySelectorAll('#hands-locks li').length === 0")
     assert planned.state()["locked"] == []
     page.click("#hands-redo")

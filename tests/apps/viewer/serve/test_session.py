@@ -44,6 +44,29 @@ def test_lock_and_plan_and_back(opened: Open) -> None:
     assert tab.post("back", 422, to=9)["message"] == "there is no plan 9 in this session"
 
 
+def test_what_was_wanted_is_wanted_again_in_one_request(opened: Open) -> None:
+    """As an undo asks for it: the plan, the job file to the byte, and what is cut already, or none of it."""
+    tab = opened(job="locks: [C first]  # ours\n")
+    tab.solved()
+    before = tab.state()
+    tab.edit({"lock": "A.outer cw"}, {"set": "leads.lead_in", "to": "4 mm"})
+    tab.solved()
+    tab.post("cut", upto=1)
+    after = tab.state()
+    again = {key: before[key] for key in ("job_text", "upto")}
+    told = tab.post("back", to=before["shown"], **again)
+    assert (told["fits"], told["job_text"], told["locked"]) == (True, "locks: [C first]  # ours\n", ["C first"])
+    again = {key: after[key] for key in ("job_text", "upto")}
+    told = tab.post("back", to=after["shown"], **again)
+    assert [told[key] for key in ("shown", "upto", "job_text")] == [after["shown"], 1, after["job_text"]]
+    version = tab.state()["version"]
+    for wrong in ({"job_text": "locks: [Z first]\n"}, {"job_text": "a: b: c"}, {"job_text": 3}, {"upto": 99}):
+        assert tab.post("back", 422, to=1, **wrong)["kind"] == "input"
+    now = tab.state()
+    assert (now["version"], now["job_text"]) == (version, after["job_text"])
+    assert tab.post("back", to=0, job_text=None, upto=0)["shown"] == 0
+
+
 def test_cut_up_to_here(opened: Open, served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(served.server.planning, "_memory_gb", 1.5)
     tab = opened()

@@ -4,7 +4,7 @@ import test from "node:test";
 
 import { Camera } from "../page_files/camera.js";
 import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
-import { changesTo, History } from "../page_files/history.js";
+import { History } from "../page_files/history.js";
 import { nearestOn, placeAlong } from "../page_files/nearest.js";
 import { listenToNews } from "../page_files/news.js";
 import { Outlines } from "../page_files/outlines.js";
@@ -390,30 +390,24 @@ test("a part lies where it was turned over, turned and moved to", () => {
   assert.deepEqual(at({ turn_deg: 0, mirrored: true, dx: 0, dy: 0 }), [10, 0, 0, 0, 0, 4]);
 });
 
-test("what has to be changed to have again what was wanted", () => {
-  const now = { shown: 2, locked: ["B first"], settings: { a: "1" }, upto: 0 }, then = { shown: 1, locked: ["C last"], settings: { b: "2" }, upto: 0 };
-  assert.deepEqual(changesTo(now, then), [{ unlock: "B first" }, { lock: "C last" }, { unset: "a" }, { set: "b", to: "2" }]);
-  assert.deepEqual(changesTo(now, now), []);
-});
-
 test("undo goes past the plans that were made of one change, and redo comes back", async () => {
   const asked = [], hearers = [];
   const work = {
-    state: { shown: 1, locked: [], settings: {}, upto: 0, alternatives: [{ number: 1 }] }, on: fn => hearers.push(fn), say: () => {}, hear: () => {},
-    change: async (what, { to }) => { asked.push([what, to]); work.state = { ...work.state, shown: to, locked: to === 1 ? [] : ["C first"] }; return {}; },
-    edit: async changes => { asked.push(changes); return {}; }, cancel: async () => {},
+    state: { shown: 1, job_text: null, upto: 0, alternatives: [{ number: 1 }] }, on: fn => hearers.push(fn), say: () => {}, hear: () => {},
+    change: async (what, said) => { asked.push([what, said]); work.state = { ...work.state, shown: said.to, job_text: said.job_text }; return {}; },
+    cancel: async () => {},
   };
   const history = new History(work), told = more => { work.state = { ...work.state, ...more }; hearers.forEach(fn => fn(work, "state")); };
   told({});
-  told({ locked: ["C first"], solving: {} });
+  told({ job_text: "locks: [C first]", solving: {} });
   told({ shown: 2, alternatives: [{ number: 1 }, { number: 2 }] });
   told({ shown: 3, solving: null, alternatives: [{ number: 1 }, { number: 2 }, { number: 3 }] });
   assert.deepEqual([history.can(-1), history.can(1)], [true, false]);
   await history.step(-1);
-  assert.deepEqual(asked, [["back", 1]]);
+  assert.deepEqual(asked, [["back", { to: 1, job_text: null, upto: 0 }]], "one request, so that no lock of another plan is seen");
   assert.deepEqual([history.can(-1), history.can(1)], [false, true]);
   await history.step(1);
-  assert.deepEqual(asked[1], ["back", 3]);
+  assert.deepEqual(asked[1], ["back", { to: 3, job_text: "locks: [C first]", upto: 0 }]);
 });
 
 test("the lead of a cut ends half a kerf from its entry", () => {
