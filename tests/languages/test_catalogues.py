@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import io
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -11,9 +13,20 @@ from babel.messages.mofile import read_mo
 
 from kerfwise.languages.catalogue import ENGLISH, LANGUAGES, catalogue, page_texts, texts
 from kerfwise.rules.registry import RULES
-from kerfwise.tests.tools.catalogues import FOLDER, compiled, kept, renewed, template, wrong_in
+from kerfwise.tests.tools.catalogues import (
+    FOLDER,
+    NAMED,
+    ROOT,
+    compiled,
+    kept,
+    renewed,
+    sentences,
+    template,
+    wrong_in,
+)
 
 OTHERS = pytest.mark.parametrize("language", [name for name in LANGUAGES if name != ENGLISH])
+SHAPES = ("apps/viewer/page/page_files/sentences.js", "apps/viewer/serve/hands/messages.js")
 ADVICE = "python -m kerfwise.tests.tools.catalogues renews the catalogues and lists what is not translated"
 
 
@@ -63,6 +76,27 @@ def test_texts_are_collected_from_code_and_frames() -> None:
     for text in ("Before and after", "glossary", "filter by name", "nothing proven", "Undo"):
         assert text in found
     assert ("{n} cut", "{n} cuts") in found
+
+
+def test_sentences_that_the_page_knows_by_their_shape_are_said_by_the_code() -> None:
+    """Each piece of them between its names stands in a text of the code: a sentence that was changed there is found."""
+    said = "\n".join(_texts_of_code())
+    shapes = [text for path in SHAPES for text in sentences(ROOT / path)]
+    assert len(shapes) > 90
+    pieces = ((text, piece.strip(" ;:,()").removeprefix("more ")) for text in shapes for piece in NAMED.split(text))
+    lost = [(text, piece) for text, piece in pieces if len(piece) > 5 and piece not in said]
+    assert lost == []
+
+
+def _texts_of_code() -> Iterator[str]:
+    """What Python files say, each text whole, its values as one sign that no sentence has."""
+    for folder in ("rules", "jobs", "models", "apps", "encoder"):
+        for path in (ROOT / folder).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.JoinedStr):
+                    yield "".join(str(one.value) if isinstance(one, ast.Constant) else "\0" for one in node.values)
+                elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                    yield node.value
 
 
 def test_a_page_has_its_own_texts_and_the_viewer_more() -> None:

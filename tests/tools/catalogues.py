@@ -3,9 +3,10 @@
 Usage: python -m kerfwise.tests.tools.catalogues
 
 A text stands in the code in English, as `tr("…")` or `trn("one", "many", n)`, and in the page's frame as it is; the
-sentences of shipped rules are texts, too. What has no translation yet is listed: write it into `languages/XX.po`, with
-an editor of catalogues or by hand, and run this again. Beside each catalogue stand its compiled forms: `XX.mo` for
-Python, and as JSON the texts of every page (`XX.page.json`) and those of the viewer besides (`XX.viewer.json`).
+sentences of shipped rules are texts, too, and those that the page knows by their shape (`sentence` in `sentences.js`).
+What has no translation yet is listed: write it into `languages/XX.po`, with an editor of catalogues or by hand, and run
+this again. Beside each catalogue stand its compiled forms: `XX.mo` for Python, and as JSON the texts of every page
+(`XX.page.json`) and those of the viewer besides (`XX.viewer.json`).
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ def _said() -> Iterator[tuple[str, str | tuple[str, str]]]:
         for path in sorted((ROOT / folder).iterdir()):
             name = f"{folder}/{path.name}"
             if path.suffix == ".js" and path.name != "say.js":
-                yield from ((name, text) for text in _of_code(path, "javascript"))
+                yield from ((name, text) for text in (*_of_code(path, "javascript"), *sentences(path)))
             elif path.suffix == ".html":
                 frame = _Frame()
                 frame.feed(path.read_text(encoding="utf-8"))
@@ -85,6 +86,12 @@ def _said() -> Iterator[tuple[str, str | tuple[str, str]]]:
     for name in PYTHON:
         yield from ((name, text) for text in _of_code(ROOT / name, "python"))
     yield from ((f"{SENTENCES}/{name}", rule.sentence) for name, rule in RULES.items())
+
+
+def sentences(path: Path) -> list[str]:
+    """The sentences of the server that a module lets the page translate: `sentence("…", "…");`."""
+    calls = re.findall(r"^sentence\(\n(.*?)^\);", path.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    return [text for call in calls for text in re.findall(r'^  "(.*)",$', call, re.MULTILINE)]
 
 
 def _of_code(path: Path, kind: str) -> Iterator[str | tuple[str, str]]:

@@ -30,7 +30,7 @@ from kerfwise.rules.statements import About
 
 from .job_edits import edited
 from .plan_request import Answers, PlanRequest, Questions, Superseded, already_of, earlier_plan_name, request_inputs
-from .plans_shown import MOST_PLANS, PlansShown, RecentFacts, gap_of, phase_of, told_while_compiling
+from .plans_shown import MOST_PLANS, PlansShown, RecentFacts, ShownGap, phase_of, told_while_compiling
 from .session import Packed
 
 TOLD_EACH_S = 0.1
@@ -85,13 +85,13 @@ class Planner:
         notes: list[str] = []
         inputs = request_inputs(wanted)
         already = already_of(wanted, inputs)
-        listener = Listener(self._reached())
         limits = options_for(inputs.nest, inputs.profile, work=work, memory_gb=memory_gb)
 
         def kept(verified: VerifiedPlan) -> dict[str, Any]:
             return self._planned(wanted, inputs, verified, False) | {"notes": [], "work": work, "memory_gb": memory_gb}
 
         shown = PlansShown(self._asking, inputs, already, limits, kept)
+        listener = Listener(self._reached(shown.gap))
         if not relax:  # there the engines' first plan is the first: what gives way takes most of the time
             shown.first(None if start is None else self._known(start, wanted), self._facts)
         while True:
@@ -179,16 +179,17 @@ class Planner:
             "figures": figures_of(plan),
         }
 
-    def _reached(self) -> Any:
+    def _reached(self, gap: ShownGap | None = None) -> OnProgress:
         told_s = 0.0
         last: tuple[str, float | None] | None = None
 
         def heard(reached: Reached) -> bool:
             nonlocal told_s, last
-            now_s, new = time.monotonic(), (phase_of(reached.engine), gap_of(reached.objective_mm, reached.bound_mm))
+            known = None if gap is None else gap.hear(reached.objective_mm, reached.bound_mm)
+            now_s, new = time.monotonic(), (phase_of(reached.engine), known)
             if new != last and now_s - told_s >= TOLD_EACH_S:
                 told_s, last = now_s, new
-                self._asking.tell(phase=new[0], gap=new[1])
+                self._asking.tell(phase=new[0], gap=known)
             return self._asking.go_on()
 
         return heard

@@ -48,11 +48,36 @@ def phase_of(engine: str) -> str:
     return "improving" if engine in ("search", "zones", "") else "proving"
 
 
-def gap_of(objective_mm: float | None, bound_mm: float | None) -> float | None:
-    """The share by which a plan may be too dear; None where nothing is known, or excuses hide the travel."""
-    if objective_mm is None or bound_mm is None or not 0 < objective_mm < EXEMPTION_MM:
-        return None
-    return float(max(0.0, 1 - bound_mm / objective_mm))
+class ShownGap:
+    """The share by which the plan that is shown may be too dear: it only falls, and is of no other plan.
+
+    Each set of zones that is tried has a bound of its own, so what the engines tell goes up and down.
+    """
+
+    def __init__(self) -> None:
+        self._shown_mm = self._least = math.inf
+        self.now: float | None = None
+
+    def show(self, objective_mm: float) -> None:
+        """Another plan is shown: nothing is known of it until the engines speak of it."""
+        self._shown_mm, self.now = objective_mm, None
+
+    def hear(self, objective_mm: float | None, bound_mm: float | None) -> float | None:
+        """What the engines have reached; the gap, None where nothing is known, or excuses hide the travel.
+
+        Examples
+        --------
+        >>> gap = ShownGap()
+        >>> gap.show(100.0)
+        >>> gap.hear(100.0, 90.0), gap.hear(120.0, 119.0), gap.hear(100.0, 80.0), gap.hear(100.0, 95.0)
+        (0.1, 0.1, 0.1, 0.05)
+        """
+        if objective_mm is None or bound_mm is None or not 0 < objective_mm < EXEMPTION_MM:
+            return self.now
+        told = round(max(0.0, 1 - bound_mm / objective_mm), 6)
+        if abs(objective_mm - self._shown_mm) <= SHOWN_GAIN * self._shown_mm and told <= self._least:
+            self.now = self._least = told
+        return self.now
 
 
 @contextmanager
@@ -105,6 +130,7 @@ class PlansShown:
         self._asking, self._given, self._already, self._limits, self._kept = asking, inputs, already, limits, kept
         self._profile = lock_broken_cut_first(inputs.profile, already)
         self._best_mm, self._next_s = math.inf, 0.0
+        self.gap = ShownGap()
         self.facts: Facts | None = None
 
     @property
@@ -166,6 +192,7 @@ class PlansShown:
         if not verified.verdict.ok:
             return False
         self._best_mm = float(verified.plan.solve.objective)
+        self.gap.show(self._best_mm)
         more = {"stage": stage, "unpriced": self.unpriced}
         self._asking.tell(plan=self._kept(verified) | more, phase="checking" if bare else "improving")
         if bare and self._asking.go_on():

@@ -89,12 +89,12 @@ export class App {
   /** @param {PageData} data */
   replace(data) {
     const chosen = this.data.nest.contours[this.state.selected]?.id, same = data.nest.sha256 === this.data.nest.sha256;
-    const whole = !same || this.stages[0].fits;
+    const { fits, fitted } = this.stages[0];
     this.data = data;
     this.#stand();
     this.set({ side: Math.min(this.state.side, this.stages.length - 1) });
     this.renewers.forEach(fn => fn());
-    if (whole) this.stages.forEach(stage => stage.fit());
+    if (fits || !same) this.stages.forEach(stage => stage.fit(same ? fitted.parts : undefined));
     if (this.state.heat) void this.showHeat(true);
     this.set({ selected: this.numberOf(chosen ?? ""), marked: [], time_s: Math.min(this.state.time_s, this.end()) });
     this.draw();

@@ -21,8 +21,8 @@ export function keyboard(app, does) {
   const pan = (dx, dy) => { app.stages[0].camera.pan(dx, dy); app.moved(); };
   /** @type {(by: number) => void} */
   const zoom = by => { const { camera, size } = app.stages[0]; camera.zoom(by, size.wide / 2, size.high / 2); app.moved(); };
-  const fit = () => { app.stages[0].fit(); app.moved(); };
-  const fitParts = () => { app.stages[0].fitParts(); app.moved(); };
+  const fit = () => { app.stages[0].fit(false); app.moved(); };
+  const fitParts = () => { app.stages[0].fit(true); app.moved(); };
   add(" ", () => app.toggle(), tr("play or pause"));
   add("ArrowRight", () => app.step(1), tr("one cut on"));
   add("ArrowLeft", () => app.step(-1), tr("one cut back"));

@@ -3,8 +3,9 @@ import { Camera } from "./camera.js";
 import { byId, make } from "./elements.js";
 import { palette } from "./palette.js";
 import { tr, trn } from "./say.js";
+import { inWords } from "./sentences.js";
 import { notHeld } from "./unkept.js";
-import { clock, metres, millimetres, placeText } from "./words.js";
+import { clock, metres, millimetres, placeText, wayText } from "./words.js";
 
 const PAPER_PX = 2200, MOST_HIGH = 1700, PAPER_FONT_PX = 22;
 
@@ -50,7 +51,7 @@ function drawing(app) {
 /** @type {(app: App) => HTMLElement[]} */
 function notKept(app) {
   const lines = [
-    ...notHeld(app.side).map(one => `${one.text} – ${one.why}`),
+    ...notHeld(app.side).map(one => `${one.text} – ${inWords(one.why ?? "")}`),
     ...app.side.rules.filter(rule => rule.breaches.length).map(rule => `${rule.id} (${rule.strength}): ${trn("{n} place where it does not hold", "{n} places where it does not hold", rule.breaches.length)}`),
   ];
   return lines.length ? [make("h2", {}, tr("Not kept")), make("ul", {}, ...lines.map(text => make("li", {}, text)))] : [];
@@ -63,7 +64,7 @@ function table(app) {
   return make("table", {}, make("thead", {}, make("tr", {}, ...head.map(text => make("th", {}, text)))),
     make("tbody", {}, ...side.cuts.map((cut, k) => make("tr", {}, make("td", {}, "☐"), make("td", {}, String(side.made + k + 1)),
       make("td", {}, app.data.nest.contours[cut.contour].id), make("td", {}, String(cut.zone || "")), make("td", {}, placeText(cut.path)),
-      make("td", {}, cut.direction), make("td", {}, millimetres(cut.length_mm)), make("td", {}, clock(timeline.begins_s[k])),
+      make("td", {}, wayText(cut.direction)), make("td", {}, millimetres(cut.length_mm)), make("td", {}, clock(timeline.begins_s[k])),
       make("td", {}, [cut.wait_s ? tr("wait {s} s", { s: cut.wait_s }) : "", cut.linked ? tr("linked") : "", cut.excused.length ? tr("not kept here") : "",
         cut.tabs.length ? trn("{n} tab", "{n} tabs", cut.tabs.length) : ""].filter(Boolean).join(", "))))));
 }

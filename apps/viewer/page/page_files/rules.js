@@ -2,6 +2,7 @@
 /** @import { Place, RuleData } from "./types.js" */
 import { byId, make } from "./elements.js";
 import { tr, trn } from "./say.js";
+import { inWords } from "./sentences.js";
 import { notHeld } from "./unkept.js";
 import { metres, stateClass, strengthText } from "./words.js";
 
@@ -69,7 +70,7 @@ function lines(app, rule, open, toggle) {
   if (!open) return [row];
   return [row, make("tr", { class: "places" }, make("td", { colspan: 4 },
     rule.sentence ? make("p", {}, tr(rule.sentence)) : null, rule.unjudged ? make("p", {}, rule.unjudged) : null,
-    ...places.slice(0, 200).map(place => spot(app, place, place.text || place.contours.join(", "), place.why)),
+    ...places.slice(0, 200).map(place => spot(app, place, inWords(place.text) || place.contours.join(", "), place.why)),
     places.length ? (places.length > 200 ? make("p", { class: "hint" }, tr("and {n} more", { n: places.length - 200 })) : null)
       : make("p", { class: "hint" }, tr("0 breaches: it holds everywhere"))))];
 }
@@ -81,5 +82,5 @@ function spot(app, place, text, why) {
     known.length ? make("button", { class: "link", type: "button", onclick: () => {
       app.mark(known);
       app.chooseId(known[0]);
-    } }, text) : text, why ? make("span", { class: "because" }, ` – ${why}`) : null);
+    } }, text) : text, why ? make("span", { class: "because" }, ` – ${inWords(why)}`) : null);
 }

@@ -37,8 +37,15 @@ export function trn(one, many, n, values = {}) {
   return filled(Array.isArray(found) ? found[form] ?? found[found.length - 1] : n === 1 ? one : many, { n, ...values });
 }
 
+/** How a text is said in the reader's language; undefined where that is not known. */
+/** @type {(text: string) => string | undefined} */
+export function translationOf(text) {
+  const found = spoken.texts[text];
+  return typeof found === "string" ? found : undefined;
+}
+
 /** @type {(text: string, values: Record<string, unknown>) => string} */
-function filled(text, values) {
+export function filled(text, values) {
   return text.replace(/\{(\w+)\}/g, (whole, name) => name in values ? String(values[name]) : whole);
 }
 

@@ -10,6 +10,8 @@ import { Scenery } from "./scenery.js";
 import { momentAt, timelineOf } from "./timeline.js";
 
 const NEAR_PX = 7, LEAST_ZOOM = 0.4, LEAST_SEEN_PX = 12, BUTTONS_PX = 40;
+/** Parts that can be shown so many times as large as on the whole sheet are what the page opens with. */
+const PARTS_FIRST = 1.6;
 
 /** @type {(values: number[]) => number} */
 const least = values => values.reduce((a, b) => Math.min(a, b));
@@ -31,7 +33,8 @@ export class Stage {
     this.canvas = document.createElement("canvas");
     this.context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d", { alpha: false }));
     this.camera = new Camera();
-    this.whole = new Camera();
+    /** What the window was fitted to last: all parts, or the whole sheet. */
+    this.fitted = { parts: /** @type {boolean | undefined} */ (undefined), camera: new Camera() };
     this.plan = data.sides[side] ?? null;
     this.timeline = this.plan ? timelineOf(this.plan) : { moments: [], begins_s: [], ends_s: [], end_s: 0, timed: false };
     this.scenery = new Scenery(data, this.plan, outlines);
@@ -64,28 +67,32 @@ export class Stage {
     return true;
   }
 
-  /** Whether the whole sheet is seen, as when the page was opened. */
+  /** Whether the view is as it was fitted, as when the page was opened. */
   get fits() {
-    return !this.camera.least || this.camera.same(this.whole);
+    return !this.camera.least || this.camera.same(this.fitted.camera);
   }
 
   /** Height that the buttons over the drawing leave free. */
   get #free() { return this.size.high > 5 * BUTTONS_PX ? this.size.high - this.buttons : this.size.high; }
 
-  /** All parts in the window, whatever is free around them. */
-  fitParts() {
-    const boxes = this.scenery.outlines.bounds;
-    if (!boxes.length) return this.fit();
-    this.camera.fit([0, 1, 2, 3].map(k => (k < 2 ? least : most)(boxes.map(box => box[k]))), this.size.wide, this.#free);
+  /** @type {(bounds: number[]) => Camera} */
+  #around(bounds) {
+    const camera = new Camera();
+    camera.fit(bounds, this.size.wide, this.#free);
+    return camera;
   }
 
-  /** The whole sheet in the window. */
-  fit() {
-    const [x0, y0, x1, y1] = this.data.nest.bounds, home = this.plan ? this.plan.home : [x0, y0];
-    const bounds = [Math.min(x0, home[0]), Math.min(y0, home[1]), Math.max(x1, home[0]), Math.max(y1, home[1])];
-    this.camera.fit(bounds, this.size.wide, this.#free);
-    this.camera.least = this.camera.scale * LEAST_ZOOM;
-    this.whole.like(this.camera);
+  /** All parts in the window, whatever is free around them, or the whole sheet; where nobody says, as the page opens. */
+  /** @param {boolean} [parts] */
+  fit(parts) {
+    const [x0, y0, x1, y1] = this.data.nest.bounds, home = this.plan ? this.plan.home : [x0, y0], boxes = this.scenery.outlines.bounds;
+    const whole = this.#around([Math.min(x0, home[0]), Math.min(y0, home[1]), Math.max(x1, home[0]), Math.max(y1, home[1])]);
+    const near = boxes.length ? this.#around([0, 1, 2, 3].map(k => (k < 2 ? least : most)(boxes.map(box => box[k])))) : whole;
+    parts ??= near.scale > PARTS_FIRST * whole.scale;
+    this.camera.like(parts ? near : whole);
+    this.camera.least = whole.scale * LEAST_ZOOM;
+    this.fitted = { parts, camera: new Camera() };
+    this.fitted.camera.like(this.camera);
   }
 
   /** Brings a contour into view, nearer if it is tiny. */

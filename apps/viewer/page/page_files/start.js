@@ -82,7 +82,7 @@ function hang(app) {
     const figure = make("figure", { "data-side": stage.side }, stage.canvas, name);
     new ResizeObserver(() => {
       if (!stage.resize()) return;
-      if (stage.fits) stage.fit();
+      if (stage.fits) stage.fit(stage.fitted.parts);
       app.moved(app.stages[0]);
       stage.now();
     }).observe(figure);
@@ -94,7 +94,7 @@ function hang(app) {
     });
     return figure;
   }));
-  for (const stage of app.stages) { stage.resize(); if (stage.fits) stage.fit(); }
+  for (const stage of app.stages) { stage.resize(); if (stage.fits) stage.fit(stage.fitted.parts); }
 }
 
 /** @type {(app: App, contour: number, at: [number, number] | null) => void} */

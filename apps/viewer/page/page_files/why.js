@@ -2,7 +2,8 @@
 /** @import { EntryWay, Holds, Told, Why } from "./types.js" */
 import { byId, make } from "./elements.js";
 import { tr, trn } from "./say.js";
-import { clock, kindText, millimetres, placeText } from "./words.js";
+import { inWords } from "./sentences.js";
+import { clock, kindText, millimetres, placeText, wayText } from "./words.js";
 
 const FEW_WAYS = 4;
 
@@ -48,7 +49,7 @@ function said(app, contour, why) {
   const facts = make("dl", {},
     ...row(tr("cut"), tr("{number} of {of}", { number: app.side.made + k + 1, of: app.side.made + app.side.cuts.length }) + (cut.zone ? `, ${tr("zone {zone}", { zone: cut.zone })}` : "")),
     ...row(tr("time"), `${clock(timeline.begins_s[k])} – ${clock(timeline.ends_s[k])}${timeline.timed ? "" : ` ${tr("(guessed)")}`}`),
-    ...row(tr("way"), tr("{direction}, {length}, from {place}", { direction: cut.direction, length: millimetres(cut.length_mm), place: placeText(cut.path) })),
+    ...row(tr("way"), tr("{direction}, {length}, from {place}", { direction: wayText(cut.direction), length: millimetres(cut.length_mm), place: placeText(cut.path) })),
     ...(cut.wait_s ? row(tr("waits"), tr("{s} s, so that metal may cool", { s: cut.wait_s })) : []),
     ...(cut.excused.length ? row(tr("not kept here"), cut.excused.join(", ")) : []));
   const sections = [...head, facts, part_(tr("Why here"), list(cut.because))];
@@ -68,14 +69,14 @@ function reasonsOf(app, why) {
     part_(tr("Not earlier"), holds(app, why.earlier)),
     part_(tr("Not later"), holds(app, why.later)),
     part_(tr("Also asked"), told(why.also)),
-    part_(tr("Heat"), list(why.heat.map(one => `${one.kept ? tr("kept") : tr("broken, costs {mm} mm", { mm: one.price_mm })}: ${one.text}`))),
+    part_(tr("Heat"), list(why.heat.map(one => `${one.kept ? tr("kept") : tr("broken, costs {mm} mm", { mm: one.price_mm })}: ${inWords(one.text)}`))),
     free ? make("p", {}, tr("No order rule is about it: it is cut here for the shortest travel.")) : null,
     entry && part_(tr("Entries weighed"), ways(entry)),
     why.moves.length ? part_(tr("If it were moved"), make("ul", {}, ...why.moves.map(move => make("li", {},
-      make("b", {}, `${move.label} (${move.place})`),
+      make("b", {}, `${inWords(move.label)} (${move.place})`),
       move.together.length ? ` ${trn("with {n} other", "with {n} others", move.together.length)}` : "", ": ",
-      move.breaks.length ? make("span", { class: "no-way" }, `${tr("breaks {rule}: {text}", { rule: move.breaks[0].rule, text: move.breaks[0].text })}`
-        + (move.breaks.length > 1 ? ` ${tr("and {n} more", { n: move.breaks.length - 1 })}` : "")) : make("span", { class: "cost" }, move.cost))))) : null,
+      move.breaks.length ? make("span", { class: "no-way" }, `${tr("breaks {rule}: {text}", { rule: move.breaks[0].rule, text: inWords(move.breaks[0].text) })}`
+        + (move.breaks.length > 1 ? ` ${tr("and {n} more", { n: move.breaks.length - 1 })}` : "")) : make("span", { class: "cost" }, inWords(move.cost)))))) : null,
     part_(tr("Note"), list(why.notes)),
     why.full ? null : make("p", { class: "hint" }, tr("Other entries and places were not tried out for this page: write it with --why, or ask"), " ", make("code", {}, `kerfwise explain NEST PLAN.json '${app.data.nest.contours[app.state.selected].id}'`)),
   ].filter(node => node !== null);
@@ -98,12 +99,12 @@ function part_(title, content) {
 
 /** @type {(texts: string[]) => HTMLElement | null} */
 function list(texts) {
-  return texts.length ? make("ul", {}, ...texts.map(text => make("li", {}, text))) : null;
+  return texts.length ? make("ul", {}, ...texts.map(text => make("li", {}, inWords(text)))) : null;
 }
 
 /** @type {(abouts: Told[]) => HTMLElement | null} */
 function told(abouts) {
-  return abouts.length ? make("ul", {}, ...abouts.map(about => make("li", {}, make("b", {}, about.rule), `: ${about.text}`))) : null;
+  return abouts.length ? make("ul", {}, ...abouts.map(about => make("li", {}, make("b", {}, about.rule), `: ${inWords(about.text)}`))) : null;
 }
 
 /** @type {(app: App, held: Holds) => HTMLElement | null} */
@@ -111,20 +112,20 @@ function holds(app, held) {
   if (!held.nearest.length) return null;
   return make("ul", {}, ...held.nearest.map(one => make("li", {},
     make("button", { class: "link", type: "button", onclick: () => app.chooseId(one.contour) }, `${one.place} ${one.contour}`),
-    " ", make("b", {}, one.rule), `: ${one.text}`)),
+    " ", make("b", {}, one.rule), `: ${inWords(one.text)}`)),
   held.more ? make("li", { class: "hint" }, tr("and {n} more of these rules", { n: held.more })) : null);
 }
 
 /** @type {(entry: NonNullable<Why["entry"]>) => HTMLElement} */
 function ways(entry) {
   /** @type {(way: EntryWay) => string} */
-  const place = way => `${placeText(way.at)} ${way.direction}`;
+  const place = way => `${placeText(way.at)} ${wayText(way.direction)}`;
   return make("ul", {},
     make("li", {}, make("b", {}, `${place(entry.used)}`), `, ${entry.used.text}: ${tr("taken")}`),
-    entry.one_way_by.length ? make("li", {}, tr("{rules}: no other way round than {direction}", { rules: entry.one_way_by.join(", "), direction: entry.used.direction })) : null,
-    ...entry.lawful.slice(0, FEW_WAYS).map(way => make("li", {}, `${place(way)}, ${way.text}: `, make("span", { class: "cost" }, way.cost ?? ""))),
+    entry.one_way_by.length ? make("li", {}, tr("{rules}: no other way round than {direction}", { rules: entry.one_way_by.join(", "), direction: wayText(entry.used.direction) })) : null,
+    ...entry.lawful.slice(0, FEW_WAYS).map(way => make("li", {}, `${place(way)}, ${way.text}: `, make("span", { class: "cost" }, inWords(way.cost ?? "")))),
     entry.lawful.length > FEW_WAYS ? make("li", { class: "hint" }, tr("and {n} more lawful ones", { n: entry.lawful.length - FEW_WAYS })) : null,
     entry.lawful.length ? null : make("li", {}, tr("no other entry is lawful in this order")),
     ...entry.unlawful.map(one => make("li", { class: "no-way" }, `${one.ways.map(place).join(", ")}`
-      + `${one.more ? ` ${tr("and {n} more", { n: one.more })}` : ""}: `, make("b", {}, one.rule), `: ${one.text}`)));
+      + `${one.more ? ` ${tr("and {n} more", { n: one.more })}` : ""}: `, make("b", {}, one.rule), `: ${inWords(one.text)}`)));
 }

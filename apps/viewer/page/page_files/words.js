@@ -66,6 +66,12 @@ export function kindText(kind) {
   return { outer: tr("outer contour"), hole: tr("hole"), mark: tr("mark"), slit: tr("slit"), scrap: tr("scrap line") }[kind];
 }
 
+/** Which way round a contour is cut. */
+/** @type {(direction: string) => string} */
+export function wayText(direction) {
+  return { cw: tr("cw"), ccw: tr("ccw") }[direction] ?? direction;
+}
+
 /** How strong a rule is. */
 /** @type {(strength: string) => string} */
 export function strengthText(strength) {

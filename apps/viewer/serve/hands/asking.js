@@ -1,14 +1,17 @@
+import "./messages.js";
 import { tr } from "./say.js";
+import { inWords } from "./sentences.js";
 
 /**
- * The server's answer; one that is none is thrown, with what was told as `told`.
+ * The server's answer in the reader's language; one that is none is thrown, with what was told as `told`.
  *
  * @param {Response} response
  */
 async function answered(response) {
   const told = await response.json();
   if (response.ok) return told;
-  throw Object.assign(new Error(told.message ?? `answer ${response.status}`), { told, status: response.status });
+  const details = (told.details ?? []).map(inWords);
+  throw Object.assign(new Error(inWords(told.message) || `answer ${response.status}`), { told: { ...told, details }, status: response.status });
 }
 
 /** @type {(path: string, asked: RequestInit) => Promise<Response>} */

@@ -61,15 +61,15 @@ export function brokenDrawing(problems, repair) {
   stage.canvas.addEventListener("keydown", event => {
     const by = /** @type {Record<string, number>} */ ({ "+": 1.3, "-": 1 / 1.3 })[event.key];
     if (by) stage.camera.zoom(by, stage.size.wide / 2, stage.size.high / 2);
-    else if (event.key === "0") stage.fit();
+    else if (event.key === "0") stage.fit(false);
     else return;
     stage.draw();
   });
   const figure = make("figure", {}, stage.canvas, ...marks, bubble);
-  const whole = () => { stage.fit(); stage.draw(); };
+  const whole = () => { stage.fit(false); stage.draw(); };
   new ResizeObserver(() => {
     if (!stage.resize()) return;
-    if (stage.fits) stage.fit();
+    if (stage.fits) stage.fit(stage.fitted.parts);
     stage.draw();
   }).observe(figure);
   listen(stage, {

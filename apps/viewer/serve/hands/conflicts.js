@@ -3,6 +3,7 @@ import { sendServer } from "./asking.js";
 import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
 import { tr, trn } from "./say.js";
+import { inWords } from "./sentences.js";
 
 /**
  * Where the rules contradict each other: the few that do, and what each way out would bring.
@@ -40,7 +41,7 @@ function drawConflict(app, work, place, conflict) {
     return make("p", {}, make("button", { type: "button", onclick: take }, title), " ", bring);
   };
   const rows = conflict.clash.map((/** @type {any} */ one) => make("li", {},
-    make("button", { type: "button", class: "said", onclick: () => { app.set({ marked: numbersOf(app, one.contours) }); } }, `${one.rule}: ${one.text}`),
+    make("button", { type: "button", class: "said", onclick: () => { app.set({ marked: numbersOf(app, one.contours) }); } }, `${one.rule}: ${inWords(one.text)}`),
     one.undo.length ? way(tr("undo: {locks}", { locks: one.undo.map((/** @type {any} */ change) => change.unlock).join(", ") }), one.undo) : null,
     one.soften.length ? way(tr("make {rule} soft for this nest", { rule: one.rule }), one.soften) : null));
   place.replaceChildren(
@@ -68,7 +69,7 @@ async function tryWays(work, ways, signal) {
     if (signal.aborted) return;
     try {
       const told = await sendServer(work.path("try"), said, signal);
-      place.textContent = told.works ? tr("brings {text}", { text: told.text }) : told.text;
+      place.textContent = told.works ? tr("brings {text}", { text: inWords(told.text) }) : inWords(told.text);
       place.className = `said ${told.works ? "good" : "bad"}`;
     } catch (error) {
       place.textContent = signal.aborted ? "" : /** @type {Error} */ (error).message;

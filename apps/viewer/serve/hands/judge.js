@@ -3,6 +3,7 @@ import { askServer } from "./asking.js";
 import { make } from "./elements.js";
 import { lockAndPlan } from "./locking.js";
 import { tr, trn } from "./say.js";
+import { inWords } from "./sentences.js";
 
 const LOOK_MS = 150, BESIDE_PX = 14, UNDER_PX = 18, OVER_FINGER_PX = 40, RIM_PX = 4;
 /** How the answer looks: it goes, others have to move, a hard rule yields, it cannot be. */
@@ -80,7 +81,7 @@ export class Judge {
       return null;
     }
     this.place.className = `said ${KINDS_OF_MOVES[told.how] ?? ""}`;
-    this.place.replaceChildren(make("b", {}, headOf(told)), make("span", {}, told.text),
+    this.place.replaceChildren(make("b", {}, headOf(told)), make("span", {}, inWords(told.text)),
       told.undone.length ? make("span", { class: "replaces" }, tr("takes the place of the lock: {locks}", { locks: told.undone.join("; ") })) : "");
     return told;
   }
@@ -108,6 +109,6 @@ function query({ names, to, plan }, look) {
 export async function dropThere(work, move) {
   const told = await askServer(`${work.path("move")}?${query(move, false)}`).catch(error => { work.say(error.message, "bad"); return null; });
   if (!told) return;
-  work.say(told.text);
+  work.say(inWords(told.text));
   await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))], move.plan);
 }

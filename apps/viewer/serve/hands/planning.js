@@ -2,6 +2,7 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
 import { figure, tr } from "./say.js";
+import { inWords } from "./sentences.js";
 import { metres, percent, provenShort } from "./words.js";
 
 const METRE_MM = 1000, CLOCK_MS = 1000;
@@ -46,7 +47,7 @@ export function planBar(app, work, history) {
     if (said.textContent && said.dataset.of !== work.saidOf) said.textContent = ""; // it was said of another plan
     app.set({ stale: !fits && Boolean(work.plan) });
     if (wasSolving && !solving && !work.lost) {
-      if (problem || work.state.conflict) work.say(problem || tr("the rules contradict each other"), "bad");
+      if (problem || work.state.conflict) work.say(inWords(problem) || tr("the rules contradict each other"), "bad");
       else work.say(plannedText(work), work.plan?.ok ? "good" : "bad");
     }
     wasSolving = Boolean(solving);

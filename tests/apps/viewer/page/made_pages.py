@@ -57,8 +57,8 @@ def large(contours: int) -> Callable[[Path], bytes]:
 
 
 def wicked(folder: Path) -> bytes:
-    """Parts whose names are scripts."""
-    plate = nest(300, 300, part(EVIL, rect(20, 20, 200, 200)))
+    """A part whose name is a script, in a corner of its sheet."""
+    plate = nest(900, 900, part(EVIL, rect(20, 20, 200, 200)))
     return draw(plate, plausible_plan(plate), ".html")
 
 

@@ -299,6 +299,18 @@ def test_names_that_are_scripts_are_names(look: Open) -> None:
     assert seen.page.evaluate("document.querySelectorAll('img').length") == 0
 
 
+def test_few_parts_on_a_large_sheet_are_what_is_seen_first(look: Open) -> None:
+    seen = look("wicked")
+    side_px = 200 * seen.camera()[0]
+    _, _, wide, high = seen.drawing()
+    assert side_px > 0.8 * min(wide, high)
+    seen.page.set_viewport_size({"width": 1400, "height": 700})
+    seen.sharp()
+    assert side_px > 200 * seen.camera()[0] > 0.8 * seen.drawing()[3], "they are seen whole in a smaller window, too"
+    seen.page.keyboard.press("0")
+    assert 900 * seen.camera()[0] <= seen.drawing()[3]
+
+
 def test_the_policy_forbids_what_a_script_might_ask(look: Open) -> None:
     seen = look("bare")
     assert seen.page.evaluate("fetch('https://example.org/').then(() => 'answered', () => 'forbidden')") == "forbidden"

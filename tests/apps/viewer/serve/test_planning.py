@@ -235,6 +235,8 @@ def test_a_drop_is_answered_along_the_plan_at_hand_first_without_a_program(
     moved = next(move["place"] for move in moves if move["lawful"] and move["more_mm"]) - 2
     job = f"locks: [{before[moved]} position {moved + 2}]\n"
     told.planner.solve(PlanRequest(str(sixteen), job), 0.2, start=text)
+    gaps = [one["gap"] for one in told.all if one.get("gap") is not None]
+    assert gaps == sorted(gaps, reverse=True), "each set of zones has a bound of its own, and nobody sees it jump"
     bare, checked = told.plans()[:2]
     assert [(one["stage"], one["checked"], one["ok"]) for one in (bare, checked)] == [
         ("first", False, True), ("first", True, True),

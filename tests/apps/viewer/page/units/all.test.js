@@ -15,6 +15,7 @@ import { joinOf } from "../page_files/route.js";
 import { noticeNear, noticesOf } from "../page_files/notices.js";
 import { notHeld } from "../page_files/unkept.js";
 import { setLanguage, tr, trn } from "../page_files/say.js";
+import { inWords } from "../page_files/sentences.js";
 import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
 import { clock, millimetres, proven, provenShort, stateClass, stateText } from "../page_files/words.js";
@@ -408,6 +409,20 @@ test("undo goes past the plans that were made of one change, and redo comes back
   assert.deepEqual([history.can(-1), history.can(1)], [false, true]);
   await history.step(1);
   assert.deepEqual(asked[1], ["back", { to: 3, job_text: "locks: [C first]", upto: 0 }]);
+});
+
+test("what the server says in English comes in the reader's language, with its names and numbers", () => {
+  const move = "A.outer and 2 more cannot be cut as number 3: level-ahead: B.outer is cut before A.outer: it lies inside it, and cutting A.outer frees the metal it is in (and 1 more)";
+  assert.equal(inWords(move), move);
+  setLanguage("de", { de: {
+    "{a} and {n} more cannot be cut as number {place}: {why} (and {more} more)": "{a} und {n} weitere nicht als {place}: {why} (und {more} weitere)",
+    "{a} is cut before {b}: {why}": "{a} vor {b}: {why}", "{rule}: {why}": "{rule}: {why}",
+    "it lies inside it, and cutting {a} frees the metal it is in": "es liegt darin, und {a} löst es", "{mm} mm more": "{mm} mm mehr",
+  } });
+  assert.equal(inWords(move), "A.outer und 2 weitere nicht als 3: level-ahead: B.outer vor A.outer: es liegt darin, und A.outer löst es (und 1 weitere)");
+  assert.equal(inWords("12.5 mm more"), "12.5 mm mehr");
+  for (const text of ["P.1 (x) said: so", "", "12.5 mm moreover"]) assert.equal(inWords(text), text);
+  setLanguage("en", {});
 });
 
 test("the lead of a cut ends half a kerf from its entry", () => {
