@@ -10,9 +10,9 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.text import unknown
+from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
-from kerfwise.jobs.plan_nest import OrdersOf, plan_nest
 from kerfwise.jobs.progress import Listener, OnProgress
 from kerfwise.jobs.request import NOT_SHOWN, NoPlan, facts_of, options_for
 from kerfwise.jobs.result import Result
@@ -23,6 +23,7 @@ from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import OrdersOf, Watchers, plan_nest
 
 from .reading import LockLike, Settings, nest_request, plan_of, plan_or_path
 
@@ -154,11 +155,14 @@ def solve(
         orders = app_module("distortion.straighter").straighter_for(inputs.profile)
     try:
         done = plan_nest(
-            inputs, limits,
+            inputs,
+            limits,
+            Method(engine, solver, strategy, None if start is None else plan_of(start), first),
+            Watchers(listener, notes.append),
             already=already_cut_by(inputs, resume_from, upto, redo_last, notes),
-            relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
-            orders=orders, start=None if start is None else plan_of(start), first=first,
-        )  # fmt: skip
+            relax=relax,
+            orders=orders,
+        )
     except NoPlan:
         if listener.interrupted:
             raise KeyboardInterrupt from None

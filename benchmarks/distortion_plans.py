@@ -22,11 +22,11 @@ from kerfwise.apps.distortion.straighter import StraighterOrders
 from kerfwise.benchmarks.distortion_rules import PROCESSES, made_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import TimedPath
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 
@@ -73,7 +73,7 @@ def plans(seed: int, process: str, price_mm: float, work: float) -> tuple[list[D
     nest, profile, orders = before.nest, before.profile, before.orders
     began_s = time.process_time()
     priced = replace(profile, objective=replace(profile.objective, distortion=price_mm))
-    after = solve_and_verify(before.request, priced, before.limits, cooler=orders)
+    after = solve_and_verify(before.request, priced, before.limits, simulated=orders)
     took_s = time.process_time() - began_s
     assert after.verdict.ok
     made = [one.plan for one in (before.plan, after)]

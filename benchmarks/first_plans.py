@@ -28,10 +28,11 @@ from kerfwise.benchmarks.plates import cost, made_plate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
+from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.progress import Listener, Reached
 from kerfwise.jobs.request import facts_of, options_for
+from kerfwise.pipeline import Watchers, plan_nest
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import EXEMPTION_MM
 
@@ -99,9 +100,9 @@ def row(given: tuple[str, Nest, float]) -> Row:
     name, nest, work = given
     profile = load_profile()
     inputs, limits = Inputs(nest, profile), options_for(nest, profile, work=work)
-    plan_nest(inputs, limits, first=True)  # loads what is loaded once
+    plan_nest(inputs, limits, Method(first=True))  # loads what is loaded once
     began_s = time.monotonic()
-    first = plan_nest(inputs, limits, first=True).made
+    first = plan_nest(inputs, limits, Method(first=True)).made
     first_s = time.monotonic() - began_s
     heard: list[tuple[float, float]] = []
     began_s = time.monotonic()
@@ -111,7 +112,8 @@ def row(given: tuple[str, Nest, float]) -> Row:
             heard.append((time.monotonic() - began_s, reached.objective_mm))
 
     ended: list[float] = []
-    last = plan_nest(inputs, limits, listener=Listener(hear), planned_as=lambda _: ended.append(time.monotonic())).made
+    watchers = Watchers(Listener(hear), planned=lambda _: ended.append(time.monotonic()))
+    last = plan_nest(inputs, limits, watchers=watchers).made
     solved, facts = last.plan.solve, facts_of(nest, profile)
     home = profile.home_on(nest)
     return Row(

@@ -22,8 +22,8 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.explainer import Explainer, Mover
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.request import options_for
+from kerfwise.pipeline import plan_nest
 from kerfwise.rules.profile.load import load_profile
 
 

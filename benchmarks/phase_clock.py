@@ -23,6 +23,7 @@ from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from kerfwise.examples.gen_sheet import contour_count, make_sheet
+from kerfwise.pipeline import Watchers
 
 PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "read": (("kerfwise.encoder.readers.json_nest", "read_json"),),
@@ -32,9 +33,9 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "problem": (("kerfwise.models.engines.solve", "make_problem"), ("kerfwise.models.engines.solve", "simplify")),
     "planning": (("kerfwise.models.engines.solve", "run_portfolio"),),
     "looks at whole orders": (),
-    "plan and its reasons": (("kerfwise.jobs.plan_nest", "make_plan"), ("kerfwise.jobs.plan_nest", "with_times")),
-    "program": (("kerfwise.jobs.plan_nest", "write_program"),),
-    "check": (("kerfwise.jobs.plan_nest", "judge"),),
+    "plan and its reasons": (("kerfwise.pipeline", "make_plan"), ("kerfwise.pipeline", "with_times")),
+    "program": (("kerfwise.pipeline", "write_program"),),
+    "check": (("kerfwise.pipeline", "judge"),),
     "picture": (("kerfwise.postproc.report", "draw"),),
 }
 """Phase → the functions it is made by, where they are called from; what is called within one counts there only."""
@@ -100,8 +101,8 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
     from kerfwise.apps.bench.bench_child import peak_mb
     from kerfwise.encoder.readers import ReadOptions
     from kerfwise.jobs.inputs import Inputs
-    from kerfwise.jobs.plan_nest import plan_nest
     from kerfwise.jobs.request import options_for
+    from kerfwise.pipeline import plan_nest
     from kerfwise.rules.profile.load import load_profile
 
     text = json.dumps(make_sheet(1, contours)).encode()
@@ -131,8 +132,8 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
     limits = options_for(nest, profile, work=work)
     home = profile.home_on(nest)
     with _beside(nest, home) as beside:
-        told_to = {} if beside is None else {"planned_as": beside.begin}
-        made = plan_nest(Inputs(nest, profile), limits, **told_to).made
+        watchers = Watchers(planned=None if beside is None else beside.begin)
+        made = plan_nest(Inputs(nest, profile), limits, watchers=watchers).made
         if not made.verdict.ok:
             raise SystemExit("the check refuses the plan")
         with clock.phase("picture"):
@@ -144,9 +145,9 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
 
 def _beside(nest: Any, home: tuple[float, float]) -> Any:
     """A picture drawn beside the check, as `kerfwise solve` does it, by checkouts that do."""
-    if importlib.util.find_spec("kerfwise.jobs.page_picture") is None:
+    if importlib.util.find_spec("kerfwise.commands.page_picture") is None:
         return nullcontext()
-    return importlib.import_module("kerfwise.jobs.page_picture").DrawnBeside(nest, ".svg", home)
+    return importlib.import_module("kerfwise.commands.page_picture").DrawnBeside(nest, ".svg", home)
 
 
 def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
@@ -160,7 +161,7 @@ def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
 
 def _around_looks(clock: Clock) -> None:
     """Count what rules that judge a whole order find wrong with those that are tried."""
-    place: Any = importlib.import_module("kerfwise.jobs.plan_nest")
+    place: Any = importlib.import_module("kerfwise.pipeline")
     plain = place.lazy_statements
 
     def counted(*given: Any) -> Callable[..., Any]:

@@ -11,9 +11,11 @@ import click
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
+from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.request import NoPlan
 from kerfwise.models.engines import STRATEGIES
 from kerfwise.models.jit import counted_s
+from kerfwise.pipeline import Watchers
 
 from .shared_options import (
     AMOUNT_OVER_ZERO,
@@ -31,9 +33,9 @@ from .shared_options import (
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
-    from kerfwise.jobs.plan_nest import OrdersOf
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.models.plan.plan import Plan
+    from kerfwise.pipeline import OrdersOf
 
 
 def _plan_at_hand(path: str) -> Plan:
@@ -181,13 +183,13 @@ def command(
 ) -> int:
     """Write a checked cutting program of NEST that keeps every hard rule of the profile."""
     began_s = counted_s()
+    from kerfwise.commands.page_picture import DrawnBeside, planned_picture
     from kerfwise.jobs.display import job_line, summary
-    from kerfwise.jobs.page_picture import DrawnBeside, planned_picture
-    from kerfwise.jobs.plan_nest import plan_nest
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.resume import already_cut
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.jobs.warm_up import search_beside
+    from kerfwise.pipeline import plan_nest
     from kerfwise.postproc.nc.ordered_drawings import write_dxf
     from kerfwise.postproc.output_files import expect_own, output_names, remnant_files, remnant_names, write_files
 
@@ -227,11 +229,15 @@ def command(
         search_beside(len(inputs.nest.contours))
     try:
         done = plan_nest(
-            inputs, limits,
-            already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
-            listener=listener, tell=print_note, whole=whole, planned_as=beside.begin,
-            orders=orders, start=start, first=first,
-        )  # fmt: skip
+            inputs,
+            limits,
+            Method(engine, solver, strategy, start, first),
+            Watchers(listener, print_note, planned=beside.begin),
+            already=already,
+            relax=relax,
+            whole=whole,
+            orders=orders,
+        )
     except NoPlan as no_plan:
         code = print_conflict(no_plan, conflict_picture)
         _tell_late(whole)

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise import pipeline as production
 from kerfwise.encoder import progress_notice
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs import plan_nest as production
 from kerfwise.models.jit import take_plainly
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, load_dialect

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import report
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.profile.load import load_profile, shipped_profiles

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import find_conflict
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import report
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock

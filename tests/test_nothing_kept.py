@@ -9,8 +9,8 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.nest import Nest, cached_with_nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.flat.model_rule import facts_data
 from kerfwise.rules.profile.load import load_profile

@@ -18,8 +18,8 @@ from kerfwise.encoder.facts.facts import FactOptions, Facts
 from kerfwise.encoder.facts.outlines import OPPOSITE
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import report
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.hull_before import HullBefore

@@ -17,10 +17,10 @@ from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import NoPlan, options_for
+from kerfwise.pipeline import FinishedPlan, Watchers, plan_nest
 from kerfwise.postproc.output_files import remnant_files, write_files
 from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.simple_pictures import thumbnail
@@ -255,7 +255,7 @@ def _planned(piece: NestTask) -> TaskOutput:
         inputs.nest, inputs.profile, work=options.work, time_s=options.time_s, gap=options.gap, seed=options.seed,
         memory_gb=options.memory_gb,
     )  # fmt: skip
-    done = plan_nest(inputs, limits, relax=options.relax, listener=_Elsewhere())
+    done = plan_nest(inputs, limits, watchers=Watchers(_Elsewhere()), relax=options.relax)
     if not done.made.verdict.ok:
         broken = ", ".join(done.made.verdict.broken())
         return _without_plan(piece, "not safe", f"the check refuses the plan that was found: {broken}")

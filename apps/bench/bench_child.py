@@ -219,8 +219,8 @@ def _nest(job: BenchJob) -> _Outcome:
     from pathlib import Path
 
     from kerfwise.encoder.readers import read_nest
-    from kerfwise.jobs.plan_nest import solve_and_verify
     from kerfwise.jobs.request import facts_of, make_request, options_for
+    from kerfwise.pipeline import solve_and_verify
 
     profile = load_profile(job.profile, trust=job.trust) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())

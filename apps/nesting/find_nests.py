@@ -13,9 +13,9 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.text import clock
 from kerfwise.jobs.inputs import Tell
-from kerfwise.jobs.plan_nest import FinishedPlan
 from kerfwise.jobs.programs import Times, time_made
 from kerfwise.jobs.progress import CtrlC, Listener, Listeners
+from kerfwise.pipeline import FinishedPlan
 from kerfwise.rules.profile.profile import Profile
 
 from .nests import Nested, expect_room, nests_from

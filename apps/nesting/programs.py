@@ -14,11 +14,11 @@ from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.text import clock, metres
 from kerfwise.encoder.validate import validated
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener, Listeners
 from kerfwise.jobs.request import options_for
 from kerfwise.languages.catalogue import ENGLISH, texts
+from kerfwise.pipeline import FinishedPlan, Watchers, plan_nest
 from kerfwise.postproc.output_files import remnant_files
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
@@ -118,7 +118,7 @@ def plan_sheet(
         As `plan_nest` does; also if the check refuses the plan.
     """
     inputs = Inputs(profile.as_cut(_as_read(name, text)), profile)
-    done = plan_nest(inputs, options_for(inputs.nest, profile, work=work), relax=relax, listener=listener)
+    done = plan_nest(inputs, options_for(inputs.nest, profile, work=work), watchers=Watchers(listener), relax=relax)
     if not done.made.verdict.ok:
         raise RulesConflict(f"the check refuses the plan: {', '.join(done.made.verdict.broken())}")
     return done

@@ -14,7 +14,6 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.display import Picture, data_frame
 from kerfwise.jobs.heat_control import cooler_orders
 from kerfwise.jobs.inputs import Inputs, expect_one_torch
-from kerfwise.jobs.plan_nest import OrdersOf, VerifiedPlan, solve_and_verify
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.jobs.resume import lock_broken_cut_first
@@ -23,6 +22,7 @@ from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import OrdersOf, VerifiedPlan, plan_request, verified
 from kerfwise.rules.profile.profile import Profile
 
 if TYPE_CHECKING:
@@ -91,11 +91,12 @@ class TradeOff:
         objective = replace(self._profile.objective, heat=price_mm, distortion=off_price_mm)
         profile = replace(self._profile, objective=objective)
         orders = self._straighter if off_price_mm else self._cooler
-        verified = solve_and_verify(self._asked, profile, self._limits, progress, cooler=orders)
-        path = path_of_plan(verified.plan, facts.nest, profile)
+        planned = plan_request(self._asked, profile, self._limits, progress=progress, simulated=orders)
+        made = verified(planned, profile)
+        path = path_of_plan(made.plan, facts.nest, profile)
         found = simulate(facts.nest, path, profile.heat, profile.material.thickness_mm)
-        off_mm = None if straightness is None else straightness.of(Inputs(facts.nest, profile), verified.plan)
-        return Trade(price_mm, verified, found.overheats, found.peak_c, off_mm, off_price_mm)
+        off_mm = None if straightness is None else straightness.of(Inputs(facts.nest, profile), made.plan)
+        return Trade(price_mm, made, found.overheats, found.peak_c, off_mm, off_price_mm)
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)

@@ -22,7 +22,6 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.graphs import strong_components
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.inputs import Tell
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.programs import OldJob, is_of_sheet, without_comments
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import Request, make_request
@@ -30,6 +29,7 @@ from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import RELAXED, Plan
 from kerfwise.models.routing import Instance, solve_instance
+from kerfwise.pipeline import VerifiedPlan, plan_request, verified
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.program import NcProgram
@@ -84,9 +84,8 @@ def plan_order(
     fixed = bool(chains) or len(turns) > 0  # other zones would be stated without them
     writer = BurnWriter(nest_of_burns, apart)
     with listener, in_steps_of(job.program.step_mm):
-        return solve_and_verify(
-            request, job.profile, limits, listener, and_zones=not fixed, write=writer.write, trusted=job.trusted
-        )
+        planned = plan_request(request, job.profile, limits, progress=listener, move_zones=not fixed)
+        return verified(planned, job.profile, writer.write, job.trusted)
 
 
 def _chains(nest_of_burns: NestOfBurns) -> list[list[int]]:

@@ -10,13 +10,14 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.outlines import OPPOSITE
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.inputs import Inputs, ProfileLike, Tell, plant_of, silent
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.programs import OldJob, ProgramRequest, read_old_job
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import options_for
 from kerfwise.models.engines import Engine
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import Watchers, plan_nest
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.read_program import read_on_machine
 from kerfwise.postproc.old.contours import NestOfBurns
@@ -107,7 +108,7 @@ def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listene
     nest = job.nest
     job, verdict = infer_start_side(job, nest, job.text, tell)
     before = Measured.of(job.program, job.profile, nest, verdict)
-    done = plan_nest(Inputs(job.profile.as_cut(nest), job.profile), limits, engine=engine, listener=listener, tell=tell)
+    done = plan_nest(Inputs(job.profile.as_cut(nest), job.profile), limits, Method(engine), Watchers(listener, tell))
     verified = done.made
     if not verified.verdict.ok:
         broken = (verified.verdict.rule(name) for name in verified.verdict.broken())

@@ -457,7 +457,7 @@ beside the check waits for."""
 TOLD_S = 1.0  # A command that takes so many seconds longer than its limit says so.
 SAID_S = 5.0  # What takes longer beside a limit in seconds is told.
 
-# jobs/plan_nest.py
+# pipeline.py
 
 PASS_WORK = 0.5  # What the way of one pass may cost at the most.
 WORK_SHARE = 0.05  # and the most of it as a share of the work of the whole

@@ -13,8 +13,8 @@ from kerfwise.commands.solve import print_conflict
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.request import NoPlan, facts_of, options_for
+from kerfwise.pipeline import plan_nest
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
 from kerfwise.rules.judging.facing import rigid_at_the_end
 from kerfwise.rules.profile.load import load_profile

@@ -17,12 +17,12 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs import heat_control
 from kerfwise.jobs.heat_control import too_hot
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.pacing import Heated, Pacing, pace
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.pipeline import VerifiedPlan, plan_request, solve_and_verify, verified
 from kerfwise.postproc.clock import job_of_program, read_program, time_job
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rules.case import nest, part, rect
@@ -149,7 +149,8 @@ def test_no_other_order_is_asked_for_once_somebody_has_had_enough() -> None:
 
     profile = HOT
     limits = options_for(PAIR, profile, work=0.2)
-    found = solve_and_verify(make_request(facts_of(PAIR, profile), profile), profile, limits, enough)
+    request = make_request(facts_of(PAIR, profile), profile)
+    found = verified(plan_request(request, profile, limits, progress=enough), profile)
     assert found.verdict.ok
     assert asked.count("t-max") == 1
 

@@ -10,11 +10,11 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.display import summary
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.request import options_for
 from kerfwise.models.physics.time_and_cost import Cost, RunTimes, cost_of
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.clock import cost_of_plan, cost_of_sheet
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile

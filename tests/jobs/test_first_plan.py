@@ -12,13 +12,14 @@ import pytest
 import kerfwise
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.by_engine import Method, with_less_work
 from kerfwise.jobs.first_plan import first_plan, plan_at_hand
-from kerfwise.jobs.plan_nest import solve_and_verify, with_less_work
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.lawful_walk import route_like
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise as command
@@ -90,18 +91,18 @@ def test_the_zones_of_the_plan_at_hand_are_kept_where_geometry_may_choose(monkey
 
 def test_a_plan_that_is_known_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     """Even where the search finds nothing as good: no plan comes out dearer than the one that went in."""
-    from kerfwise.jobs import plan_nest
+    from kerfwise import pipeline
 
     sheet = row("A", "B", "C", "D")
     known = kerfwise.solve(sheet, work=0.5).plan
-    solved = plan_nest._solved
+    solved = pipeline.solve_by
 
     def worse(*given: object) -> object:
         return replace(solved(*given), objective=1e6)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(plan_nest, "_solved", worse)
+    monkeypatch.setattr(pipeline, "solve_by", worse)
     asked, limits = make_request(facts_of(sheet, PROFILE), PROFILE), options_for(sheet, PROFILE, work=0.5)
-    made = solve_and_verify(asked, PROFILE, limits, start=known)
+    made = solve_and_verify(asked, PROFILE, limits, Method(start=known))
     assert made.plan.solve.objective == pytest.approx(known.solve.objective)
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.physics.time_and_cost import feeds_of, machine_feeds
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import report
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions

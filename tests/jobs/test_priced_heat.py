@@ -8,7 +8,6 @@ import pytest
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.jobs.heat_control import solve_priced
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import Request, options_for
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.engines.solve import solve
@@ -17,6 +16,7 @@ from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.timed_path import RoutePaths
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.plate import PLATE, facts, plant, posed, stated

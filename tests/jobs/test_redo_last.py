@@ -11,10 +11,10 @@ import kerfwise as package
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.resume import lock_broken_cut_first, stopped_plan
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -67,7 +67,7 @@ def test_every_stop_of_300_contours_whose_zones_have_moved(tmp_path: Path) -> No
     path.write_text(json.dumps(make_sheet(11, 280, (6000.0, 2500.0), 12.0)), encoding="utf-8")
     nest, plant = read_nest(path), load_profile()
     asked = make_request(facts_of(nest, plant), plant)
-    old = solve_and_verify(asked, plant, options_for(nest, plant, work=6), and_zones=True).plan
+    old = solve_and_verify(asked, plant, options_for(nest, plant, work=6), move_zones=True).plan
     assert max(planned.cut.zone for planned in old.cuts) > 3
     for upto in range(1, len(old.cuts) + 1):
         expect_redone(nest, old, plant, upto)

@@ -13,10 +13,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.identical_parts import copies_of
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.gantry import with_further_torches
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.clock import with_times
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.case import nest, part, rect

@@ -11,8 +11,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.identical_parts import copies_of
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 import kerfwise as package
-from kerfwise.commands import solve
+from kerfwise import pipeline
+from kerfwise.commands import page_picture, solve
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.jobs import page_picture, plan_nest, time_limits
+from kerfwise.jobs import time_limits
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest as plan_nest_main_job
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import NoPlan, options_for
 from kerfwise.jobs.time_limits import DRAWN, CommandLimit
@@ -23,6 +23,8 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.tuning import CHECKED, ENDED_S, PLANNED
 from kerfwise.models.engines.tuning import LIMITS_LEAST_SHARE as LEAST_SHARE
 from kerfwise.models.jit import counted_s
+from kerfwise.pipeline import Watchers
+from kerfwise.pipeline import plan_nest as plan_nest_main_job
 from kerfwise.postproc.report import expect_picture
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
@@ -158,7 +160,7 @@ class _Planned(Exception):
 def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
     """The limits and the listener that a planning is given: facts take 4 s, 1 s of it for candidates, and rules 3 s."""
     seen: list[Any] = []
-    facts_of, ask = plan_nest.facts_of, plan_nest.make_request
+    facts_of, ask = pipeline.facts_of, pipeline.make_request
 
     def facts(nest: Any, profile: Any, already: Any, limit: CommandLimit) -> Any:
         clock.now_s += 4.0
@@ -171,13 +173,15 @@ def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
         clock.now_s += 3.0
         return ask(facts, profile, relax, limits)
 
-    def produce(asked: Any, profile: Any, limits: SolveOptions, progress: Any, *rest: Any, **more: Any) -> Any:
+    def produce(
+        asked: Any, profile: Any, limits: SolveOptions, method: Any, progress: Any, *rest: Any, **more: Any
+    ) -> Any:
         seen.extend((limits.time_s, progress))
         raise _Planned
 
-    monkeypatch.setattr(plan_nest, "facts_of", facts)
-    monkeypatch.setattr(plan_nest, "make_request", stated)
-    monkeypatch.setattr(plan_nest, "solve_and_verify", produce)
+    monkeypatch.setattr(pipeline, "facts_of", facts)
+    monkeypatch.setattr(pipeline, "make_request", stated)
+    monkeypatch.setattr(pipeline, "plan_request", produce)
     return seen
 
 
@@ -187,7 +191,7 @@ def test_rules_and_engines_get_what_is_left(asked: list[Any], clock: Wound) -> N
     kept_s = CHECKED + DRAWN[".svg"][0] + ENDED_S
     clock.now_s += 2.0  # reading
     with pytest.raises(_Planned):
-        plan_nest_main_job(Inputs(PLATE, PROFILE), limits, whole=limit, tell=told.append)
+        plan_nest_main_job(Inputs(PLATE, PROFILE), limits, watchers=Watchers(tell=told.append), whole=limit)
     assert asked[0] == pytest.approx(30.0 - 6.0 - kept_s)
     assert asked[1] == pytest.approx(30.0 - 9.0 - kept_s)
     assert asked[2]("search", None, None)
@@ -200,7 +204,7 @@ def test_a_limit_that_reading_uses_up_is_told(asked: list[Any], clock: Wound) ->
     told: list[str] = []
     limits, limit = options_for(PLATE, PROFILE, time_s=8.0), limit_of(8.0, clock)
     with pytest.raises(_Planned):
-        plan_nest_main_job(Inputs(PLATE, PROFILE), limits, whole=limit, tell=told.append)
+        plan_nest_main_job(Inputs(PLATE, PROFILE), limits, watchers=Watchers(tell=told.append), whole=limit)
     assert asked[:2] == pytest.approx([LEAST_SHARE * 8.0] * 2)
     (told_once,) = told
     assert "of a limit of 8 s" in told_once
@@ -263,7 +267,7 @@ def test_a_command_whose_plan_is_refused_says_when_it_was_late(monkeypatch: pyte
         return replace(done, made=replace(done.made, verdict=verdict))
 
     monkeypatch.setattr(solve, "counted_s", lambda: counted_s() - 70_000.0)
-    monkeypatch.setattr(plan_nest, "plan_nest", refused)
+    monkeypatch.setattr(pipeline, "plan_nest", refused)
     monkeypatch.chdir(tmp_path)
     done = kerfwise("solve", NEST, "--time-limit", "50000")
     assert done.code == 1
@@ -279,7 +283,10 @@ def test_kernels_that_are_only_loaded_are_not_said_to_be_left_out_of_a_limit_tha
     for whole, notes in ((CommandLimit(50_000.0), 0), (None, 1)):
         told: list[str] = []
         plan_nest_main_job(
-            Inputs(PLATE, PROFILE), options_for(PLATE, PROFILE, time_s=50_000.0), whole=whole, tell=told.append
+            Inputs(PLATE, PROFILE),
+            options_for(PLATE, PROFILE, time_s=50_000.0),
+            watchers=Watchers(tell=told.append),
+            whole=whole,
         )
         assert len([note for note in told if note.startswith("kernels were compiled")]) == notes
 
@@ -313,7 +320,7 @@ def test_what_contradicts_what_is_looked_for_in_what_is_left(monkeypatch: pytest
         raise RulesConflict("no plan")
 
     monkeypatch.setattr(conflict, "find_conflict", found)
-    monkeypatch.setattr(plan_nest, "make_request", refused)
+    monkeypatch.setattr(pipeline, "make_request", refused)
     for limit_s in (62_000.0, 10_000.0):
         limits = replace(options_for(PLATE, PROFILE), time_s=limit_s)
         with pytest.raises(NoPlan):

@@ -11,9 +11,9 @@ import pytest
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.tuning import WITHOUT_WISHES
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 
 RULES = "rules: {zone-order: off, part-rigidity: {strength: hard, rigid_min: 0.9, tail_share: 0.4}}"
@@ -30,7 +30,7 @@ def excuses(nest: Nest, wishes: list[str], work: float, folder: Path) -> int:
     path.write_text(f"based_on: plasma-carbon-steel\n{RULES}\nown_rules:\n{own or '  []'}", encoding="utf-8")
     profile = load_profile(path)
     asked = make_request(facts_of(nest, profile), profile)
-    return solve_and_verify(asked, profile, options_for(nest, profile, work=work), and_zones=True).plan.solve.excuses
+    return solve_and_verify(asked, profile, options_for(nest, profile, work=work), move_zones=True).plan.solve.excuses
 
 
 @pytest.mark.full  # tests/models/engines/test_portfolio.py shows the same of problems that are made

@@ -20,7 +20,6 @@ from kerfwise.jobs import plan_without_zones
 from kerfwise.jobs.display import summary
 from kerfwise.jobs.explainer import Explainer
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines import solve as rounds
 from kerfwise.models.engines.solution import SolveOptions
@@ -28,6 +27,7 @@ from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -48,7 +48,7 @@ def zoned(contours: int | None, strength: str = "hard") -> Profile:
 
 def planned(profile: Profile, and_zones: bool = True, time_s: float | None = None, sheet: Nest = SHEET) -> VerifiedPlan:
     limits = options_for(sheet, profile, work=5.0, time_s=time_s)
-    return solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits, and_zones=and_zones)
+    return solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits, move_zones=and_zones)
 
 
 @pytest.mark.parametrize(

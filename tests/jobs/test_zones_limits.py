@@ -11,21 +11,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kerfwise import pipeline
 from kerfwise.arrays import Ints
 from kerfwise.encoder.facts import zones, zones_along_route
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import adaptive_zones, plan_nest, plan_without_zones
+from kerfwise.jobs import adaptive_zones, plan_without_zones
 from kerfwise.jobs.adaptive_zones import better_zones, planned_by_zones
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.plan_without_zones import Free, is_look_worthwhile, look_for
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.engines.tuning import MOST_CONTOURS
 from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -86,7 +87,7 @@ def test_a_limit_in_seconds_keeps_what_other_zones_take(monkeypatch: pytest.Monk
 
 @pytest.fixture
 def _all_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (adaptive_zones, plan_without_zones, plan_nest):
+    for module in (adaptive_zones, plan_without_zones, pipeline):
         monkeypatch.setattr(module, "FEW", 3)
 
 
@@ -166,7 +167,7 @@ def test_with_little_work_nothing_is_looked_for(work: float, told: bool, monkeyp
     monkeypatch.setattr(adaptive_zones, "without_zones", without_zones)
     profile = zoned(2)
     asked = make_request(facts_of(ROW, profile), profile)
-    made = solve_and_verify(asked, profile, options_for(ROW, profile, work=work), and_zones=True)
+    made = solve_and_verify(asked, profile, options_for(ROW, profile, work=work), move_zones=True)
     assert made.verdict.ok
     assert bool(looked) == told
     assert (made.plan.zones_cost is not None) == told
@@ -184,7 +185,7 @@ def test_zones_of_many_contours_move_and_the_check_agrees(
     monkeypatch.setattr(zones_along_route, "MIDDLES", 0)
     sheet, profile = read_json(json.dumps(make_sheet(2, contours)).encode(), ReadOptions()), load_profile()
     asked, limits = make_request(facts_of(sheet, profile), profile), options_for(sheet, profile, work=work)
-    stayed, moved, again = (solve_and_verify(asked, profile, limits, and_zones=also) for also in (False, True, True))
+    stayed, moved, again = (solve_and_verify(asked, profile, limits, move_zones=also) for also in (False, True, True))
     assert moved.facts.zone.tolist() != stayed.facts.zone.tolist()
     assert moved.plan.solve.objective < stayed.plan.solve.objective
     assert moved.plan.solve.status == "optimal"

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile

@@ -13,8 +13,8 @@ import shapely
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check.plan_runs import burnt_before
 from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.rules.case import part, rect

@@ -9,9 +9,9 @@ import pytest
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.bevel_nests import made_nest
 from kerfwise.tests.metal.layers import jets_of, simulate_layers

@@ -11,10 +11,10 @@ import pytest
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program

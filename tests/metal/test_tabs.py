@@ -10,8 +10,8 @@ import pytest
 from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.findings import Finding

@@ -17,8 +17,8 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, with_parts
 from kerfwise.encoder.touching_edges import with_touching_edges_cut
 from kerfwise.encoder.validate import validated
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check.gouging import Accepted, wrong_edge_losses
 from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.rules.case import circle, nest, part, rect

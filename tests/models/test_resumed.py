@@ -11,9 +11,10 @@ import shapely
 
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.plan_nest import solve_and_verify
+from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import check_cuts
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
@@ -81,8 +82,8 @@ def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: 
     orders = list(permutations(range(left.n)))
     best = min(price_mm(left, picked, (0.0, 0.0)) for order in orders for picked in product(*(ways[k] for k in order)))
     made = solve_and_verify(
-        make_request(left, profile), profile, SolveOptions(work=0.5, member=member_of(engine)), engine=engine
-    )  # type: ignore[arg-type]
+        make_request(left, profile), profile, SolveOptions(work=0.5, member=member_of(engine)), Method(engine)
+    )
     assert made.plan.solve.objective == pytest.approx(best, abs=0.01)
     assert made.verdict.ok
 
@@ -91,7 +92,7 @@ def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: 
 @pytest.mark.scrap("looks at travel alone")
 def test_minizinc_finds_it_too(left: Facts, profile: Profile) -> None:
     ours = solve_and_verify(make_request(left, profile), profile, SolveOptions(work=5.0))
-    twin = solve_and_verify(make_request(left, profile), profile, SolveOptions(work=60.0), engine="minizinc")
+    twin = solve_and_verify(make_request(left, profile), profile, SolveOptions(work=60.0), Method("minizinc"))
     assert twin.plan.solve.objective == pytest.approx(ours.plan.solve.objective, abs=0.001)
 
 

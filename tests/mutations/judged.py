@@ -15,8 +15,8 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.verdict.check_plan import check_program, held_to_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

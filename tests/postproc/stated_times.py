@@ -17,9 +17,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check.reader.read_program import read_on_machine
 from kerfwise.postproc.check.stated import SHARE, stated_time_s, summed_time
 from kerfwise.postproc.clock import with_times

@@ -7,9 +7,9 @@ from functools import cache
 
 import pytest
 
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import report
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.torch_path import compensated
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import CheckResult, Heating, check_cuts, report
 from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.dialects import dialect_names, load_dialect

@@ -10,10 +10,10 @@ from itertools import pairwise
 
 import pytest
 
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.plan.plan import LINKED, Plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.dialects import dialect_names, load_dialect

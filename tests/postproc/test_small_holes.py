@@ -11,9 +11,9 @@ from functools import cache
 import pytest
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.read_plan import validator
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile

@@ -17,8 +17,8 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
+from kerfwise import pipeline
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs import plan_nest
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.plan.explain.alternatives import PositionCosts, explain_entry
 from kerfwise.models.plan.explain.context import PlanContext
@@ -63,18 +63,18 @@ def main(argv: list[str] | None = None) -> int:
 def recorded() -> Iterator[list[tuple[Plan, PlanContext]]]:
     """The plans that are made meanwhile, each with what it was made of."""
     made: list[tuple[Plan, PlanContext]] = []
-    tells = plan_nest.with_reasons
+    tells = pipeline.with_reasons
 
     def told(plan: Plan, setting: PlanContext) -> Plan:
         plan = tells(plan, setting)
         made.append((plan, setting))
         return plan
 
-    plan_nest.with_reasons = told
+    pipeline.with_reasons = told
     try:
         yield made
     finally:
-        plan_nest.with_reasons = tells
+        pipeline.with_reasons = tells
 
 
 def judged(plan: Plan, setting: PlanContext) -> Iterator[Verdict]:

@@ -16,9 +16,9 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import check_cuts, check_program
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat.model_rule import ModelRule, options_in_place

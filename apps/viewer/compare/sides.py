@@ -13,13 +13,13 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.jobs.display import proof_of
 from kerfwise.jobs.inputs import Inputs, Tell, is_plan_file, read_program_of, silent
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.programs import Times, check_made, time_made
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import options_for
 from kerfwise.jobs.simulation import Simulation, simulate_made
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.pipeline import Watchers, plan_nest
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.bevels import upright
 from kerfwise.postproc.check.cuts_from_program import rebuild
@@ -132,7 +132,7 @@ def side_of(request: SideAsked, heat: bool = False, listener: Listener | None = 
 
 def _planned(request: SideAsked, heat: bool, listener: Listener, tell: Tell) -> Side:
     limits = options_for(request.given.nest, request.given.profile, **(request.limits or {}))
-    done = plan_nest(request.given, limits, relax=request.relax, listener=listener, tell=tell)
+    done = plan_nest(request.given, limits, watchers=Watchers(listener, tell), relax=request.relax)
     verdict = done.made.verdict
     return _of_plan(request, done.made.plan, done.given, lambda *_: verdict, "solved", heat, tell, listener.stopped)
 

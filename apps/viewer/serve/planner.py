@@ -15,7 +15,6 @@ from kerfwise.encoder.text import escape_lines, escape_text
 from kerfwise.jobs.display import summary_lines
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import Job
-from kerfwise.jobs.plan_nest import VerifiedPlan, plan_nest
 from kerfwise.jobs.programs import check_made
 from kerfwise.jobs.progress import Listener, OnProgress, Reached
 from kerfwise.jobs.request import NoPlan, options_for
@@ -23,6 +22,7 @@ from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
+from kerfwise.pipeline import VerifiedPlan, Watchers, plan_nest
 from kerfwise.postproc.output_files import output_names, remnant_files
 from kerfwise.rules.profile.overrides import lines_of
 from kerfwise.rules.profile.profile import Profile
@@ -94,18 +94,16 @@ class Planner:
         listener = Listener(self._reached(shown.gap))
         if not relax:  # there the engines' first plan is the first: what gives way takes most of the time
             shown.first(None if start is None else self._known(start, wanted), self._facts)
+        found = None if shown.judged_slowly else shown.found
         while True:
             limits = options_for(inputs.nest, inputs.profile, work=work, memory_gb=memory_gb)
             try:
                 done = plan_nest(
                     inputs,
                     limits,
+                    watchers=Watchers(listener, notes.append, found, self._finishing),
                     already=already,
                     relax=relax,
-                    listener=listener,
-                    tell=notes.append,
-                    planned_as=self._finishing,
-                    found=None if shown.judged_slowly else shown.found,
                     facts=shown.facts,
                 )
             except NoPlan as no_plan:
@@ -136,9 +134,8 @@ class Planner:
         inputs = request_inputs(replace(wanted, job_text=text))
         limits = options_for(inputs.nest, inputs.profile, work=REMEDY_WORK, memory_gb=memory_gb)
         try:
-            done = plan_nest(
-                inputs, limits, already=already_of(wanted, inputs), relax=relax, listener=Listener(self._reached())
-            )
+            watchers = Watchers(Listener(self._reached()))
+            done = plan_nest(inputs, limits, watchers=watchers, already=already_of(wanted, inputs), relax=relax)
         except NoPlan as no_plan:
             left = first_sentence(no_plan, inputs.job)
             return {"works": False, "text": f"another contradiction is left: {left}", "undone": undone}
@@ -323,7 +320,7 @@ class Effects:
         limits = options_for(inputs.nest, inputs.profile, work=EFFECT_WORK, memory_gb=memory_gb)
         listener = Listener(self.heard())
         try:
-            done = plan_nest(inputs, limits, already=already_of(wanted, inputs), listener=listener)
+            done = plan_nest(inputs, limits, watchers=Watchers(listener), already=already_of(wanted, inputs))
         except NoPlan as no_plan:
             return _Planned(inputs, None, first_sentence(no_plan, inputs.job), whole=not listener.stopped)
         except RulesConflict as error:

@@ -14,14 +14,16 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.first_plan import AtHand, first_plan, plan_at_hand
+from kerfwise.jobs.first_plan import AtHand, first_plan, paid_for, plan_at_hand
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import PlanOnTheWay, VerifiedPlan
 from kerfwise.jobs.request import Request, facts_of, make_request
 from kerfwise.jobs.resume import lock_broken_cut_first
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.jit import made_s
+from kerfwise.models.jit import made_s, running_s
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import Planned, VerifiedPlan, judged, plan_of, seen_after, verified
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM
@@ -201,6 +203,46 @@ class PlansShown:
         now_s = time.monotonic()
         self._next_s = now_s + max(SHOWN_EACH_S, SHOWN_SHARE * (now_s - began_s))
         return verified.verdict.ok
+
+
+class PlanOnTheWay:
+    """The plan of a route that was found meanwhile, without the reasons for its order.
+
+    It is judged bit by bit: `lawful` by itself, without a program, and `verified` with its program.
+
+    Parameters
+    ----------
+    request
+        What was asked of the route.
+    looked
+        Whether the route pays already for what geometry finds in the whole order.
+    """
+
+    def __init__(
+        self, request: Request, profile: Profile, solution: Solution, limits: SolveOptions, looked: bool = True
+    ) -> None:
+        seen = seen_after(request.facts, profile, solution.route)
+        if not looked:  # what a hard rule forbids the check tells
+            solution = replace(solution, objective=solution.objective + (paid_for(seen) or 0.0))
+        plan = plan_of(request, profile, solution, limits, seen, reasons=False)
+        self._planned, self._profile = Planned(request.facts, plan, solution), profile
+        self._verdict: CheckResult | None = None
+
+    @property
+    def objective(self) -> float:
+        """What it costs, mm."""
+        return self._planned.solution.objective
+
+    def lawful(self) -> VerifiedPlan:
+        """The plan with the verdict on itself; there is no program yet, and nothing is known of one."""
+        facts, began_s = self._planned.facts, running_s()
+        verdict = self._verdict = check_plan(facts.whole_nest, self._planned.plan, self._profile)
+        plan = judged(self._planned.plan, verdict, facts, self._profile)
+        return VerifiedPlan(plan, "", verdict, self._planned.solution.notes, facts, running_s() - began_s)
+
+    def verified(self) -> VerifiedPlan:
+        """The plan with its program, and the verdict on both."""
+        return verified(self._planned, self._profile, lawful=self._verdict)
 
 
 class RecentFacts:

@@ -18,8 +18,8 @@ from kerfwise.apps.distortion.tolerances import beyond, kept_or_not, tolerances_
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.jobs.inputs import drawn_nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -122,7 +122,7 @@ def test_the_plan_that_is_chosen_is_the_best_that_was_simulated(
     asked = make_request(facts, profile, limits=limits)
     plain = solve_and_verify(asked, profile, limits)
     orders = StraighterOrders(facts, profile, asked.stated)
-    chosen = solve_and_verify(asked, profile, limits, cooler=orders)
+    chosen = solve_and_verify(asked, profile, limits, simulated=orders)
     assert chosen.verdict.ok
     assert len(chosen.plan.sequence().cuts) == 3
     price_mm = orders.price_mm(profile)
@@ -131,7 +131,7 @@ def test_the_plan_that_is_chosen_is_the_best_that_was_simulated(
     assert chosen.plan.solve.objective == pytest.approx(min(found), rel=1e-6)
     first = next(iter(orders.tried.values()))
     assert chosen.plan.solve.objective < first.total_mm(price_mm) - 1.0
-    again = solve_and_verify(asked, profile, limits, cooler=StraighterOrders(facts, profile, asked.stated))
+    again = solve_and_verify(asked, profile, limits, simulated=StraighterOrders(facts, profile, asked.stated))
     assert ways(again) == ways(chosen) != ways(plain)
     assert not any("overheat" in sentence for cut in chosen.plan.cuts for sentence in cut.because)
 

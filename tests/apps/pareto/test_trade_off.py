@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.apps.pareto.pareto import Trade, front
-from kerfwise.jobs.plan_nest import VerifiedPlan
 from kerfwise.models.plan.plan import Totals
+from kerfwise.pipeline import VerifiedPlan
 
 
 class _Made:

@@ -11,11 +11,12 @@ from kerfwise.apps.resequence.resequence import resequence
 from kerfwise.apps.resequence.result import Resequenced
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.programs import ProgramRequest, read_old_job
 from kerfwise.jobs.request import options_for
 from kerfwise.models.engines import Strategy
+from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.read_program import read_old
 from kerfwise.postproc.dialects import load_dialect
@@ -42,7 +43,7 @@ def plates() -> Nest:
 def solved(drawn: Nest, profile: Profile = PLAIN, strategy: Strategy = "ours") -> tuple[str, float]:
     """The program of a plan, and its idle travel."""
     limits = options_for(drawn, profile, work=5)
-    made = plan_nest(Inputs(profile.as_cut(drawn), profile), limits, strategy=strategy).made
+    made = plan_nest(Inputs(profile.as_cut(drawn), profile), limits, Method(strategy=strategy)).made
     return made.program, made.plan.totals.idle_mm
 
 

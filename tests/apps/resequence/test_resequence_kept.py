@@ -14,9 +14,9 @@ from kerfwise.apps.resequence.resequence import resequence
 from kerfwise.apps.resequence.result import Resequenced
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.programs import ProgramRequest
 from kerfwise.jobs.request import options_for
+from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.check.reader.read_program import Trusted, old_on_machine
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.old.program_pieces import reordered, split_program

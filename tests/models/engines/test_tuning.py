@@ -46,7 +46,7 @@ SHARING = {
     "cooler_orders": set(),
     "heat_control": {"LATER", "LISTED"},
     "first_plan": set(),
-    "plan_nest": set(),
+    "by_engine": set(),
     "plan_without_zones": set(),
     "request": set(),
     "time_limits": set(),

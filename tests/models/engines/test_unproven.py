@@ -12,7 +12,6 @@ import pytest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines import Member
 from kerfwise.models.engines.cpsat import solve_cpsat
@@ -23,6 +22,7 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Lag
 from kerfwise.tests.models.problems import ABOUT, scattered, with_lags

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.plan.explain.context import PlanContext, solved_context
@@ -20,6 +19,7 @@ from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
 from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

@@ -9,8 +9,8 @@ import pytest
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.request import options_for
+from kerfwise.pipeline import FinishedPlan, plan_nest
 from kerfwise.postproc.check import check, check_program
 from kerfwise.postproc.check.result import DRIFT, SAME, same
 from kerfwise.postproc.verdict import check_plan

@@ -7,8 +7,8 @@ from functools import cache
 
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.check.result import Judgement, RelaxedStatement
 from kerfwise.postproc.check.rule_verdicts import judge

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.cut import Tab
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rules.case import nest, part, rect

@@ -6,8 +6,8 @@ import dataclasses
 from functools import cache
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.case import nest, part, rect

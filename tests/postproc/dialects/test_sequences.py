@@ -11,9 +11,9 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.rs274 import read_nc

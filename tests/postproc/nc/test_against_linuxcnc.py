@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.clock import read_program
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.nc.gcode import GcodeWriter

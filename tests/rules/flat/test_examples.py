@@ -10,9 +10,9 @@ import pytest
 
 import kerfwise
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

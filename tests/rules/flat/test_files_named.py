@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.pages import rule_page, rule_table
 from kerfwise.rules.profile.load import load_profile

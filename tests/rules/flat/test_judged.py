@@ -15,9 +15,9 @@ from kerfwise.apps.authoring.trials.trial import profile_with_rule_alone, trial_
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.export import CONTOURS_MAX
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
 from kerfwise.rules.case import in_order, nest, part, rect
 from kerfwise.rules.flat import model_rule

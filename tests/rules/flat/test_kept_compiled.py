@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat import compiler, flatten
 from kerfwise.rules.flat.compiler import Compiled

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import Request, facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import by_kind

@@ -15,9 +15,9 @@ import pytest
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import VerifiedPlan, solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.profile.load import load_profile

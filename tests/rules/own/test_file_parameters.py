@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.overrides import read_setting, with_settings

@@ -11,8 +11,8 @@ from kerfwise.apps.viewer.page.page_data import compared_data, page_bytes, page_
 from kerfwise.encoder.nest import Nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.inputs import Inputs, drawn_nest, plant_of
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.request import options_for
+from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.report import draw
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.overrides import without_rule

@@ -11,10 +11,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.explainer import Explainer, Mover
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.plan_nest import plan_nest
 from kerfwise.jobs.request import options_for
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.plan.make_plan import make_plan
+from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.clock import with_times
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.case import circle, nest, part, rect

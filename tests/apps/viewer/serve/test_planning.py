@@ -13,6 +13,7 @@ from typing import Any, cast
 import httpx
 import pytest
 
+from kerfwise import pipeline as main_job
 from kerfwise.apps.viewer.serve import planner, plans_shown
 from kerfwise.apps.viewer.serve.nest_folder import Folder
 from kerfwise.apps.viewer.serve.news import News
@@ -25,7 +26,6 @@ from kerfwise.apps.viewer.serve.session import Session
 from kerfwise.encoder.already_cut import NOTHING_CUT
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import plan_nest as main_job
 from kerfwise.jobs.request import NoPlan
 from kerfwise.tests.apps.viewer.serve.served import EXAMPLES, SMALL, Open, Served, Tab, wait_for
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat.timed_path import RoutePaths
 from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 

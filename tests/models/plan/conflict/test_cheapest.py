@@ -10,13 +10,13 @@ import pytest
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.conflict.conflict import may_give_way, soften
 from kerfwise.models.plan.conflict.groups import LAST, hard_groups
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import report
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.plan_nest import solve_and_verify
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
 from kerfwise.models.plan.conflict.core import Engines, find_whole_core
 from kerfwise.models.plan.conflict.groups import Group, NotAnswered, hard_groups
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

@@ -13,14 +13,14 @@ import pytest
 from click.testing import CliRunner
 
 from kerfwise.cli import program
+from kerfwise.commands import page_picture
+from kerfwise.commands.page_picture import DrawnBeside, planned_picture
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs import page_picture
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.page_picture import DrawnBeside, planned_picture
-from kerfwise.jobs.plan_nest import FinishedPlan, plan_nest
 from kerfwise.jobs.request import options_for
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import FinishedPlan, Watchers, plan_nest
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.load import load_profile
 
@@ -37,7 +37,7 @@ def beside_on_small_nests(monkeypatch: pytest.MonkeyPatch) -> None:
 def finished(told: Callable[[Plan], None]) -> FinishedPlan:
     """A small plan that breaks a soft rule, so that its header has something to say of its rules."""
     nest, profile = read_nest(SMALL), load_profile()
-    return plan_nest(Inputs(nest, profile), options_for(nest, profile, work=0.1), planned_as=told)
+    return plan_nest(Inputs(nest, profile), options_for(nest, profile, work=0.1), watchers=Watchers(planned=told))
 
 
 def signalled(beside: DrawnBeside, sent: signal.Signals) -> SpawnProcess:

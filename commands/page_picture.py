@@ -21,13 +21,12 @@ from typing import Self
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.process_pool import ENDED_S, end_with_parent, start_quietly
 from kerfwise.models.jit import machine_cores
 from kerfwise.models.plan.plan import Plan
+from kerfwise.pipeline import VerifiedPlan
 from kerfwise.postproc.report import PAGE, draw
-
-from .inputs import Inputs
-from .plan_nest import VerifiedPlan
-from .process_pool import ENDED_S, end_with_parent, start_quietly
 
 FROM_CONTOURS = 2000
 """With fewer, drawing takes less than a process needs to set out."""

@@ -1,0 +1,138 @@
+"""A request solved by the engines, by MiniZinc, or by a plain strategy to compare with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.models.engines import Engine, Strategy
+from kerfwise.models.engines.deadline import Progress
+from kerfwise.models.engines.solution import Solution, SolveOptions, Status
+from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.jit import running_s
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import Statement
+from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
+
+from .adaptive_zones import rungs
+from .inputs import expect_one_torch
+from .request import Request
+
+
+class Method(NamedTuple):
+    """How a plan is looked for.
+
+    Attributes
+    ----------
+    engine, solver
+        Who plans; `solver` is that of the engine minizinc.
+    strategy
+        A plain one takes the engine's place, to compare with.
+    start
+        A plan at hand, as of the nest before an edit: the new one costs no more than this does under what is asked now.
+    first
+        Give the first lawful plan and stop, but where temperature, or a price on what a simulation shows, decides.
+    """
+
+    engine: Engine = "portfolio"
+    solver: str = "gecode"
+    strategy: Strategy = "ours"
+    start: Plan | None = None
+    first: bool = False
+
+    @property
+    def is_portfolio(self) -> bool:
+        """Whether all engines plan together."""
+        return self.engine == "portfolio" and self.strategy == "ours"
+
+    @property
+    def named(self) -> Engine:
+        """The engine that the plan names."""
+        return self.engine if self.strategy == "ours" else "portfolio"
+
+    def expect_fits(self, profile: Profile) -> None:
+        """Refuse a plan to start from, or a first plan, of another engine, and MiniZinc where it cannot plan.
+
+        Raises
+        ------
+        InputError
+            If so, or MiniZinc, or its solver, is missing or broken.
+        """
+        if (self.start is not None or self.first) and not self.is_portfolio:
+            raise InputError("a first plan, or one that goes on from another, is made by the engine portfolio alone")
+        if self.engine == "minizinc":
+            expect_one_torch(profile, "the engine minizinc")
+            from kerfwise.rules.minizinc.installation import solver_named
+
+            solver_named(self.solver)
+
+
+PORTFOLIO = Method()
+"""All engines, from nothing, until the limit or the proof."""
+
+
+def solve_by(
+    method: Method,
+    request: Request,
+    profile: Profile,
+    limits: SolveOptions,
+    further: tuple[Statement, ...] = (),
+    progress: Progress | None = None,
+    found: Callable[[Solution], None] | None = None,
+) -> Solution:
+    """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones.
+
+    Raises
+    ------
+    RulesConflict
+        If no lawful plan exists, or none was found.
+    """
+    facts, stated = request.facts, request.stated
+    refine = lazy_statements(facts, profile)
+    if method.strategy != "ours":
+        from kerfwise.models.engines.baselines import solve_by as solve_plainly
+
+        return solve_plainly(method.strategy, facts, profile, stated.statements, limits, progress)
+    if method.engine == "minizinc":
+        from kerfwise.models.engines.minizinc_engine import solve_minizinc
+
+        return solve_minizinc(facts, profile, stated, limits, method.solver, refine, progress)
+    from kerfwise.models.engines.solve import solve
+
+    look_s = 0.0
+    if limits.time_s is not None:
+        began_s = running_s()
+        look_s = look_takes_s(facts, profile)
+        limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
+    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, found=found)
+
+
+def with_less_work(
+    solved: Callable[[float], Solution], contours: int, limits: SolveOptions, progress: Progress | None = None
+) -> Solution:
+    """What a share of the work, 1 at first, brings, or, where that is not proven, what less of it would have brought.
+
+    More work takes other ways, and may end in a dearer plan: so it is done with each of the lower rungs, too, which
+    comes to half as much again. What is proven at one of them is proven.
+    """
+    best = solved(1.0)
+    if limits.time_s is not None or limits.gap is not None or limits.no_improvement_s is not None or contours > FEW:
+        return best
+    for rung in list(rungs(contours, limits.work))[:-1]:
+        if best.status == "optimal" or (progress is not None and not progress("portfolio", None, None)):
+            break
+        try:
+            other = solved(rung / limits.work)
+        except RulesConflict:  # so little work may find none
+            continue
+        if other.left_out != best.left_out:
+            continue
+        cheaper = other if other.objective < best.objective else best
+        known = max(best, other, key=lambda one: one.bound or 0.0)
+        proven = known.bound is not None and known.bound >= cheaper.objective
+        status: Status = "optimal" if proven else "feasible"
+        best = replace(cheaper, bound=known.bound, proved_by=known.proved_by, status=status, notes=best.notes)
+    return best
