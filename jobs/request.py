@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -89,7 +90,8 @@ def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, 
 def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, limit: JobLimit | None = None) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
-    Where some of it is `already` cut they are those of what is left. A `limit` notes how long finding candidates takes.
+    Where some of it is `already` cut they are those of what is left. A `limit` notes how long finding candidates takes;
+    the compiling of rules in model files ends within it.
 
     Raises
     ------
@@ -105,6 +107,21 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
         minizinc_program()
         for rule in rules:
             rule.expect_small(nest)
+    with _compiling(profile, None if limit is None else limit.seconds()):
+        return _measured(nest, profile, already, limit)
+
+
+def _compiling(profile: Profile, seconds: float | None) -> AbstractContextManager[None]:
+    """Has the compiling of rules in model files end within so many seconds, where these are given."""
+    if seconds is None or not profile.model_rules():
+        return nullcontext()
+    from kerfwise.rules.flat.compiler import compiled_within
+
+    return compiled_within(seconds)
+
+
+def _measured(nest: Nest, profile: Profile, already: AlreadyCut, limit: JobLimit | None) -> Facts:
+    """See `facts_of`; rules are compiled for as long as they take."""
     amount(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
@@ -280,14 +297,22 @@ def make_request(
 ) -> Request:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
 
-    The look for them ends within `limits`.
+    The look for them ends within `limits`, and so does the compiling of rules in model files.
 
     Raises
     ------
+    InputError
+        If a rule's model file cannot be compiled, or not within a limit in seconds.
     RulesConflict
         If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
         if contours are left in metal that has fallen out.
     """
+    with _compiling(profile, None if limits is None else limits.time_s):
+        return _requested(facts, profile, relax, limits)
+
+
+def _requested(facts: Facts, profile: Profile, relax: bool, limits: SolveOptions | None) -> Request:
+    """The same; rules are compiled for as long as they take."""
     loose, began_s = loose_orders(facts), running_s()
     zoning = frozenset(name for name, rule in RULES.items() if rule.minds_zones)
     if relax:

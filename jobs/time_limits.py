@@ -38,6 +38,10 @@ class JobLimit:
         self._compiled_s = self.compiled_s()
         self._step_s = running_s()
 
+    def seconds(self) -> float | None:
+        """What the job may take from here on, s; None where nothing is said."""
+        return self._limits.time_s
+
     def facts_made(self) -> SolveOptions:
         """The limits for stating the rules: the facts are there."""
         self._not_counted("the facts of the nest", running_s() - self._step_s)
@@ -144,6 +148,9 @@ class CommandLimit(JobLimit):
     def planning_s(self) -> float:
         """Seconds for the planning, if it begins now."""
         return max(self.limit_s - self.spent_s - self.kept_s(), LEAST_SHARE * self.limit_s)
+
+    def seconds(self) -> float:
+        return self.planning_s()
 
     def facts_made(self) -> SolveOptions:
         self._share_s, spent_s = self.planning_s(), self.spent_s

@@ -6,7 +6,12 @@ import json
 import re
 import sys
 import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from typing import TypeAlias
 
@@ -31,7 +36,9 @@ GECODE = "gecode"
 OWN_MODEL = "kerfwise model.mzn"
 """What kerfwise asks MiniZinc to compile: no rule's file may have such a name."""
 LIMIT_S = 120.0
-"""What a rule takes to be compiled for a nest of 300 contours is a second or two."""
+"""What a rule takes to be compiled for a nest of 300 contours is a second or two; a limit in seconds replaces it."""
+LEAST_S = 0.1
+_ENDS_S: ContextVar[float] = ContextVar("when compiling ends, by time.monotonic", default=inf)
 SAID = "%kerfwise "
 """What begins a line that a model prints for kerfwise."""
 _PLACE = re.compile(r"^(?:\(included from file '.*|(?P<file>.+?):(?P<line>\d+)\.(?P<column>\d+)(?:-[\d.]+)?:?)$")
@@ -44,6 +51,16 @@ class Compiled:
 
     flat: str
     printed: tuple[tuple[str, str], ...]
+
+
+@contextmanager
+def compiled_within(seconds: float) -> Iterator[None]:
+    """So long at the most all rules together may take that are compiled meanwhile."""
+    before = _ENDS_S.set(time.monotonic() + seconds)
+    try:
+        yield
+    finally:
+        _ENDS_S.reset(before)
 
 
 def minizinc_program() -> str:
@@ -98,7 +115,15 @@ def compile_model(text: str, about: Path) -> Compiled:
         model.write_text(text, encoding="utf-8", newline="\n")
         solver.write_text(json.dumps(_solver()), encoding="utf-8", newline="\n")
         words = ("-c", "--solver", str(solver), "--fzn", str(flat), "--no-output-ozn", str(model))
-        ran = run(program, words, LIMIT_S)
+        ends_s, began_s = _ENDS_S.get(), time.monotonic()
+        ran = run(program, words, LIMIT_S if ends_s == inf else max(ends_s - began_s, LEAST_S))
+        if ran.code is None and not ran.endless and ends_s < inf:
+            took_s = time.monotonic() - began_s
+            raise InputError(
+                f"MiniZinc compiles this rule for the nest and is not done after {took_s:.1f} s, which is all that the "
+                "time limit leaves it: give it more time, or state the rule over fewer contours",
+                file=about,
+            )
         _expect_done(ran, about, program)
         if not flat.exists():
             raise _mistake(ran.complaint or ran.said, about, program)

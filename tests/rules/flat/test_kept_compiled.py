@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.pipeline import solve_and_verify
+from kerfwise.pipeline import plan_nest, solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat import compiler, flatten
 from kerfwise.rules.flat.compiler import Compiled
 from kerfwise.rules.flat.flatten import cache_folder, compiled
 from kerfwise.rules.flat.model_file import ModelFile, read_model_file
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.profile import Profile
 
 pytestmark = pytest.mark.minizinc
 
@@ -190,3 +194,22 @@ def test_the_place_is_the_users(given: dict[str, str], folder: str, monkeypatch:
     for name, value in given.items():
         monkeypatch.setenv(name, value)
     assert cache_folder() == Path(folder)
+
+
+def test_compiling_ends_within_the_limit(tmp_path: Path, cache: Path) -> None:
+    """Three nested loops over 400 numbers take MiniZinc half a minute; the command has a second."""
+    (tmp_path / "tried.mzn").write_text(
+        "% tried: of three outer contours, the first is not cut last\n"
+        "array[int] of var bool: tried_holds =\n"
+        "  [before(1, 2) \\/ before(2, 3) \\/ i * j = k | i, j, k in 1..400];\n"
+    )
+    profile = load_profile_of(tmp_path, "models: [tried.mzn]\nrules: {tried: hard}\n")
+    began_s = time.monotonic()
+    with pytest.raises(InputError, match=r"is not done after 1\.. s, which is all that the time limit leaves it"):
+        plan_nest(Inputs(ROW, profile), SolveOptions(time_s=1.0))
+    assert time.monotonic() - began_s < 10.0
+
+
+def load_profile_of(folder: Path, text: str) -> Profile:
+    (folder / "plant.yaml").write_text(f"name: plant\nbased_on: plasma-carbon-steel\n{text}")
+    return load_profile(str(folder / "plant.yaml"))
