@@ -23,8 +23,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
+from kerfwise.rules.expression.node import Gate, Lit, Node, any_of, gate, holds_under, literals, order
 from kerfwise.rules.flat import flatten
-from kerfwise.rules.flat.expr import Gate, Lit, Node, any_of, gate, holds_under, literals, order
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.flat.model_rule import ModelRule, facts_data
 from kerfwise.rules.minizinc.twin import rule_file

@@ -78,6 +78,17 @@ def join_names(names: Sequence[str], most: int) -> str:
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
+def first_and_last(names: Sequence[str], most: int = 6) -> str:
+    """All names, or the first and the last where there are more than `most`.
+
+    Examples
+    --------
+    >>> first_and_last(["A", "B"]), first_and_last(["A", "B", "C"], most=2)
+    ('A, B', 'A … C')
+    """
+    return ", ".join(names) if len(names) <= most else f"{names[0]} … {names[-1]}"
+
+
 # Rows of text as columns of equal width, for terminals.
 
 

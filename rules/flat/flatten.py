@@ -18,6 +18,7 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
+from kerfwise.rules.expression.node import Node, TooMuch
 from kerfwise.rules.minizinc.installation import version_of
 
 from .compiler import (
@@ -33,7 +34,6 @@ from .compiler import (
     read_flatzinc,
     solve_all,
 )
-from .expr import Node, TooMuch
 from .flatzinc_to_expr import SUMS, Meaning, UnsupportedModel, Words
 from .model_file import ModelFile, element_contours, files_read, whole_text
 

@@ -6,10 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from kerfwise.rules.statements import Pick
-
-from .compiler import Constraint, FlatZinc, Value
-from .expr import (
+from kerfwise.rules.expression.node import (
     MOST_MS,
     ChoiceSum,
     Lit,
@@ -38,6 +35,9 @@ from .expr import (
     times_node,
     without_word,
 )
+from kerfwise.rules.statements import Pick
+
+from .compiler import Constraint, FlatZinc, Value
 
 
 class UnsupportedModel(ValueError):

@@ -16,6 +16,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import join_names, nearest
+from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, parts
 from kerfwise.rules.minizinc.twin import Fields, Further, TwinCase, assignments, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
@@ -24,7 +25,6 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import USUAL, Forced, Ids, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import About, Before, Statement
 
-from .expr import MOST_TOLD, Lit, Node, contours_of, parts
 from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments
 from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data, unknown_words
 
@@ -111,8 +111,9 @@ class ModelRule(Rule[Any]):
             )
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
+        from kerfwise.rules.expression.to_statements import NotExpressible, Way, Writer
+
         from .flatten import flatten  # most runs have no rule in a file: they do without the reading of such
-        from .to_statements import NotExpressible, Way, Writer
 
         self.expect_small(facts.nest)
         further = self.further(options)

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -133,160 +133,115 @@ SIGNED_LENGTH = dataclasses.replace(LENGTH, at_least=None)
 _TRUTHS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
 
 
-class ValueKind(ABC):
-    """A kind of value that facts have."""
+@dataclass(frozen=True)
+class ValueKind:
+    """A kind of value that facts have: what is accepted of it in words and as JSON Schema, and how one is read."""
 
+    expects: str
+    one: Mapping[str, Any]
+    criterion: Callable[[str, yaml.Node, ValueKind], Criterion]
     unit: str = ""
+    listed: bool = True
 
     def read(self, node: yaml.Node) -> Criterion:
         """The criterion that a node states, any of several for a list; raises `Unfit`."""
-        if isinstance(node, yaml.SequenceNode) and node.value:
+        if self.listed and isinstance(node, yaml.SequenceNode) and node.value:
             return AnyOf(tuple(self.read_one(member) for member in node.value))
         return self.read_one(node)
 
-    @abstractmethod
     def read_one(self, node: yaml.Node) -> Criterion:
         """The criterion of one scalar."""
+        if not isinstance(node, yaml.ScalarNode) or is_empty(node) or not node.value.strip():
+            raise self.refuse(node)
+        return self.criterion(str(node.value).strip(), node, self)
 
-    @abstractmethod
-    def expected(self) -> str:
-        """What is accepted, in words."""
-
-    @abstractmethod
-    def schema_of_one(self) -> dict[str, Any]:
-        """JSON Schema of one scalar."""
+    def plain(self, value: Criterion) -> object:
+        """The YAML data that reads back as a criterion of this kind."""
+        return value.plain()
 
     def schema(self) -> dict[str, Any]:
         """JSON Schema of what `read` accepts."""
-        one = self.schema_of_one()
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
-
-    def text(self, node: yaml.Node) -> str:
-        """The text of a scalar."""
-        if not isinstance(node, yaml.ScalarNode) or is_empty(node) or not node.value.strip():
-            raise self.refuse(node)
-        return str(node.value).strip()
+        return (
+            {"anyOf": [self.one, {"type": "array", "items": self.one, "minItems": 1}]} if self.listed else {**self.one}
+        )
 
     def refuse(self, node: yaml.Node) -> Unfit:
         """The error for a node this kind does not accept."""
-        return Unfit(f"expected {self.expected()}, got {shape(node)}")
+        return Unfit(f"expected {self.expects}, got {shape(node)}")
+
+    @property
+    def single(self) -> ValueKind:
+        """The same without lists."""
+        return dataclasses.replace(self, listed=False)
 
 
-@dataclass(frozen=True)
-class NumberKind(ValueKind):
+def number_kind(operand: OptionKind, unit: str = "") -> ValueKind:
     """Numbers of one unit."""
 
-    operand: OptionKind
-    unit: str = ""
+    def number(text: str, node: yaml.Node, kind: ValueKind) -> float:
+        try:
+            return float(operand.read(yaml.ScalarNode("tag:yaml.org,2002:str", text.strip())))  # type: ignore[arg-type]
+        except Unfit:
+            raise kind.refuse(node) from None
 
-    def read_one(self, node: yaml.Node) -> Criterion:
-        text = self.text(node)
+    def span(text: str, node: yaml.Node, kind: ValueKind) -> Criterion:
         low, dots, high = text.partition("..")
         if dots:
-            span = NumberSpan(self._operand(low, node), self._operand(high, node), given=text)
+            span = NumberSpan(number(low, node, kind), number(high, node, kind), given=text)
             if span.low > span.high:
                 raise Unfit(f"{text!r} is empty: write the smaller number first")
             return span
-        operator, operand = re.fullmatch(r"(<=|>=|!=|<|>|=)?\s*(.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
-        value = self._operand(operand, node)
+        operator, rest = re.fullmatch(r"(<=|>=|!=|<|>|=)?\s*(.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
+        value = number(rest, node, kind)
         match operator:
             case "<" | "<=":
                 return NumberSpan(high=value, without_high=operator == "<", given=text)
             case ">" | ">=":
                 return NumberSpan(low=value, without_low=operator == ">", given=text)
-            case _:
-                return NumberSpan(value, value, negated=operator == "!=", given=text)
+        return NumberSpan(value, value, negated=operator == "!=", given=text)
 
-    def _operand(self, text: str, node: yaml.Node) -> float:
-        try:
-            value = self.operand.read(yaml.ScalarNode("tag:yaml.org,2002:str", text.strip()))
-        except Unfit:
-            raise self.refuse(node) from None
-        assert isinstance(value, int | float)
-        return float(value)
-
-    def expected(self) -> str:
-        unit = f" of {self.unit}" if self.unit else ""
-        return f"a number{unit} such as 6, '< 6', '>= 6', '!= 6' or 2..6, or a list of them"
-
-    def schema_of_one(self) -> dict[str, Any]:
-        return {"anyOf": [{"type": "number"}, {"type": "string", "pattern": r"^\s*(<=|>=|!=|<|>|=)?\s*[-+0-9.]"}]}
+    one = {"anyOf": [{"type": "number"}, {"type": "string", "pattern": r"^\s*(<=|>=|!=|<|>|=)?\s*[-+0-9.]"}]}
+    of = f" of {unit}" if unit else ""
+    return ValueKind(f"a number{of} such as 6, '< 6', '>= 6', '!= 6' or 2..6, or a list of them", one, span, unit)
 
 
-@dataclass(frozen=True)
-class WordKind(ValueKind):
+def word_kind(words: tuple[str, ...]) -> ValueKind:
     """One of a few words."""
-
-    words: tuple[str, ...]
-
-    def read_one(self, node: yaml.Node) -> Criterion:
-        return Pattern(str(Choice(self.words).read(node)))
-
-    def expected(self) -> str:
-        return f"{Choice(self.words).expected()}, or a list of them"
-
-    def schema_of_one(self) -> dict[str, Any]:
-        return {"enum": list(self.words)}
+    expects = f"{Choice(words).expected()}, or a list of them"
+    return ValueKind(expects, {"enum": list(words)}, lambda _, node, kind: Pattern(str(Choice(words).read(node))))
 
 
-class TextKind(ValueKind):
-    """Any text, with * and ? for what is left open."""
-
-    def read_one(self, node: yaml.Node) -> Criterion:
-        return Pattern(self.text(node))
-
-    def expected(self) -> str:
-        return "a text such as P1 or 'P*', or a list of them"
-
-    def schema_of_one(self) -> dict[str, Any]:
-        return {"type": ["string", "number"]}
+def _flag(text: str, node: yaml.Node, kind: ValueKind) -> Criterion:
+    if text.lower() not in _TRUTHS:
+        raise kind.refuse(node)
+    return Truth(_TRUTHS[text.lower()])
 
 
-class FlagKind(ValueKind):
-    """true or false."""
-
-    def read(self, node: yaml.Node) -> Criterion:
-        return self.read_one(node)
-
-    def read_one(self, node: yaml.Node) -> Criterion:
-        text = self.text(node).lower()
-        if text not in _TRUTHS:
-            raise self.refuse(node)
-        return Truth(_TRUTHS[text])
-
-    def expected(self) -> str:
-        return "true or false"
-
-    def schema_of_one(self) -> dict[str, Any]:
-        return {"type": "boolean"}
-
-    def schema(self) -> dict[str, Any]:
-        return self.schema_of_one()
+def _free(text: str, node: yaml.Node, kind: ValueKind) -> Criterion:
+    """Whatever a nest's author has written."""
+    if node.tag == "tag:yaml.org,2002:bool":
+        return _flag(text, node, kind)
+    if re.match(r"[<>=!]", text) or re.fullmatch(r"[-+.\d]+", text):
+        return COUNTED.read_one(node)
+    return Pattern(text)
 
 
-class FreeKind(ValueKind):
-    """Whatever a nest's author has written: a number, a text, or true and false."""
-
-    def read_one(self, node: yaml.Node) -> Criterion:
-        text = self.text(node)
-        if isinstance(node, yaml.ScalarNode) and node.tag == "tag:yaml.org,2002:bool":
-            return Truth(_TRUTHS[text.lower()])
-        if re.match(r"[<>=!]", text) or re.fullmatch(r"[-+.\d]+", text):
-            return COUNTED.read_one(node)
-        return Pattern(text)
-
-    def expected(self) -> str:
-        return "a number such as 1, '> 1' or 1..3, a text such as 'P*', true or false, or a list of them"
-
-    def schema_of_one(self) -> dict[str, Any]:
-        return {"type": ["string", "number", "boolean"]}
-
-
-LENGTHS = NumberKind(SIGNED_LENGTH, "mm")
-AREAS = NumberKind(Number(0), "mm²")
-COUNTED = NumberKind(Number())
-SECONDS = NumberKind(DURATION, "s")
-KILOGRAMS = NumberKind(Number(0), "kg")
+LENGTHS = number_kind(SIGNED_LENGTH, "mm")
+AREAS = number_kind(Number(0), "mm²")
+COUNTED = number_kind(Number())
+SECONDS = number_kind(DURATION, "s")
+KILOGRAMS = number_kind(Number(0), "kg")
+TEXTS = ValueKind(
+    "a text such as P1 or 'P*', or a list of them",
+    {"type": ["string", "number"]},
+    lambda text, node, kind: Pattern(text),
+)
+FLAGS = ValueKind("true or false", {"type": "boolean"}, _flag, listed=False)
+FREE = ValueKind(
+    "a number such as 1, '> 1' or 1..3, a text such as 'P*', true or false, or a list of them",
+    {"type": ["string", "number", "boolean"]},
+    _free,
+)
 
 
 SHOWN = 8

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.expression.over_cuts import breaches
+from kerfwise.rules.expression.to_statements import statement_of
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import Place as FilePlace
 from kerfwise.rules.rule import USUAL, Ids, Plate, Rule, Strength, Violation
-from kerfwise.rules.statements import Statement
+from kerfwise.rules.statements import About, Statement
 
-from .constraint import Chosen, Constraint, DirectionConstraint, EntryConstraint
-from .next_cut import NextCut
-from .order_constraints import Apart, Ends, OneStays, OrderConstraint, Together, WithinTime
+from .demands import DEMANDS, Chosen, Demand
 from .selector import KnownFacts, Selector, facts_values, groups, measure_nest, nest_values
 
 if TYPE_CHECKING:
@@ -25,20 +25,13 @@ if TYPE_CHECKING:
 PREFIX = "own:"
 """What the id of every own rule begins with."""
 
-KINDS: tuple[type[Constraint], ...] = (
-    *(OrderConstraint, Ends, Together, Apart, NextCut, WithinTime, OneStays),
-    *(DirectionConstraint, EntryConstraint),
-)
-ASKS: Mapping[str, type[Constraint]] = {key: kind for kind in KINDS for key in kind.KEYS}
-"""Key in a profile → the kind of demand that stands under it."""
-
 
 @dataclass(frozen=True, slots=True)
 class OwnRule:
     """One entry of a profile's `own_rules`; `weight` (mm of idle travel) only where it is soft."""
 
     name: str
-    ask: Constraint
+    ask: Demand
     select: Selector = field(default_factory=Selector)
     scope: str = "sheet"
     why: str = "a rule of the plant's own"
@@ -60,15 +53,15 @@ class OwnRule:
         """Which contours it is about on one nest."""
         selected = set(self.select.chosen(known))
         parted = ((tuple(k for k in group if k in selected), group) for group in groups(known, self.scope))
-        return Chosen(self.id, self.why, known, tuple((own, group) for own, group in parted if own))
+        return Chosen(self.id, known, tuple((own, group) for own, group in parted if own))
 
     def plain(self) -> dict[str, object]:
         """The YAML data that reads back as this rule."""
-        key, demand = self.ask.plain()
+        key = self.ask.key
         result: dict[str, object] = {"name": self.name, "why": self.why, "strength": self.strength}
         if self.weight is not None:
             result["weight"] = LENGTH.write(self.weight)
-        return result | {"select": self.select.plain(), key: demand, "scope": self.scope}
+        return result | {"select": self.select.plain(), key: DEMANDS[key][0].plain(self.ask.value), "scope": self.scope}
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,14 +128,18 @@ class PlantRule(Rule[Thresholds]):
         self.minds_what_is_out = rule.ask.MINDS_WHAT_IS_OUT
 
     def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
-        yield from self.rule.ask.statements(facts, self.rule.chosen(facts_values(facts, options.plate)))
+        contours, chosen = facts.nest.contours, self.rule.chosen(facts_values(facts, options.plate))
+        for condition in self.rule.ask.conditions(chosen):
+            ids = tuple(contours[k].id for k in condition.contours)
+            yield statement_of(condition.asked, About(self.id, ids, f"{condition.sentence}: {self.rule.why}"))
 
     def violations(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Violation]:
         if self.unjudged(nest, cuts, options) is not None:
             return []
+        asked = self.rule.ask.conditions(self._chosen(nest, cuts, options))
         return [
             Violation(self.id, contours, f"{text}: {self.rule.why}", positions)
-            for contours, text, positions in self.rule.ask.broken(cuts, self._chosen(nest, cuts, options))
+            for contours, text, positions in breaches(asked, nest, cuts)
         ]
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Ids]:

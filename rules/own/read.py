@@ -17,15 +17,45 @@ from kerfwise.rules.options.quantities import WEIGHT
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, items
 from kerfwise.rules.rule import Strength
 
-from .own_rule import ASKS, PREFIX, Own, OwnFile, OwnRule
-from .selector import Scope, read_selector, selector_schema
+from .demands import ASKS, DEMANDS
+from .forms import Form, Group, KeyedNodes, Scalar
+from .own_rule import PREFIX, Own, OwnFile, OwnRule
+from .selector import SELECTOR, Scope, selector_schema
 
-# An entry of `own_rules` that names a file, read from YAML: `{file: rivets_first.mzn, parameters: {most: 800}}`.
-
-FILE_KEYS = ("file", "name", "why", "strength", "weight", "parameters")
+# An entry of `own_rules`: plain keys and one demand, or a file: `{file: rivets_first.mzn, parameters: {most: 800}}`.
 
 ParametersOf = Callable[[Path], Mapping[str, OptionKind]]
 """The parameters that the rule in a file declares, by key; raises `InputError` where the file is no rule."""
+DEFAULT_WEIGHT_MM = 1000.0
+STRENGTHS: tuple[Strength, ...] = ("hard", "soft", "off")
+PLAIN: Mapping[str, tuple[Form, str]] = {
+    "name": (Scalar(Text()), "what plans and checks call the rule, after own:"),
+    "why": (Scalar(Text()), "the reason, in words for the planner"),
+    "strength": (Scalar(Choice(STRENGTHS)), "default hard"),
+    "weight": (Scalar(WEIGHT), "of a soft rule: cost of breaking it once, in idle travel (default 1000 mm)"),
+    "scope": (Scalar(Scope()), "within what the rule holds (default sheet)"),
+}
+SELECT: tuple[Form, str] = (SELECTOR, "which contours the rule is about (default all)")
+ENTRY = Group({**PLAIN, "select": SELECT, **DEMANDS}, one_of=tuple(DEMANDS), required=("name",), elsewhere=("file",))
+FILE = Group(
+    {
+        "file": (Scalar(Text()), "a MiniZinc file, beside the profile"),
+        **{key: PLAIN[key] for key in ("name", "why", "strength", "weight")},
+    },
+    required=("file",),
+    noun="key of a rule in a file",
+    elsewhere=("parameters",),
+)
+
+
+def read_values(form: Group, members: KeyedNodes, problems: Problems, what: str) -> dict[str, Any]:
+    """The values of an entry's keys; a soft rule has a weight."""
+    strength = next((value.value for key, _, value in members if key == "strength"), "hard")
+    for key, _, value in members:
+        if key == "weight" and strength != "soft":
+            problems.add(value, f"{what}.weight: only a soft rule has a weight, this one is {strength}")
+    weight = {"weight": DEFAULT_WEIGHT_MM} if strength == "soft" else {}
+    return weight | dict(form.read_members(members, problems, what))
 
 
 def read_file_entry(
@@ -39,15 +69,7 @@ def read_file_entry(
         If the entry gives parameters and the file is no rule.
     """
     so_far = len(problems.found)
-    values = plain_values(members, problems, what)
-    for key, key_node, value in members:
-        if key == "file":
-            try:
-                values["file"] = Text().read(value)
-            except Unfit as error:
-                problems.add(value, f"{what}.file: {error}")
-        elif key not in FILE_KEYS:
-            problems.add(key_node, f"{what}: {unknown('key of a rule in a file', key, FILE_KEYS)}")
+    values = read_values(FILE, members, problems, what)
     if len(problems.found) > so_far:
         return None
     values.setdefault("name", Path(values["file"]).stem)
@@ -84,38 +106,6 @@ def with_parameters(
     return rule.with_parameters(values)
 
 
-# The plain keys of an entry of `own_rules`: its name, why, strength, weight and scope.
-
-DEFAULT_WEIGHT_MM = 1000.0
-STRENGTHS: tuple[Strength, ...] = ("hard", "soft", "off")
-PLAIN: dict[str, tuple[OptionKind, str]] = {
-    "name": (Text(), "what plans and checks call the rule, after own:"),
-    "why": (Text(), "the reason, in words for the planner"),
-    "strength": (Choice(STRENGTHS), "default hard"),
-    "weight": (WEIGHT, "of a soft rule: cost of breaking it once, in idle travel (default 1000 mm)"),
-    "scope": (Scope(), "within what the rule holds (default sheet)"),
-}
-
-KeyedNodes = list[tuple[str, yaml.Node, yaml.Node]]
-
-
-def plain_values(members: KeyedNodes, problems: Problems, what: str) -> dict[str, Any]:
-    strength = next((value.value for key, _, value in members if key == "strength"), "hard")
-    values: dict[str, Any] = {"weight": DEFAULT_WEIGHT_MM} if strength == "soft" else {}
-    for key, _, value in members:
-        if key in PLAIN:
-            try:
-                values[key] = PLAIN[key][0].read(value)
-            except Unfit as error:
-                problems.add(value, f"{what}.{key}: {error}")
-        if key == "weight" and strength != "soft":
-            problems.add(value, f"{what}.weight: only a soft rule has a weight, this one is {strength}")
-    return values
-
-
-KEYS = (*PLAIN, "select", *ASKS)
-
-
 def read_own_rules(node: yaml.Node, problems: Problems, parameters_of: ParametersOf) -> tuple[Own, ...]:
     """The plant's own rules; what is wrong with them is noted in `problems`.
 
@@ -145,64 +135,36 @@ def read_own_rules(node: yaml.Node, problems: Problems, parameters_of: Parameter
 
 
 def read_own_rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnRule | None:
+    """The entry; None, with what is wrong noted in `problems`, where it cannot be read."""
     so_far = len(problems.found)
-    values: dict[str, Any] = {}
-    conditions = [(key, key_node, value) for key, key_node, value in members if key in ASKS]
-    for key, key_node, value in members:
-        if key == "select":
-            values[key] = read_selector(value, problems, f"{what}.select")
-        elif key not in KEYS:
-            problems.add(key_node, f"{what}: {unknown('key', key, [*KEYS, 'file'])}")
-    values |= plain_values(members, problems, what)
-    for key, key_node, _ in conditions[1:]:
-        problems.add(
-            key_node, f"{what}: a rule asks one thing, this one asks {conditions[0][0]} and {key}; write two rules"
-        )
-    ask = [ASKS[key].read(key, value, problems, f"{what}.{key}") for key, _, value in conditions[:1]]
-    if len(problems.found) == so_far and not ask:
-        problems.add(entry, f"{what}: nothing is asked: give one of {', '.join(ASKS)}")
-    if len(problems.found) == so_far and "name" not in values:
-        problems.add(entry, f"{what}: give the rule a name")
-    if len(problems.found) > so_far:
+    values = read_values(ENTRY, members, problems, what)
+    ask = next((ASKS[key](key, values.pop(key)) for key in ASKS if key in values), None)
+    if len(problems.found) == so_far:
+        if ask is None:
+            problems.add(entry, f"{what}: nothing is asked: give one of {', '.join(ASKS)}")
+        elif wrong := ask.wrong():
+            node = next(value for key, _, value in members if key == ask.key)
+            problems.add(node, f"{what}.{ask.key}{wrong}")
+        if "name" not in values:
+            problems.add(entry, f"{what}: give the rule a name")
+    if ask is None or len(problems.found) > so_far:
         return None
-    return OwnRule(ask=ask[0], place=problems.place(entry), **values)
+    return OwnRule(ask=ask, place=problems.place(entry), **values)
 
 
 def own_rules_schema() -> dict[str, Any]:
     """JSON Schema of `own_rules`; it refers to `own_rules_definitions` under `$defs`."""
-    plain = {key: {"description": help, **kind.schema()} for key, (kind, help) in PLAIN.items()}
-    asks = {key: {"description": kind.KEYS[key], **kind.schema(key)} for key, kind in ASKS.items()}
-    file = {"description": "a MiniZinc file, beside the profile", "type": "string"}
     parameters = {
         "description": "of a rule in a file: values of the parameters that it declares, by name (default the file's)",
         "type": "object",
         "additionalProperties": {"type": ["integer", "boolean", "string"]},
     }
-    select = {"description": "which contours the rule is about (default all)", "$ref": "#/$defs/selector"}
+    entry, file = ENTRY.schema(), FILE.schema()
+    file["properties"]["parameters"] = parameters
     return {
         "type": ["array", "null"],
         "description": "rules of the plant's own",
-        "items": {
-            "oneOf": [
-                {
-                    "type": "object",
-                    "properties": {**plain, "select": select, **asks},
-                    "required": ["name"],
-                    "additionalProperties": False,
-                    "oneOf": [{"required": [key]} for key in asks],
-                },
-                {
-                    "type": "object",
-                    "properties": {
-                        "file": file,
-                        **{key: plain[key] for key in FILE_KEYS if key in plain},
-                        "parameters": parameters,
-                    },
-                    "required": ["file"],
-                    "additionalProperties": False,
-                },
-            ]
-        },
+        "items": {"oneOf": [entry, file]},
     }
 
 
@@ -304,9 +266,10 @@ def _changed(rule: Own, at: yaml.Node, tree: Tree, problems: Problems, parameter
         )
         made = read_own_rule(entry, members, problems, what)
         return rule if made is None else dataclasses.replace(made, place=rule.place)
-    for key in (*(tree.keys() - set(FILE_KEYS)), *(tree.keys() & {"file"})):
-        problems.add(at, f"{what}: {unknown('key of a rule in a file', key, FILE_KEYS[2:])}")
-    changed = dataclasses.replace(rule, **{"weight": None} | plain_values(members, problems, what))
+    for key in tree.keys() - {*FILE.forms, "parameters"} | tree.keys() & {"file"}:
+        problems.add(at, f"{what}: {unknown(FILE.noun, key, ('why', 'strength', 'weight', 'parameters'))}")
+    known = [member for member in members if member[0] in FILE.forms]
+    changed = dataclasses.replace(rule, **{"weight": None} | read_values(FILE, known, problems, what))
     return with_parameters(changed, members, problems, what, parameters_of)
 
 

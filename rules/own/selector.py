@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import shapely
 import yaml
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import CONTOUR_KINDS, Nest
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.judging.metal import host_holes, places
@@ -20,17 +20,17 @@ from kerfwise.rules.rule import USUAL, Plate
 from .criteria import (
     AREAS,
     COUNTED,
+    FLAGS,
+    FREE,
     KILOGRAMS,
     LENGTHS,
     ROUNDING_MM,
     SECONDS,
+    TEXTS,
     Criterion,
-    FlagKind,
-    FreeKind,
-    TextKind,
     ValueKind,
-    WordKind,
     none_has,
+    word_kind,
 )
 from .measures import (
     areas_mm2,
@@ -46,6 +46,7 @@ from .measures import (
 )
 
 if TYPE_CHECKING:
+    from kerfwise.encoder.candidates.candidate import Candidate
     from kerfwise.encoder.facts.facts import Facts
 
 
@@ -131,6 +132,22 @@ def read_selector(node: yaml.Node, problems: Problems, what: str) -> Selector:
     return Selector(tuple(criteria), excluded)
 
 
+class _SelectorForm:
+    """A selector as the value of a key."""
+
+    def read(self, node: yaml.Node, problems: Problems, what: str) -> Selector:
+        return read_selector(node, problems, what)
+
+    def plain(self, value: Selector) -> object:
+        return value.plain()
+
+    def schema(self) -> dict[str, Any]:
+        return {"$ref": "#/$defs/selector"}
+
+
+SELECTOR = _SelectorForm()
+
+
 def selector_schema() -> dict[str, Any]:
     """JSON Schema of a selector, to be referred to as `#/$defs/selector`."""
     facts = {
@@ -203,20 +220,25 @@ def groups(known: KnownFacts, scope: str) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MeasuredNest:
-    """What values are measured from: a nest, the zones that its cuts state, two thresholds, and the plate."""
+    """What values are measured from: a nest, its cuts if there are any, two thresholds, and the plate."""
 
     nest: Nest
-    zones: Mapping[str, int]
+    cuts: CutSequence
     long_ratio: float
     web_mm: float
     plate: Plate = USUAL
+
+    @property
+    def zones(self) -> Mapping[str, int]:
+        """The zones that its cuts state."""
+        return {cut.contour: cut.zone for cut in self.cuts if cut.zone}
 
 
 def measure_nest(
     nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: float, plate: Plate = USUAL
 ) -> MeasuredNest:
     """What there is to measure; without cuts no zone is known."""
-    return MeasuredNest(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm, plate)
+    return MeasuredNest(nest, cuts or CutSequence(()), long_ratio, web_mm, plate)
 
 
 def is_long(m: MeasuredNest) -> list[bool]:
@@ -264,7 +286,8 @@ def count_near(nest: Nest, place: Sequence[object], web_mm: float) -> list[int]:
 
 def zones(m: MeasuredNest) -> list[int | None]:
     """The zone that the cut of every contour states, None where it states none."""
-    return [m.zones.get(c.id) for c in m.nest.contours]
+    stated = m.zones
+    return [stated.get(c.id) for c in m.nest.contours]
 
 
 def attributes(nest: Nest, name: str) -> list[Any]:
@@ -341,23 +364,23 @@ def _neighbour_counts(facts: Facts) -> list[int]:
 
 
 _TABLE = (
-    _own("kind", WordKind(CONTOUR_KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
-    _own("part", TextKind(), "id of its part, empty for a scrap line", lambda n: [c.part for c in n.contours]),
+    _own("kind", word_kind(CONTOUR_KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
+    _own("part", TEXTS, "id of its part, empty for a scrap line", lambda n: [c.part for c in n.contours]),
     _own(
         "id",
-        TextKind(),
+        TEXTS,
         "its own id, `<part>.outer`, `<part>.hole1` …, `scrap1` …",
         lambda n: [c.id for c in n.contours],
     ),
-    _own("layer", TextKind(), "its layer in the drawing", lambda n: [c.source.layer for c in n.contours]),
-    _own("colour", TextKind(), "its colour there, a name or #rrggbb", lambda n: [c.source.colour for c in n.contours]),
+    _own("layer", TEXTS, "its layer in the drawing", lambda n: [c.source.layer for c in n.contours]),
+    _own("colour", TEXTS, "its colour there, a name or #rrggbb", lambda n: [c.source.colour for c in n.contours]),
     _own(
         "block",
-        TextKind(),
+        TEXTS,
         "the blocks that it lies in there, outermost first, as in `PANEL/HINGE`",
         lambda n: [c.source.block for c in n.contours],
     ),
-    _own("text", TextKind(), "the writing that a mark is a stroke of", lambda n: [c.source.text for c in n.contours]),
+    _own("text", TEXTS, "the writing that a mark is a stroke of", lambda n: [c.source.text for c in n.contours]),
     _own(
         "quantity",
         COUNTED,
@@ -377,7 +400,7 @@ _TABLE = (
     _own("long_side_mm", LENGTHS, "longer side of that rectangle", lambda n: rectangle_sides_mm(n, longer=True)),
     NamedFact(
         "long",
-        FlagKind(),
+        FLAGS,
         "an outer contour whose longer side is at least `long_ratio` (rule start-side) times the shorter",
         lambda facts: [bool(v) for v in facts.long],
         is_long,
@@ -399,13 +422,13 @@ _TABLE = (
     _plated("cut_s", SECONDS, "what it takes to pierce and cut it, without leads and travel", cut_seconds),
     _plated("weight_kg", KILOGRAMS, "weight of its part: area, thickness, density", weights_kg),
     _plated("thickness_mm", LENGTHS, "thickness of the sheet", lambda n, p: [p.thickness_mm] * len(n.contours)),
-    _plated("material", TextKind(), "grade of the sheet", lambda n, p: [p.material] * len(n.contours)),
-    _plated("process", TextKind(), "what cuts: plasma, laser, oxyfuel…", lambda n, p: [p.process] * len(n.contours)),
+    _plated("material", TEXTS, "grade of the sheet", lambda n, p: [p.material] * len(n.contours)),
+    _plated("process", TEXTS, "what cuts: plasma, laser, oxyfuel…", lambda n, p: [p.process] * len(n.contours)),
     NamedFact("depth", COUNTED, "how many contours lie around it, 0 for a part on the sheet", _depths, depths),
-    NamedFact("host", TextKind(), "id of the part in whose hole its part lies, empty for none", _hosts, hosts),
+    NamedFact("host", TEXTS, "id of the part in whose hole its part lies, empty for none", _hosts, hosts),
     NamedFact(
         "hosted",
-        FlagKind(),
+        FLAGS,
         "whether its part lies in a hole of another part",
         lambda facts: [host != "" for host in _hosts(facts)],
         lambda m: [host != "" for host in hosts(m)],
@@ -433,15 +456,32 @@ def named_fact(name: str) -> NamedFact | None:
     """The fact of that name, `attribute.<anything>` included; None for an unknown one."""
     if name.startswith(ATTRIBUTE) and name != ATTRIBUTE:
         key = name.removeprefix(ATTRIBUTE)
-        return _own(name, FreeKind(), f"what the nest says under {key!r}", lambda n: attributes(n, key))
+        return _own(name, FREE, f"what the nest says under {key!r}", lambda n: attributes(n, key))
     return NAMED_FACTS.get(name)
 
 
-class KnownFacts:
-    """The values of named facts for every contour of one nest, computed when first asked for."""
+NC_ROUNDING_MM = 0.05
+"""A point this near to a limit is on either side of it: programs round their coordinates."""
 
-    def __init__(self, nest: Nest, values: Callable[[NamedFact], Values], plate: Plate) -> None:
+
+class KnownFacts:
+    """The values of named facts for every contour of one nest, computed when first asked for, and the ways to cut.
+
+    `ways` are the candidates, or the cuts that are judged, each with the number of its contour. Points of theirs are
+    known to `slack_mm`. A program that is `resumed` goes on after a stop.
+    """
+
+    def __init__(
+        self,
+        nest: Nest,
+        plate: Plate,
+        values: Callable[[NamedFact], Values],
+        ways: Sequence[tuple[int, Cut | Candidate]],
+        slack_mm: float,
+        resumed: bool,
+    ) -> None:
         self.nest, self.plate, self._values = nest, plate, values
+        self.ways, self.slack_mm, self.resumed = ways, slack_mm, resumed
         self._found: dict[str, Values] = {}
 
     def values(self, name: str) -> Values:
@@ -456,9 +496,11 @@ class KnownFacts:
 
 def facts_values(facts: Facts, plate: Plate = USUAL) -> KnownFacts:
     """Values as plans are made with."""
-    return KnownFacts(facts.nest, lambda fact: fact.of_facts(facts), plate)
+    ways = [(c.contour, c) for c in facts.candidates]
+    return KnownFacts(facts.nest, plate, lambda fact: fact.of_facts(facts), ways, 0.0, bool(facts.already_cut))
 
 
 def nest_values(m: MeasuredNest) -> KnownFacts:
     """Values as the check measures them."""
-    return KnownFacts(m.nest, lambda fact: fact.of_nest(m), m.plate)
+    ways = [(m.nest.index.get(cut.contour, -1), cut) for cut in m.cuts]
+    return KnownFacts(m.nest, m.plate, lambda fact: fact.of_nest(m), ways, NC_ROUNDING_MM, m.cuts.made > 0)

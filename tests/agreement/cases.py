@@ -24,7 +24,7 @@ from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.own import OwnRule
 from kerfwise.rules.own.criteria import Pattern
-from kerfwise.rules.own.next_cut import NextCut
+from kerfwise.rules.own.demands import NextCut
 from kerfwise.rules.own.selector import Selector
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -50,11 +50,11 @@ Kind = Literal["plain", "slits", "options", "links", "scrap", "common"]
 
 
 NEXT = {
-    "part by part": NextCut("same", "part"),
-    "kinds alternate": NextCut("differs", "kind"),
-    "along rows": NextCut("same", "y_mm", within_mm=60.0),
-    "no outline after another": NextCut("never", other=Selector((("kind", Pattern("outer")),))),
-    "one way round": NextCut("same", "direction"),
+    "part by part": NextCut("next", (("same", "part"),)),
+    "kinds alternate": NextCut("next", (("differs", "kind"),)),
+    "along rows": NextCut("next", (("same", "y_mm"), ("within", 60.0))),
+    "no outline after another": NextCut("next", (("never", Selector((("kind", Pattern("outer")),))),)),
+    "one way round": NextCut("next", (("same", "direction"),)),
 }
 """Prices of moves and bans on them, by the names of the own rules that ask them."""
 TURNS = "own:one way round"
@@ -76,7 +76,7 @@ def with_moves(profile: Profile, seed: int) -> Profile:
             OwnRule(
                 name,
                 NEXT[name],
-                outer if NEXT[name].form == "never" else Selector(),
+                outer if "never" in dict(NEXT[name].value) else Selector(),
                 strength="hard" if hard else "soft",
                 weight=price,
             )

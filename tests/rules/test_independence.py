@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.rules import catalogue, judging
-from kerfwise.rules.own import criteria, selector
+from kerfwise.rules.expression import node, over_cuts
+from kerfwise.rules.own import criteria, demands, forms, selector
 from kerfwise.rules.registry import catalogue_modules
 
 
@@ -24,7 +25,8 @@ def imported(node: ast.AST) -> list[str]:
 
 
 JUDGING = [str(path) for path in sorted(Path(str(judging.__file__)).parent.glob("*.py"))]
-FILES = [*(m.__file__ for m in (*catalogue_modules(), catalogue, selector, criteria)), *JUDGING]
+OWN = (criteria, demands, forms, selector, node, over_cuts)
+FILES = [*(m.__file__ for m in (*catalogue_modules(), catalogue, *OWN)), *JUDGING]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: Path(str(f)).stem)

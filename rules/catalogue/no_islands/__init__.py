@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.judging.holding import clusters, holding, island_cuts
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
@@ -95,7 +96,8 @@ class NoIslands(Rule[NoIslandsOptions]):
                 name = facts.nest.contours[i].id
                 stays = sorted(joined[i])
                 ids = (name, *(facts.nest.contours[x].id for x in stays))
-                about = self.about(ids, f"{name} is cut while any of {_listed(ids[1:])} is still in, to hold it")
+                held_by = first_and_last(ids[1:], 4)
+                about = self.about(ids, f"{name} is cut while any of {held_by} is still in, to hold it")
                 literals: list[Literal] = [Before(i, x) for x in stays]
                 weights, bound = [1] * len(stays), 1
                 if not anchored:  # or all others of the cluster are out: then it is the last
@@ -115,9 +117,8 @@ class NoIslands(Rule[NoIslandsOptions]):
         for cluster in clusters(joined):
             for k, island in island_cuts(cluster, joined, framed, at):
                 names = tuple(nest.parts[part].outer.id for part in island)
-                text = (
-                    f"{cuts[k - 1].contour} (cut {k}) leaves {_listed(names)} on an island that nothing still in holds"
-                )
+                left = first_and_last(names, 4)
+                text = f"{cuts[k - 1].contour} (cut {k}) leaves {left} on an island that nothing still in holds"
                 found.append(Violation(self.id, names, text, (k,)))
         return sorted(found, key=lambda violation: violation.cuts)
 
@@ -139,10 +140,6 @@ class NoIslands(Rule[NoIslandsOptions]):
                 f"within these zones no order avoids it: the order rules put everything that {last} hangs on before it"
             )
         return f"the plan excuses it: what must be cut before {last} left nothing to hold it"
-
-
-def _listed(ids: Sequence[str]) -> str:
-    return ", ".join(ids) if len(ids) <= 4 else f"{ids[0]} … {ids[-1]}"
 
 
 def _holding_facts(facts: Facts, frame_share: float) -> tuple[dict[int, set[int]], set[int]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.judging.strips_and_islands import Cutting, strips_and_islands
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
@@ -92,7 +93,8 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
         for cutting in strips_and_islands(nest, tuple(order), options.narrow_mm, options.web_mm):
             out = tuple(nest.parts[k].outer.id for k in cutting.out)
             left = tuple(nest.parts[k].outer.id for k in cutting.left)
-            sentence = f"{' or '.join(left)} is cut before the last of {_listed(out)}: {_where(cutting, left, 'them')}"
+            last = f"the last of {first_and_last(out, 4)}"
+            sentence = f"{' or '.join(left)} is cut before {last}: {_where(cutting, left, 'them')}"
             found.append(NoGoodIds(out, left, sentence))
         return found
 
@@ -105,7 +107,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
                 continue
             left = tuple(nest.parts[k].outer.id for k in cutting.left)
             out = sorted((nest.parts[k].outer.id for k in cutting.out), key=at.__getitem__)
-            text = f"after {order[cutting.k - 1]} (cut {cutting.k}) {_where(cutting, left, _listed(out))}"
+            text = f"after {order[cutting.k - 1]} (cut {cutting.k}) {_where(cutting, left, first_and_last(out, 4))}"
             found.append(Violation(self.id, (left[0],), text, tuple(at[name] for name in out)))
         return found
 
@@ -118,7 +120,8 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
             return None
         out = frozenset(cuts[k - 1].contour for k in violation.cuts)
         if out <= forced(name):
-            return f"within these zones no order avoids it: the order rules put {_listed(sorted(out))} before {name}"
+            earlier = first_and_last(sorted(out), 4)
+            return f"within these zones no order avoids it: the order rules put {earlier} before {name}"
         return f"the plan excuses it: what must be cut before {name} left nothing better"
 
 
@@ -126,7 +129,3 @@ def _where(cutting: Cutting, left: Sequence[str], out: str) -> str:
     if cutting.kind == "strip":
         return f"{left[0]} lies in a narrow strip between {out}"
     return f"{left[0]} lies on an island, cut off from {left[1]} by {out}"
-
-
-def _listed(ids: Sequence[str]) -> str:
-    return ", ".join(ids) if len(ids) <= 4 else f"{ids[0]} … {ids[-1]}"

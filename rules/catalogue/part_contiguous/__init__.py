@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.catalogue.marks_first import MarksFirst, MarksFirstOptions
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
@@ -73,10 +74,9 @@ class PartContiguous(Rule[PartContiguousOptions]):
             if len(run) < 2:
                 continue
             ids = [c.id for c in run]
-            listed = ", ".join(ids) if len(ids) <= 6 else f"{ids[0]} … {ids[-1]}"
             yield Contiguous(
                 tuple(index[name] for name in ids),
-                self.about(ids, f"{part.id} is cut in one go: {listed} follow each other"),
+                self.about(ids, f"{part.id} is cut in one go: {first_and_last(ids)} follow each other"),
             )
             for contour in run[:-1]:
                 reason = f"{part.outer.id} is the last cut of {part.id}"

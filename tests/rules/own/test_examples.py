@@ -19,8 +19,7 @@ from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.own import as_rule
-from kerfwise.rules.own.constraint import PLACES
-from kerfwise.rules.own.own_rule import ASKS
+from kerfwise.rules.own.demands import ASKS, PLACES
 from kerfwise.rules.own.selector import NAMED_FACTS
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.rules.case import cut, in_order, nest, part, rect
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
-from kerfwise.rules.own.constraint import MOST
+from kerfwise.rules.own.demands import MOST
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import profile_yaml

@@ -12,25 +12,23 @@ from kerfwise.rules.statements import Before, Pick
 #
 # Every boolean expression is a gate: `or` adds up to at least one, `and` to all, `not` is pushed down to the
 # literals. Literals are orders and picks, and two words that only some statements know: how many cuts, or how much
-# time, lie between two contours, and that one comes directly after another.
+# time, lie between two contours, and that one comes directly after another. Three words more stand by themselves.
 
 
 @dataclass(frozen=True, slots=True)
-class Between:
-    """At least `cuts` other cuts lie between contours `i` and `j`; i < j."""
+class Apart:
+    """At least `cuts` other cuts and `seconds` s lie between contours `i` and `j`, whichever is cut first; i < j."""
 
     i: int
     j: int
-    cuts: int
+    cuts: int = 0
+    seconds: float = 0.0
 
-
-@dataclass(frozen=True, slots=True)
-class Pause:
-    """At least `ms` milliseconds lie between contours `i` and `j`; i < j."""
-
-    i: int
-    j: int
-    ms: int
+    @property
+    def words(self) -> str:
+        """How much lies between, such as `at least 2 cuts and 5 s`."""
+        wanted = [f"{self.cuts} cuts"] * bool(self.cuts) + [f"{self.seconds:g} s"] * bool(self.seconds)
+        return f"at least {' and '.join(wanted)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +39,7 @@ class Next:
     j: int
 
 
-Atom = Before | Pick | Between | Pause | Next
+Atom = Before | Pick | Apart | Next
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,11 +72,59 @@ class Gate:
 Node = bool | Lit | Gate
 
 
+@dataclass(frozen=True, slots=True)
+class Run:
+    """These contours follow each other without another between."""
+
+    contours: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Stays:
+    """At no moment are all of `out` cut while all of `left` are still in; both ascending."""
+
+    out: tuple[int, ...]
+    left: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NotNext:
+    """None of `reach` is cut directly after one of `leave`; of these candidates only, where some are given."""
+
+    leave: tuple[int, ...]
+    reach: tuple[int, ...]
+    leaving: frozenset[int] | None = None
+    reaching: frozenset[int] | None = None
+
+
+Asked = Node | Run | Stays | NotNext
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """One thing that a rule asks, the contours that it is told of, and what it asks as a sentence without its end.
+
+    Of a gate or a pick, `wrong` says what the first of the contours breaks, given the sum of the weights that hold; an
+    order before a contour that is not cut holds where `uncut_follow`. A gate about being the first or the last is told
+    of one contour only among those `beside`, the outermost.
+    """
+
+    asked: Asked
+    contours: tuple[int, ...]
+    sentence: str
+    wrong: str | Callable[[int], str] = ""
+    uncut_follow: bool = False
+    beside: tuple[int, ...] = ()
+
+
+def ahead(i: int, j: int) -> Lit:
+    """Contour `i` is cut before contour `j`, another one."""
+    return Lit(Before(i, j)) if i < j else Lit(Before(j, i), False)
+
+
 def order(i: int, j: int) -> Node:
     """Contour `i` is cut before contour `j`."""
-    if i == j:
-        return False
-    return Lit(Before(i, j)) if i < j else Lit(Before(j, i), False)
+    return False if i == j else ahead(i, j)
 
 
 def opposite(node: Node) -> Node:
@@ -366,7 +412,8 @@ def _word_at_least(one: Sum, value: int) -> Node:
         return True
     if value > high:
         return False
-    return Lit(Between(word.i, word.j, value) if word.kind == "cuts" else Pause(word.i, word.j, value))
+    apart = {"cuts": value} if word.kind == "cuts" else {"seconds": value / 1000}
+    return Lit(Apart(word.i, word.j, **apart))
 
 
 def at_most(one: Sum, bound: int) -> Node:

@@ -18,19 +18,23 @@ from kerfwise.rules.statements import (
     Lag,
     Literal,
     Move,
+    NoGood,
     Pick,
     Precede,
     Statement,
 )
 
-from .expr import (
+from .node import (
     MOST_TOLD,
-    Between,
+    Apart,
+    Asked,
     Gate,
     Lit,
     Next,
     Node,
-    Pause,
+    NotNext,
+    Run,
+    Stays,
     Sum,
     all_of,
     any_of,
@@ -45,6 +49,29 @@ from .expr import (
     plus,
     position,
 )
+
+
+def statement_of(asked: Asked, about: About) -> Statement:
+    """The hard statement of what is asked: that of a word, and of all else a sum."""
+    match asked:
+        case Run(contours):
+            return Contiguous(contours, about)
+        case Stays(out, left):
+            return NoGood(frozenset(out), frozenset(left), about)
+        case NotNext(leave, reach, leaving, reaching):
+            return Move(leave, reach, about, None, leaving, reaching)
+        case Lit(Before(i, j), holds):
+            return Precede(i, j, about) if holds else Precede(j, i, about)
+        case Lit(Pick(c), False):
+            return Forbid(c, about)
+        case Lit(Apart(i, j, cuts, seconds), True):
+            return Lag(i, j, about, cuts, seconds)
+        case bool():
+            return AtLeast((), (), 1 - asked, about)
+    terms, bound = (asked.terms, asked.bound) if isinstance(asked, Gate) else (((asked, 1),), 1)
+    enough = _enough(terms, bound)
+    return AtLeast(enough.literals, enough.weights, enough.bound, about)
+
 
 LagsOfPairs = dict[tuple[int, int], tuple[int, int]]
 """Pair of contours → how many cuts lie between them, and the number of the element that says so."""
@@ -94,10 +121,10 @@ class Writer:
         for members in runs:
             run = tuple(sorted(members))
             ids = [self.nest.contours[k].id for k in run]
-            yield Contiguous(run, About(self.rule, tuple(ids), self._sentence(None, ids, "follow each other")))
+            yield statement_of(Run(run), About(self.rule, tuple(ids), self._sentence(None, ids, "follow each other")))
         lags, rest = self._lags(rest, elements)
         for (i, j), (cuts, k) in lags.items():
-            yield self._apart(Between(i, j, cuts), _said(says, k))
+            yield self._apart(Apart(i, j, cuts), _said(says, k))
         for k in rest:
             sentence, about = _said(says, k), self.about[k] if k < len(self.about) else ()
             if elements[k] is False:
@@ -125,7 +152,7 @@ class Writer:
         rest: list[int] = []
         for k in numbers:
             node = elements[k]
-            if isinstance(node, Lit) and node.holds and isinstance(node.atom, Between):
+            if isinstance(node, Lit) and node.holds and isinstance(node.atom, Apart) and node.atom.cuts:
                 found_lags = found[node.atom.i, node.atom.j]
                 if node.atom.cuts in found_lags:
                     rest.append(k)  # asked twice, it counts twice
@@ -162,11 +189,11 @@ class Writer:
                 for clause in fallen:
                     yield from self._single(clause, sentence, about)
                 return
-        if isinstance(node, Lit) and node.holds and isinstance(node.atom, Pause | Between):
+        if isinstance(node, Lit) and node.holds and isinstance(node.atom, Apart):
             if self.in_parts:
                 yield self._apart(node.atom, sentence)
                 return
-            if isinstance(node.atom, Pause):
+            if not node.atom.cuts:
                 raise NotExpressible(
                     0,
                     "a soft rule cannot ask for pause_ms, since each breach costs the same, however long: make the "
@@ -208,27 +235,26 @@ class Writer:
             Move((i,), (j,), about, leaving=frozenset(some), reaching=then) for then, some in refused.items() if then
         ]
 
-    def _apart(self, atom: Pause | Between, sentence: str | None) -> Lag:
-        cuts, seconds = (atom.cuts, 0.0) if isinstance(atom, Between) else (0, atom.ms / 1000)
-        words = f"have at least {cuts} cuts between them" if cuts else f"are at least {seconds:g} s apart"
+    def _apart(self, atom: Apart, sentence: str | None) -> Statement:
         ids = [self.nest.contours[k].id for k in (atom.i, atom.j)]
-        return Lag(atom.i, atom.j, About(self.rule, tuple(ids), self._sentence(sentence, ids, words)), cuts, seconds)
+        cuts, seconds = f"have at least {atom.cuts} cuts between them", f"are at least {atom.seconds:g} s apart"
+        sentence = self._sentence(sentence, ids, cuts if atom.cuts else seconds)
+        return statement_of(Lit(atom), About(self.rule, tuple(ids), sentence))
 
     def _simple(self, node: Node, sentence: str | None, of: tuple[int, ...]) -> Iterator[Statement]:
         contours = self.nest.contours
         if node is True:
             return
         if node is False:
-            yield AtLeast((), (), 1, About(self.rule, (), self._sentence(sentence, [], "")))
+            yield statement_of(node, About(self.rule, (), self._sentence(sentence, [], "")))
         elif isinstance(node, Lit) and isinstance(node.atom, Before):
-            first, then = (node.atom.i, node.atom.j) if node.holds else (node.atom.j, node.atom.i)
-            ids = (contours[first].id, contours[then].id)
-            about = About(self.rule, ids, sentence or f"{ids[0]} is cut before {ids[1]}: {self.why}")
-            yield Precede(first, then, about)
+            ids = tuple(contours[k].id for k in _ends(node))
+            sentence = sentence or f"{ids[0]} is cut before {ids[1]}: {self.why}"
+            yield statement_of(node, About(self.rule, ids, sentence))
         elif isinstance(node, Lit) and isinstance(node.atom, Pick) and not node.holds:
             way = self.ways[node.atom.c]
             name = contours[way.contour].id
-            yield Forbid(node.atom.c, About(self.rule, (name,), sentence or f"{name} is not {way.words}: {self.why}"))
+            yield statement_of(node, About(self.rule, (name,), sentence or f"{name} is not {way.words}: {self.why}"))
         else:
             terms = ((node, 1),) if isinstance(node, Lit) else node.terms
             yield self._at_least(terms, 1 if isinstance(node, Lit) else node.bound, sentence, of)
@@ -379,9 +405,9 @@ def without_words(node: Node, n: int) -> Node:
             return node
         case Next(i, j):
             plain = all_of([order(i, j), at_most(_gap(i, j, n), 1)])
-        case Between(i, j, cuts):
+        case Apart(i, j, cuts) if cuts:
             plain = any_of([at_least(_gap(i, j, n), cuts + 1), at_least(_gap(j, i, n), cuts + 1)])
-        case Pause():
+        case Apart():
             raise NotExpressible(
                 0, "pause_ms stands by itself only: pause_ms(i, j) >= a number, as a condition of its own"
             )
