@@ -30,7 +30,8 @@ _COMMENT_LINE = re.compile(r"^\s*(?:;.*|\([^)]*\)\s*)$")
 class Piece:
     """The lines of one burn, from behind the travel to it to where the torch goes off, and what is in force at both.
 
-    `start` and `end` are in the program's own coordinates, mm.
+    `sets` are the things that its own lines set before the torch moves. `start` and `end` are in the program's own
+    coordinates, mm.
     """
 
     line: int
@@ -38,6 +39,7 @@ class Piece:
     body: tuple[str, ...]
     before: State
     after: State
+    sets: frozenset[str]
     start: Point
     end: Point
 
@@ -146,7 +148,9 @@ def _piece(
     body = tuple(text for text in body_texts[body_from : rows[own.stop - 1].line] if not (ours and is_comment(text)))
     (x0, y0), (x1, y1) = burn.path.vertices[0, :2].tolist(), burn.path.vertices[-1, :2].tolist()
     after = rows[own.stop - 1].state
-    return Piece(burn.line, comments, tuple(filter(str.strip, body)), before, after, (x0, y0), (x1, y1))
+    moving = next((k for k in own if rows[k].line > burn.line and (rows[k].moves or rows[k].implied)), own.start + 1)
+    sets = frozenset(key for key, words in rows[moving - 1].state.items() if before.get(key) != words)
+    return Piece(burn.line, comments, tuple(filter(str.strip, body)), before, after, sets, (x0, y0), (x1, y1))
 
 
 def _said_motion(texts: Sequence[str], own: Sequence[LineEffect]) -> Sequence[str]:
@@ -312,7 +316,7 @@ def reordered(
 def _restored(state: State, piece: Piece, file: str) -> list[str]:
     """The words that put in force what held for a piece."""
     wanted = dict(piece.before)
-    for key in state.keys() - wanted.keys() - _SET_BY_ITSELF:
+    for key in state.keys() - wanted.keys() - _SET_BY_ITSELF - piece.sets:
         if key not in _FROM_THE_START:
             raise InputError(
                 f"what holds for the burn that begins here was never said, and {' '.join(state[key])} comes later in "

@@ -154,6 +154,7 @@ class Control:
     where it has stopped it stands for `rests_s`.
     `kerf_mm` is the kerf that it adds itself where a program says so (G41, G42), None where no program may.
     `rotary` are the letters of the axes that tilt and turn a torch, in this order, "" where none does.
+    `fed_by_chart` says that a program without F words is cut at the feed of the control's cut chart.
     """
 
     title: str
@@ -204,6 +205,7 @@ class Control:
     rests_s: float = 0.0
     kerf_mm: float | None = None
     rotary: str = ""
+    fed_by_chart: bool = False
 
     @property
     def has_own_words(self) -> bool:
@@ -222,6 +224,12 @@ def _essi(title: str, arcs: Literal["centre", "radius"]) -> Control:
     none: frozenset[float] = frozenset()
     return Control(title, known_m=none, known_g=none, comments=False, arcs=arcs, step_mm=0.1, feed_step_mm_min=1.0)
 
+
+_SECONDS = r"-?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+_ON_START = rf"(?:HS|TH|O2S|(?:AVO|AVD|CCO|CHD|CHT|MAF|MHF|MNF|PCF|PHT|PJH|PTO|SCF|SPF|THT){_SECONDS})"
+"""What stands behind M07 in Hypertherm's programs (809550, tables 1 and 2): values in place of the cut chart's."""
+_ON_STOP = f"(?:T{_SECONDS}(?:R[TF])?|R[TF](?:{_SECONDS})?)"
+"""What stands behind M08, M10 and M14: how much earlier or later, and how high the torch is lifted."""
 
 CONTROLS: Mapping[str, Control] = {
     "linuxcnc-qtplasmac": Control(
@@ -263,9 +271,14 @@ CONTROLS: Mapping[str, Control] = {
         also=(
             Declared(re.compile(r"G59V5[0-9]{2}F[0-9.]+"), "off", "G59 V502 F34", sets=True),  # the cut chart's process
             Declared(re.compile(r"M(?:17|18|19|31)(?![0-9.])"), "off", "M19"),  # oxygen, stations, reset
-            Declared(re.compile(r"(?<=M07)HS"), "off", "M07 HS"),
-            Declared(re.compile(r"(?<=M08)R[TF]"), "anywhere", "M08 RT"),
+            Declared(re.compile(f"(?<=M07){_ON_START}+"), "off", "M07 HS"),  # height sensing, other values of the chart
+            Declared(re.compile(r"(?<=M09)HS"), "off", "M09 HS"),
+            Declared(re.compile(f"(?<=M(?:08|10|14)){_ON_STOP}"), "anywhere", "M08 RT"),
+            Declared(re.compile(rf"(?<=M50)(?:H{_SECONDS}|N(?![0-9]))"), "anywhere", "M50 H-0.02"),
+            Declared(re.compile(rf"(?<=M51)T{_SECONDS}"), "anywhere", "M51 T0.5"),
         ),
+        means=((re.compile(f"M07(?:HS)?(?:N2(?![0-9])|AR){_ON_START}*"), "M07$1"),),  # the torch itself marks (XPR)
+        fed_by_chart=True,
         selects=37.0,
         deselects=38.0,
         process=36.0,

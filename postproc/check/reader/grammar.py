@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from kerfwise.encoder.geometry.segment import Point, Segment
@@ -97,7 +97,7 @@ def refuse_conflicts(block: Block, motion: float | None, control: Control) -> No
         _note(users, word.text, {DWELL: control.dwell, ROUNDING: "PQ"}.get(word.value, ""))
     for word in block.m:
         switches = word.value in control.starts or word.value in control.stops
-        letters = "" if switches else _USES_M.get(word.value, "")
+        letters = "$" * (word.value in control.starts) if switches else _USES_M.get(word.value, "")
         _note(users, word.text, letters.replace("$", "") if control.beam else letters)
     _note(users, "the motion", _USES_MOTION[motion] + ("" if motion is None else control.rotary))
     for letter, word in block.words.items():
@@ -197,7 +197,11 @@ class Modes:
         if ROUNDING in words and not self._near(block, unit_mm):
             words.discard(ROUNDING)
             self.left |= {name: codes for name, codes in _ASKED.items() if ROUNDING in codes}
-        self.left = {name: codes for name, codes in self.left.items() if not codes & words}
+        self.forgive(*words)
+
+    def forgive(self, *words: float) -> None:
+        """Ask no more for what these words say."""
+        self.left = {name: codes for name, codes in self.left.items() if not codes & {*words}}
 
     @staticmethod
     def _near(block: Block, unit_mm: float) -> bool:
@@ -222,7 +226,8 @@ FEED_MM_MIN = (1.0, 1e6)
 class ModalState:
     """Modal state: motion, feed, units and how the program counts.
 
-    `share` is the share of its feed that an old program has the torch move at (`old_words`).
+    `share` is the share of its feed that an old program has the torch move at (`old_words`), `charted` gives the feed
+    of the control's cut chart at a line that needs one, mm/min.
     """
 
     track: Track
@@ -233,6 +238,7 @@ class ModalState:
     motion: float | None = None
     feed_mm_min: float = 0.0
     share: float = 1.0
+    charted: Callable[[int], float] | None = None
     modes: Modes = field(init=False)
 
     def __post_init__(self) -> None:
@@ -356,6 +362,8 @@ class ModalState:
 
     def _feed_mm_s(self, block: Block) -> float:
         feed, (least, most) = self.feed_mm_min, FEED_MM_MIN
+        if feed <= 0 and self.charted is not None:
+            feed = self.charted(block.line)
         if feed <= 0:
             raise block.refused("a line or an arc with no feed; write an F word before it or in it")
         if not least <= feed <= most:

@@ -140,7 +140,7 @@ class OldWords:
                     column=row.columns[found.start()],
                 )
             row, self.carried = without(row, found), self.carried if stays and places else line
-        return self._settings(row)
+        return self._settings(row, moves)
 
     def _only_of_header(self, row: Row) -> bool:
         """Whether a row holds M words that are not known here, and none that are."""
@@ -171,7 +171,7 @@ class OldWords:
         """Keep note of a word of the control's process, by its first number."""
         self.state[f"process {_FIRST.match(code)[0]}"] = (_spelt(code),)  # type: ignore[index]
 
-    def _settings(self, row: Row) -> Row:
+    def _settings(self, row: Row, moves: ModalState) -> Row:
         """The row without tools, coordinate systems, S words without a start, and kerfs that the control adds."""
         control = self.control
         patterns = [("kerf", _KERF), ("coordinate system", _SYSTEM), ("kerf width", _KERF_WIDTH)]
@@ -194,6 +194,7 @@ class OldWords:
                 continue
             if key == "kerf":
                 self.kept_kerf = self.kept_kerf or 1
+                moves.modes.forgive(40.0)
             self.state[key] = (_spelt(found[0]),)
             row = without(row, found)
         return row
@@ -248,6 +249,11 @@ class OldWords:
             )
         self.used.append(line)
         return self.feed_mm_min / moves.unit_mm
+
+    def charted(self, line: int) -> float:
+        """The feed, mm/min, where a program says none, and the cut chart of its control has it; 0 where nobody does."""
+        self.used.append(line)
+        return self.feed_mm_min or 0.0
 
     def _named(self, found: re.Match[str], line: int, row: Row) -> None:
         name = found["name"]

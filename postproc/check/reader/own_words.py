@@ -58,7 +58,8 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
     changes["subprograms"] = dialect.subprogram is not None
     changes["also"] = (*(_pattern(one, control, file) for one in dialect.also), *control.also)
     if (reads := dialect.reads) is not None:
-        changes["means"] = tuple((_regex(own, named=True), _template(known)) for own, known in reads.means)
+        means = [(_regex(own, named=True), _template(known)) for own, known in reads.means]
+        changes["means"] = (*means, *control.means)
         changes["title"] = reads.title or control.title
         changes["fixed"] = control.fixed | {_code_number(word, file) for block in reads.fixed for word in block.split()}
         if reads.dwell is not None:

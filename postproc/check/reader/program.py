@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import product
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.errors import InputError
@@ -90,6 +92,41 @@ class Burn:
     def moving_s(self) -> float:
         """How long the tool moves, at the program's own feeds, s."""
         return self.end_s - self.start_s - self.held_s - self.pierce_s - self.paused_s
+
+
+def parted_where_leads_cross(burn: Burn, near_mm: float = TOLERANCE_MM) -> Burn:
+    """The burn with a vertex where one of its first two lines crosses one of its last two, if it closes nowhere else.
+
+    Leads that run on straight past a corner join the contour there, in the middle of a block.
+    """
+    segments, last = burn.path.segments, len(burn.path.segments) - 1
+    if burn.tool != 0 or burn.axes or burn.unlit or last < 3 or _comes_back(burn.path, near_mm):
+        return burn
+    found = []
+    for low, high in product((0, 1), (last - 1, last)):
+        one, other = segments[low], segments[high]
+        if high - low > 1 and not (one.is_arc or other.is_arc):
+            first, then = (shapely.LineString([line.start, line.end]) for line in (one, other))
+            at = first.intersection(then)
+            found += [(high - low, low, high, (at.x, at.y))] if isinstance(at, shapely.Point) else []
+    if not found:
+        return burn
+    _, low, high, at = max(found)
+    rows, feeds = burn.path.vertices.tolist(), list(burn.step_feeds_mm_s)
+    for k in (high, low):
+        rows.insert(k + 1, [*at, 0.0])
+        feeds.insert(k + 1, feeds[k])
+    return replace(burn, path=Curve(np.array(rows), closed=False), step_feeds_mm_s=tuple(feeds))
+
+
+def _comes_back(path: Curve, near_mm: float) -> bool:
+    """Whether a vertex of a path lies on another, or on the blocks at its other end: then it closes there."""
+    points = shapely.points(path.vertices[:, :2])
+    if len(shapely.STRtree(points).query(points, predicate="dwithin", distance=near_mm)[0]) > len(points):
+        return True
+    flat = path.flatten(near_mm / 4)
+    ends = (path.vertices[:2, :2], flat[len(flat) // 2 :]), (path.vertices[-2:, :2], flat[: len(flat) // 2 + 1])
+    return any(shapely.dwithin(shapely.LineString(way), shapely.points(end), near_mm).any() for end, way in ends)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from .essi import read_essi
 from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of
 from .old_words import OldWords
 from .own_words import control_for
-from .program import LineEffect, NcProgram, State
+from .program import LineEffect, NcProgram, State, parted_where_leads_cross
 from .rs274 import Machine, blocks, expect_words_for, read_nc
 from .tools import HALTS
 from .unfold import UnfoldedRow, at_lines_of, needs_unfolding, unfold
@@ -227,6 +227,7 @@ def read_old(
             )
         program = machine.done()
         _expect_cold_rapids(program, file)
+    program = replace(program, burns=tuple(map(parted_where_leads_cross, program.burns)))
     if further.kept_kerf and control.kerf_mm is not None:
         raise InputError(
             "the dialect has its control add the kerf, from a run-up on: another order would need other run-ups, and "
@@ -319,7 +320,7 @@ def _note(block: Block, further: OldWords, control: Control) -> None:
         switches = word.value in control.starts or word.value in control.stops
         group = group_of(word)
         if group not in ("stops", "outputs") and not switches and (group != "torch" or control.beam):
-            state[_set_by(word, block)] = (_with(word, block, "P" if group == "overrides" else ""),)
+            state[_set_by(word, block, control)] = (_with(word, block, _BESIDE.get(group, "")),)
     feed = block.words.get("F")
     waits = control.dwell == "F" and block.has_g(DWELL)
     if feed is not None and not waits and further.fed != block.line:
@@ -328,9 +329,15 @@ def _note(block: Block, further: OldWords, control: Control) -> None:
         state["power"] = (block.words["S"].text,)
 
 
-def _set_by(word: Word, block: Block) -> str:
+_BESIDE = {"overrides": "P", "process": "T", "stations": "T"}
+"""Letters of numbers that belong to M words of a group."""
+
+
+def _set_by(word: Word, block: Block, control: Control) -> str:
     """What an M word sets: those that undo each other set the same."""
     group = group_of(word)
+    if group == "stations":
+        return f"station {block.of(control.torch_letter):g}"
     if word.value in (14.0, 15.0) or (word.value in (50.0, 51.0) and "P" not in block.words):
         return "height"
     return f"override {max(word.value, 49.0):g}" if group == "overrides" else group

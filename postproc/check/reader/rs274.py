@@ -114,6 +114,8 @@ class Machine:
             Beam(self.track, control, held_s) if control.beam else Tools(self.track, control, held_s, count=torches)
         )
         self.moves = ModalState(self.track, control)
+        if further is not None and control.fed_by_chart:
+            self.moves.charted = further.charted
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []
         self.line = 0

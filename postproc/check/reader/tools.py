@@ -96,12 +96,14 @@ _OUTPUTS = frozenset({67.0, 68.0})
 
 @dataclass(slots=True)
 class Tools(ToolsOn):
-    """The tools of a control that starts and stops each by M words; `marking` says that a process that marks is on.
+    """The tools of a control that starts and stops each by M words; `marking` says that a process that marks is on,
+    `torch_marks` that the torch itself was started to mark.
 
     Of `count` torches those beside the first are selected and deselected by words; `said` are those that were.
     """
 
     marking: bool = False
+    torch_marks: bool = False
     count: int = 1
     said: set[int] = field(default_factory=set)
 
@@ -134,11 +136,20 @@ class Tools(ToolsOn):
             elif word.value == self.control.process:
                 self._process(word, block)
             elif word.value in self.control.starts:
-                self.start(1 if self.marking else self.control.starts[word.value], block.line)
+                self._start(word, block)
             elif word.value in self.control.stops:
-                self.stop(1 if self.marking else self.control.stops[word.value])
+                tool = self.control.stops[word.value]
+                self.stop(1 if self.marking or (self.torch_marks and tool == 0) else tool)
             elif word.value in (_START, _STOP):
                 self._torch(word, block)
+
+    def _start(self, word: Word, block: Block) -> None:
+        """Start what a word of its own starts; the torch marks where words behind that say so (`means`)."""
+        tool, named = self.control.starts[word.value], block.words.get("$")
+        if named is not None and named.column != word.column:
+            raise block.refused(f"{named.text}: {self.control.title} knows no tools by number; delete it", named)
+        self.torch_marks = named is not None and tool == 0
+        self.start(1 if self.marking or self.torch_marks else tool, block.line)
 
     def _stations(self, word: Word, block: Block) -> bool:
         """Select or deselect a torch; whether the word does that."""

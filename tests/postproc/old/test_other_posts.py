@@ -7,8 +7,10 @@ import re
 import numpy as np
 import pytest
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.read_program import OldProgram, read_old
+from kerfwise.postproc.old.loops import rounds_of
 from kerfwise.postproc.old.program_pieces import expect_same, reordered, split_program
 from kerfwise.tests.tools import canon
 
@@ -209,6 +211,82 @@ M99
 %
 """,
     ),
+    "Hypertherm's manual": (  # 809550: no feeds, the chart's process, a marker, G41 just before M07, leads past corners
+        "eia",
+        """\
+G20
+G91
+G99 X1 Y0 I0 J0
+G59 V502 F34
+G59 V503 F1.00
+G59 V504 F130
+G59 V507 F33
+G59 V525 F27
+G59 V600 F125
+G00 X8 Y1
+M36 T3
+M50
+M09
+G03 X0 Y0 I0.5 J0
+M10
+M51
+G00 X-0.75 Y-1.299
+M36 T1
+G41
+M07 HS
+G01 X0.176777 Y0.176777
+G02 X0 Y0 I1.06066 J1.06066
+G01 X-0.1 Y0
+M08 RT
+G40
+G00 X-4.5 Y1.5
+G41
+M07
+M50 H-0.02
+G01 X-2.2 Y0
+G01 X0 Y2
+G01 X2 Y0
+G01 X0 Y-2.2
+M08 T0.2 RT
+G40
+M51 T0.5
+M02
+""",
+    ),
+    "Hypertherm's XPR": (  # the torch itself marks, by M07 with a gas; M08 ends that, too
+        "eia",
+        """\
+G20
+G91
+(Load Material: Mild Steel)
+M36 T1
+M37 T1
+G00X6Y2.2
+G59 V509 F11956
+(130Amp O2/Air)
+G43X0.161
+M07 HS N2
+M51
+F250.
+G02I2.2J0.
+M50 H-0.02
+G01Y0.25
+M08
+G00X-5Y-2.2
+G41
+M07 AVO116 O2S
+F20.
+G03X1.4142Y1.4142I0.7071J0.7071
+G02I1.5556J1.5556
+M50
+G03X-0.7071I-0.3536J-0.3536
+M08
+G40
+M51
+M19
+M02
+""",
+    ),
     "open jaws and a scribe": (
         "linuxcnc-qtplasmac",
         """\
@@ -239,7 +317,7 @@ M2
 
 
 def read(name: str, text: str) -> OldProgram:
-    return read_old(text, CONTROLS[PROGRAMS[name][0]])
+    return read_old(text, CONTROLS[PROGRAMS[name][0]], feed_mm_min=2500)
 
 
 def in_linuxcnc(name: str, text: str) -> str:
@@ -254,7 +332,13 @@ def in_linuxcnc(name: str, text: str) -> str:
         if name == "LightBurn":  # the beam burns in G1 alone
             row = re.sub(r"^M4|S[0-9]+", "", row)
             row = f"M5\n{row}\nM3 S1" if re.match(r"G0 ?X", row) else row
-        if control == "eia":
+        if "Hypertherm" in name:
+            if re.match(r"G59|G99|G4[0-3]|M36|M37|M19|M5[01]", row):
+                continue
+            row = "G20 F100" if row == "G20" else row
+            row = "M3 $1 S1" if re.match("M09|M07.* N2", row) else "M5 $1" if row == "M10" else row
+            row = re.sub(r"^M08.*", "M5 $-1", re.sub(r"^M07.*", "M3 $0 S1", row))
+        elif control == "eia":
             row = {"M07": "M3 S1", "M08": "M5"}.get(row, row)
         rows.append(row)
     return "\n".join(rows)
@@ -276,6 +360,18 @@ def test_every_burn_stays_as_it_is(name: str) -> None:
     for k, burn in zip(order, after, strict=True):
         assert burn.tool == before[k].tool
         assert np.abs(np.array(burn.points) - np.array(before[k].points)).max() <= 0.01
+
+
+def test_what_hypertherms_samples_mark_and_close() -> None:
+    burns = read("Hypertherm's manual", PROGRAMS["Hypertherm's manual"][1]).program.burns
+    assert [burn.tool for burn in burns] == [1, 0, 0]
+    (found,) = rounds_of(burns[2].path)
+    assert [round(way.length_mm / 25.4, 4) for way in (found.lead_in, found.ring, found.lead_out)] == [0.2, 8.0, 0.2]
+    assert [burn.tool for burn in read("Hypertherm's XPR", PROGRAMS["Hypertherm's XPR"][1]).program.burns] == [1, 0]
+    with pytest.raises(InputError, match="knows no tools by number"):
+        read("Hypertherm's XPR", PROGRAMS["Hypertherm's XPR"][1].replace("M07 HS N2", "M07 $1"))
+    with pytest.raises(InputError, match="a line or an arc with no feed"):
+        read_old(PROGRAMS["Hypertherm's manual"][1], CONTROLS["eia"])
 
 
 def test_a_scribe_marks_and_open_jaws_are_burns() -> None:
