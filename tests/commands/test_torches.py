@@ -328,7 +328,6 @@ def test_commands_that_know_one_torch_say_so(tmp_path: Path) -> None:
         ("heat", nest, tmp_path / "nest.nc", *where),
         ("solve", nest, *where, "-o", tmp_path / "x.nc", "--engine", "minizinc"),
         ("solve", nest, *where, "-o", tmp_path / "x.nc", "--lock-from", tmp_path / "nest.plan.json", "--upto", "2"),
-        ("plot", nest, tmp_path / "nest.plan.json", *where, "-o", tmp_path / "x.html"),
         ("solve", nest, *where, "-o", tmp_path / "x.nc", "--dxf", tmp_path / "x.dxf"),
         ("resequence", tmp_path / "nest.nc", *where, "-o", tmp_path / "x.nc"),
     ):

@@ -15,7 +15,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_text
 from kerfwise.encoder.torch_path import paced
 from kerfwise.jobs.display import proof_of, summary_lines
-from kerfwise.jobs.inputs import Inputs, expect_one_torch
+from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.programs import check_made
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.check import CheckResult
@@ -58,10 +58,9 @@ def page_data(
     Raises
     ------
     InputError
-        If the plan is one of another nest, or of several torches.
+        If the plan is one of another nest.
     """
     home = inputs.profile.home_on(inputs.nest)
-    expect_one_torch(inputs.profile, "the page for the browser", plan)
     if plan is None:
         return plain_page(inputs.nest, None, home)
     profile = inputs.profile.at_origin(plan.origin)
@@ -87,7 +86,6 @@ def compared_data(compared: Compared) -> Data:
 
 
 def _compared(side: Side) -> Data:
-    expect_one_torch(side.given.profile, "the page for the browser", side.plan)
     if side.plan is None:
         return program_side(side)
     nest, profile = side.given.nest, side.profile.at_origin(side.plan.origin)
@@ -122,7 +120,7 @@ def plan_side(inputs: Inputs, plan: Plan, verdict: CheckResult) -> Data:
         "said": summary_lines(plan),
         "ok": verdict.ok,
         "state": state_data(verdict.state),
-        "cuts": [_cut(nest, toolpath, profile) for toolpath in toolpaths(plan, nest, profile)],
+        "cuts": [cut for toolpath in toolpaths(plan, nest, profile) for cut in _cuts(nest, toolpath, profile)],
         "rules": rules_data(verdict, profile),
         "warnings": list(verdict.warnings),
     }
@@ -169,6 +167,18 @@ def program_side(side: Side) -> Data:
         "heat": None,
         "nc": None,
     }  # fmt: skip
+
+
+def _cuts(nest: Nest, toolpath: Toolpath, profile: Profile) -> list[Data]:
+    """A cut of the first torch, and those that further ones make with it: they go the same way beside it."""
+    first = _cut(nest, toolpath, profile)
+    found, (x, y) = [first], toolpath.planned.cut.pierce
+    for planned in toolpath.together:
+        away = planned.cut.pierce[0] - x, planned.cut.pierce[1] - y
+        rows = [short(v + away[k % 3]) if k % 3 < 2 else v for k, v in enumerate(first["path"])]
+        own = cut_data(nest, planned, toolpath.path) | {"path": rows, "torch": planned.cut.torch}
+        found.append({**own, **{key: first[key] for key in ("stand_s", "unlit", "slow", "wait_s")}})
+    return found
 
 
 def _cut(nest: Nest, toolpath: Toolpath, profile: Profile) -> Data:

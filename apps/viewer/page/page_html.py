@@ -339,6 +339,7 @@ def cut_data(nest: Nest, planned: PlannedCut, path: Curve | None = None) -> Data
         "length_mm": short(planned.length_mm, 1),
         "because": list(planned.because),
         "linked": cut.linked,
+        "torch": cut.torch,
         "excused": list(cut.excused),
         "tabs": [[*(short(v) for v in tab.at), short(tab.width_mm)] for tab in cut.tabs],
         "path": rows_of(path if path is not None else _as_drawn(nest, cut)),

@@ -12,7 +12,7 @@ import numpy as np
 from kerfwise.arrays import Float32s
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.explainer import Explainer
-from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.inputs import Inputs, of_first_torch
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import MOST_POINTS, make_grid
@@ -48,7 +48,7 @@ would cost as well."""
 def reasons(inputs: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str, Data]:
     """By contour id, what there is to say of it; None chooses the detail by the number of contours.
 
-    Nothing for plans that the rules of today cannot explain.
+    What further torches cut is said of the cut that they make together with. Nothing for plans that the rules of today cannot explain.
     """
     count = len(plan.cuts)
     detail = detail or ("full" if count <= FULL else "held" if count <= HELD else "none")
@@ -57,11 +57,11 @@ def reasons(inputs: Inputs, plan: Plan, detail: Detail | None = None) -> dict[st
     try:
         explainer = Explainer(inputs, plan)
         if detail == "full":
-            return {p.cut.contour: why_data(explainer.explain(p.cut.contour)) for p in plan.cuts}
+            return {p.cut.contour: why_data(explainer.explain(p.cut.contour)) for p in of_first_torch(plan).cuts}
         setting = explainer.setting
     except InputError:
         return {}
-    return {p.cut.contour: _held(setting, p.cut.contour) for p in plan.cuts}
+    return {p.cut.contour: _held(setting, p.cut.contour) for p in of_first_torch(plan).cuts}
 
 
 def why_data(e: Explanation) -> Data:

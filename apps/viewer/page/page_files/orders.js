@@ -2,6 +2,7 @@
 /** @import { CutData } from "./types.js" */
 import { byId, make } from "./elements.js";
 import { tr, trn } from "./say.js";
+import { withFirst } from "./timeline.js";
 import { VirtualList } from "./virtual.js";
 import { clock, kindText, millimetres } from "./words.js";
 
@@ -26,6 +27,7 @@ export function orderList(app) {
     const flags = [
       cut.excused.length ? make("b", { class: "flag unkept", title: tr("not kept here: {rules}", { rules: cut.excused.join(", ") }) }, "!") : null,
       cut.wait_s ? make("b", { class: "flag", title: tr("waits {s} s", { s: cut.wait_s }) }, "⏱") : null,
+      withFirst(cut) ? make("b", { class: "flag", title: tr("by torch {torch}, together with the cut before", { torch: cut.torch }) }, `T${cut.torch}`) : null,
       cut.linked ? make("b", { class: "flag", title: tr("linked: the torch stays on") }, "∞") : null,
       differs.has(cut.contour) ? make("b", { class: "flag diff", title: differs.get(cut.contour) }, "≠") : null,
     ];

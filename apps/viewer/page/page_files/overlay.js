@@ -5,7 +5,7 @@
 /** @import { Timeline } from "./timeline.js" */
 import { pen, trace, write } from "./brush.js";
 import { Outlines } from "./outlines.js";
-import { momentAt, startOf } from "./timeline.js";
+import { countUpTo, endOf, momentAt, startOf, withFirst } from "./timeline.js";
 import { placeOn } from "./way.js";
 
 const TAIL = 12, MANY = 40;
@@ -34,32 +34,31 @@ export function paintOver(context, camera, palette, scenery, timeline, state) {
   context.moveTo(hx, hy - 8);
   context.lineTo(hx, hy + 8);
   context.stroke();
-  for (let k = Math.max(1, done - TAIL); k <= done && state.travel; k++) {
-    if (k >= scenery.cuts.length || scenery.cuts[k].linked) continue;
-    arrow(context, camera, palette, lastOf(scenery, k - 1), startOf(scenery.cuts[k]));
+  const { firsts } = timeline, next = countUpTo(firsts, done - 1);
+  for (let n = Math.max(1, next - TAIL); n <= next && n < firsts.length && state.travel; n++) {
+    if (!scenery.cuts[firsts[n]].linked) arrow(context, camera, palette, endOf(scenery.cuts[firsts[n - 1]]), startOf(scenery.cuts[firsts[n]]));
   }
   if (!moment) return;
-  let x = moment.to[0], y = moment.to[1];
-  if (moment.does === "cut") {
-    const way = scenery.way(moment.cut), place = placeOn(way, share);
-    ({ x, y } = place);
+  if (moment.does === "travel" || moment.does === "home") {
+    const [[ax, ay], [bx, by]] = [moment.from, moment.to];
+    arrow(context, camera, palette, moment.from, moment.to);
+    torch(context, camera.toScreen(ax + share * (bx - ax), ay + share * (by - ay)), ink, moment.does);
+    return;
+  }
+  if (moment.does !== "cut") torch(context, camera.toScreen(...moment.to), ink, moment.does);
+  for (let cut = moment.cut; cut === moment.cut || withFirst(scenery.cuts[cut]); cut++) { // each torch on its own way
+    if (moment.does !== "cut") {
+      if (cut !== moment.cut) torch(context, camera.toScreen(...startOf(scenery.cuts[cut])), ink, moment.does);
+      continue;
+    }
+    const way = scenery.way(cut), { x, y, passed } = placeOn(way, share);
     context.beginPath();
-    trace(context, camera, way.points, false, place.passed + 1);
+    trace(context, camera, way.points, false, passed + 1);
     context.lineTo(...camera.toScreen(x, y));
     pen(context, ink.torch, Math.max(2, scenery.side.kerf_mm * camera.scale));
     context.stroke();
-  } else if (moment.does === "travel" || moment.does === "home") {
-    x = moment.from[0] + share * (moment.to[0] - moment.from[0]);
-    y = moment.from[1] + share * (moment.to[1] - moment.from[1]);
-    arrow(context, camera, palette, moment.from, moment.to);
+    torch(context, camera.toScreen(x, y), ink, moment.does);
   }
-  torch(context, camera.toScreen(x, y), ink, moment.does);
-}
-
-/** @type {(scenery: Scenery, cut: number) => [number, number]} */
-function lastOf(scenery, cut) {
-  const { path } = scenery.cuts[cut];
-  return [path[path.length - 3], path[path.length - 2]];
 }
 
 /** @type {(context: CanvasRenderingContext2D, at: [number, number], ink: Record<string, string>, does: string) => void} */

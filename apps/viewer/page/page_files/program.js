@@ -2,7 +2,7 @@
 /** @import { NcData } from "./types.js" */
 import { byId, make } from "./elements.js";
 import { tr } from "./say.js";
-import { momentAt } from "./timeline.js";
+import { countUpTo, momentAt } from "./timeline.js";
 import { VirtualList } from "./virtual.js";
 import { placeOn } from "./way.js";
 
@@ -49,12 +49,12 @@ export function programPanel(app) {
     const line = Number(row?.querySelector(".no")?.textContent);
     if (!nc || !line) return;
     const burn = nc.lines.findLastIndex(lines => lines[0] <= line);
-    const { cuts, pierces } = app.side;
-    if (burn >= 0 && !pierces.length && burn < cuts.length) app.seek(app.stages[app.state.side].timeline.begins_s[burn] + 1e-3);
+    const { begins_s, firsts } = app.stages[app.state.side].timeline;
+    if (burn >= 0 && !app.side.pierces.length && burn < firsts.length) app.seek(begins_s[firsts[burn]] + 1e-3);
   });
   app.on((_, changes) => {
     if (changes.side !== undefined) void renew();
-    else if (changes.tab === "nc") follow(true);
+    else if (changes.tab === "nc") requestAnimationFrame(() => follow(true)); // once it has its height
     else if (changes.time_s !== undefined) follow();
   });
   app.renewed(() => void renew(), true);
@@ -72,7 +72,7 @@ export function lineAt(app, nc) {
   const stage = app.stages[app.state.side], { moment, share } = momentAt(stage.timeline, app.state.time_s);
   if (!moment) return nc.lines.length ? nc.lines[nc.lines.length - 1].at(-1) ?? -1 : -1;
   const before = app.side.pierces.filter(pierce => pierce.before <= app.side.made + moment.cut + 1).length;
-  const lines = nc.lines[moment.cut + before];
+  const lines = nc.lines[countUpTo(stage.timeline.firsts, moment.cut) - 1 + before];
   if (!lines) return -1;
   if (moment.does !== "cut") return lines[0];
   const { path } = app.side.cuts[moment.cut], pieces = path.length / 3 - 1;

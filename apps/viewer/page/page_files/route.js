@@ -3,7 +3,7 @@
 /** @import { Scenery } from "./scenery.js" */
 /** @import { SideData } from "./types.js" */
 import { pen, trace, write } from "./brush.js";
-import { endOf, startOf } from "./timeline.js";
+import { endOf, startOf, withFirst } from "./timeline.js";
 import { placeOn } from "./way.js";
 
 const MOST_DASHED = 500;
@@ -21,9 +21,10 @@ const ARROW_SQUARE_PX = 46, DOT_SQUARE_PX = 11, LEAST_ARROW_PX = 18, LEAST_TURN_
  * @returns {Generator<void, void, void>}
  */
 export function* paintRoute(context, camera, palette, side, done, size) {
-  const { cuts, home } = side, squares = new Squares(ARROW_SQUARE_PX);
+  const { home } = side, squares = new Squares(ARROW_SQUARE_PX), cuts = side.cuts.filter(cut => !withFirst(cut));
+  const made = cuts.length - side.cuts.slice(done).filter(cut => !withFirst(cut)).length;
   /** @type {[number, number, string, number][]} */
-  const stretches = [[done + 1, cuts.length, palette.ink.done, 0.8], [0, done, palette.ink.travel, 1.1]];
+  const stretches = [[made + 1, cuts.length, palette.ink.done, 0.8], [0, made, palette.ink.travel, 1.1]];
   for (const [from, to, colour, width] of stretches) {
     context.beginPath();
     const heads = new Path2D();

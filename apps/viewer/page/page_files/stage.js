@@ -36,7 +36,7 @@ export class Stage {
     /** What the window was fitted to last: all parts, or the whole sheet. */
     this.fitted = { parts: /** @type {boolean | undefined} */ (undefined), camera: new Camera() };
     this.plan = data.sides[side] ?? null;
-    this.timeline = this.plan ? timelineOf(this.plan) : { moments: [], begins_s: [], ends_s: [], end_s: 0, timed: false };
+    this.timeline = this.plan ? timelineOf(this.plan) : { moments: [], begins_s: [], ends_s: [], firsts: [], end_s: 0, timed: false };
     this.scenery = new Scenery(data, this.plan, outlines);
     this.ground = new Ground(this.scenery);
     this.palette = palette();

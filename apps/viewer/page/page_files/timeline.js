@@ -20,6 +20,7 @@
  * @property {Moment[]} moments
  * @property {number[]} ends_s when each cut is done
  * @property {number[]} begins_s when the torch begins each
+ * @property {number[]} firsts the cuts that the first torch makes
  * @property {number} end_s
  * @property {boolean} timed whether the plan says its times; else they are guessed
  */
@@ -34,7 +35,7 @@ export function timelineOf(side) {
   const timed = side.cuts.some(cut => cut.to_s > 0);
   /** @type {Moment[]} */
   const moments = [];
-  const begins_s = /** @type {number[]} */ ([]), ends_s = /** @type {number[]} */ ([]);
+  const begins_s = /** @type {number[]} */ ([]), ends_s = /** @type {number[]} */ ([]), firsts = /** @type {number[]} */ ([]);
   let now = 0, at = side.home;
   /** @type {(does: Moment["does"], to_s: number, cut: number, to: Point) => void} */
   const add = (does, to_s, cut, to) => {
@@ -43,6 +44,12 @@ export function timelineOf(side) {
     at = to;
   };
   side.cuts.forEach((cut, k) => {
+    if (withFirst(cut)) {
+      begins_s.push(begins_s[k - 1]);
+      ends_s.push(ends_s[k - 1]);
+      return;
+    }
+    firsts.push(k);
     for (const hole of side.pierces.filter(pierce => pierce.before === side.made + k + 1)) {
       add("travel", hole.from_s, k, hole.at);
       add("pierce", hole.to_s, k, hole.at);
@@ -56,8 +63,14 @@ export function timelineOf(side) {
     ends_s.push(now);
   });
   const homing_s = timed ? side.end_s : now + distance(at, side.home) / GUESSED_TRAVEL_MM_S;
-  add("home", homing_s, side.cuts.length - 1, side.home);
-  return { moments, begins_s, ends_s, end_s: now, timed };
+  add("home", homing_s, firsts.at(-1) ?? -1, side.home);
+  return { moments, begins_s, ends_s, firsts, end_s: now, timed };
+}
+
+/** Whether a further torch makes a cut, with the first one and by its motion. */
+/** @type {(cut: CutData | undefined) => boolean} */
+export function withFirst(cut) {
+  return (cut?.torch ?? 1) > 1;
 }
 
 /**

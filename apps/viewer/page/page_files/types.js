@@ -36,6 +36,7 @@
  * @property {number} length_mm
  * @property {string[]} because
  * @property {boolean} linked
+ * @property {number} [torch] - from 2 on: it is cut with the last cut of the first torch before it, by the same motion
  * @property {string[]} excused - rules that the plan could not keep here
  * @property {number[][]} tabs - x, y, width
  * @property {number[]} path - rows of the torch's way

@@ -3,6 +3,7 @@
 import { byId, make } from "./elements.js";
 import { tr, trn } from "./say.js";
 import { inWords } from "./sentences.js";
+import { withFirst } from "./timeline.js";
 import { clock, kindText, millimetres, placeText, wayText } from "./words.js";
 
 const FEW_WAYS = 4;
@@ -24,12 +25,21 @@ export function whyPanel(app) {
       return;
     }
     panel.replaceChildren(...said(app, app.state.selected, null)); // the reasons may take a while
-    const why = app.side ? await app.source.why(app.state.side, contour.id) : null;
+    const why = app.side ? await app.source.why(app.state.side, idOfFirst(app)) : null;
     if (why && mine === asked) panel.replaceChildren(...said(app, app.state.selected, why));
   };
   app.on((_, changes) => { if (changes.selected !== undefined || changes.side !== undefined) void show(); });
   app.renewed(show);
   void show();
+}
+
+/** The chosen contour, or where a further torch cuts it the one that the first cuts by the same motion: it has the reasons. */
+/** @type {(app: App) => string} */
+function idOfFirst(app) {
+  const { cuts } = app.side, { contours } = app.data.nest;
+  let k = app.cutOf(app.state.selected) ?? -1;
+  while (withFirst(cuts[k])) k -= 1;
+  return contours[k < 0 ? app.state.selected : cuts[k].contour].id;
 }
 
 /**
@@ -107,11 +117,18 @@ function told(abouts) {
   return abouts.length ? make("ul", {}, ...abouts.map(about => make("li", {}, make("b", {}, about.rule), `: ${inWords(about.text)}`))) : null;
 }
 
+/** The number of a cut as the page counts them, all torches together. */
+/** @type {(app: App, one: {contour: string, place: number}) => number} */
+function numberOf(app, { contour, place }) {
+  const k = app.cutOf(app.numberOf(contour));
+  return k === undefined ? place : app.side.made + k + 1;
+}
+
 /** @type {(app: App, held: Holds) => HTMLElement | null} */
 function holds(app, held) {
   if (!held.nearest.length) return null;
   return make("ul", {}, ...held.nearest.map(one => make("li", {},
-    make("button", { class: "link", type: "button", onclick: () => app.chooseId(one.contour) }, `${one.place} ${one.contour}`),
+    make("button", { class: "link", type: "button", onclick: () => app.chooseId(one.contour) }, `${numberOf(app, one)} ${one.contour}`),
     " ", make("b", {}, one.rule), `: ${inWords(one.text)}`)),
   held.more ? make("li", { class: "hint" }, tr("and {n} more of these rules", { n: held.more })) : null);
 }

@@ -2,6 +2,7 @@
 import { askServer, sendServer } from "./asking.js";
 import { listenToNews } from "./news.js";
 import { tr } from "./say.js";
+import { withFirst } from "./timeline.js";
 
 /** The session as this tab knows it: what is asked of the server, and who hears what it says. */
 export class Work {
@@ -170,13 +171,17 @@ export class Work {
   get plan() { return this.state.alternatives.find((/** @type {any} */ one) => one.number === this.state.shown) ?? null; }
 
   /** Whether what is drawn is the plan that moves are judged in. */
-  get free() { return this.state.fits && !this.compared && this.isDrawn; }
+  get free() { return !this.whyNot; }
+
+  /** Whether the plan that is drawn has cuts of further torches. */
+  get severalTorches() { return this.data?.sides.some(side => side.cuts.some(withFirst)) ?? false; }
 
   /** Why nothing can be moved in the order now; "" where it can. */
   get whyNot() {
     if (this.lost) return tr("the connection is lost");
     if (this.compared) return tr("two plans stand side by side: go back to one, then move cuts");
     if (!this.plan) return tr("there is no plan yet: press Plan first");
+    if (this.severalTorches) return tr("several torches cut at a time, so cuts are not moved one by one: say a lock in words, or plan with one torch");
     if (!this.state.fits) return this.state.solving ? tr("it is being planned: wait for the first plan, then move cuts") : tr("what is wanted is not planned yet: press Plan, then move cuts");
     return this.isDrawn ? "" : tr("the plan is being drawn: a moment");
   }
