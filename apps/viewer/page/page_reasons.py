@@ -48,7 +48,7 @@ would cost as well."""
 def reasons(inputs: Inputs, plan: Plan, detail: Detail | None = None) -> dict[str, Data]:
     """By contour id, what there is to say of it; None chooses the detail by the number of contours.
 
-    What further torches cut is said of the cut that they make together with. Nothing for plans that the rules of today cannot explain.
+    Cuts of further torches are told with the first one's. Nothing for plans that the rules of today cannot explain.
     """
     count = len(plan.cuts)
     detail = detail or ("full" if count <= FULL else "held" if count <= HELD else "none")

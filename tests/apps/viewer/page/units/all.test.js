@@ -242,23 +242,26 @@ test("what comes late is not taken for what is drawn, and no number is of a plan
   const answers = [];
   context.mock.method(globalThis, "fetch", () => new Promise(done => answers.push(of => done({ ok: true, json: async () => of }))));
   const work = new Work("nest");
-  work.state = { version: 2, shown: 2, sha256: "a", fits: true };
+  const alternatives = [{ number: 2 }, { number: 3 }], told = text => ({ text, sides: [] });
+  work.state = { version: 2, shown: 2, sha256: "a", fits: true, alternatives };
   const first = work.page();
-  answers[0]("plan 2");
+  answers[0](told("plan 2"));
   await first;
-  assert.deepEqual([work.isDrawn, work.free, work.data], [true, true, "plan 2"]);
+  assert.deepEqual([work.isDrawn, work.free, work.data.text], [true, true, "plan 2"]);
   work.compared = [2, 1];
   const both = work.page();
   assert.equal(work.isDrawn, false);
   work.compared = null;
   const again = work.page();
-  answers[2]("plan 2 again");
+  answers[2](told("plan 2 again"));
   await again;
-  answers[1]("plans 2 and 1");
-  assert.equal(await both, "plans 2 and 1");
-  assert.deepEqual([work.isDrawn, work.free, work.data], [true, true, "plan 2 again"]);
-  work.state = { version: 3, shown: 3, sha256: "a", fits: true };
+  answers[1](told("plans 2 and 1"));
+  assert.equal((await both).text, "plans 2 and 1");
+  assert.deepEqual([work.isDrawn, work.free, work.data.text], [true, true, "plan 2 again"]);
+  work.state = { version: 3, shown: 3, sha256: "a", fits: true, alternatives };
   assert.deepEqual([work.isDrawn, work.free], [false, false]);
+  work.data.sides = [{ cuts: [{ torch: 1 }, { torch: 2 }] }];
+  assert.match(work.whyNot, /several torches/);
 });
 
 test("a tab whose stream is refused leaves the lock to the next one, and asks again", async context => {
@@ -389,6 +392,15 @@ test("a part lies where it was turned over, turned and moved to", () => {
   assert.deepEqual(at({ turn_deg: 0, mirrored: false, dx: 3, dy: -1 }), [3, -1, 13, -1, 13, 3]);
   assert.deepEqual(at({ turn_deg: 90, mirrored: false, dx: 0, dy: 0 }), [7, -3, 7, 7, 3, 7]);
   assert.deepEqual(at({ turn_deg: 0, mirrored: true, dx: 0, dy: 0 }), [10, 0, 0, 0, 0, 4]);
+});
+
+test("what further torches cut has the times of the first one, and a row of its own", () => {
+  const timeline = timelineOf({ ...SIDE, cuts: [SIDE.cuts[0], { ...SIDE.cuts[0], contour: 2, torch: 2 }, SIDE.cuts[1]] });
+  const alone = timelineOf(SIDE);
+  assert.deepEqual([timeline.firsts, timeline.end_s], [[0, 2], alone.end_s]);
+  assert.deepEqual(timeline.ends_s, [alone.ends_s[0], alone.ends_s[0], alone.ends_s[1]]);
+  assert.deepEqual(timeline.moments.map(one => one.does), alone.moments.map(one => one.does));
+  assert.equal(momentAt(timeline, alone.ends_s[0]).done, 2);
 });
 
 test("undo goes past the plans that were made of one change, and redo comes back", async () => {
