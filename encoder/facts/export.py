@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,18 @@ import numpy as np
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.minizinc_data import (
+    Fields,
+    assignments,
+    flags,
+    length_table,
+    lengths,
+    numbers,
+    numbers_from_1,
+    relation,
+    stretch_fields,
+    texts,
+)
 from kerfwise.encoder.nest import KINDS
 
 from .facts import SIDES, Facing, Facts, Stretch
@@ -202,9 +213,6 @@ def _rows(rows: list[dict[str, Any]]) -> str:
 
 
 # Facts as MiniZinc data, for rule authors and the MiniZinc engine.
-#
-# Contours and candidates count from 1 there, a relation is an array of bools such as `contains[i, j]`, and every
-# length is an integer in hundredths of a millimetre, so that solvers without floats can read it.
 
 CONTOURS_MAX = 2000
 
@@ -263,85 +271,45 @@ def facts_dzn(facts: Facts) -> str:
         raise InputError(f"{n} contours are too many for MiniZinc data (at most {CONTOURS_MAX}); write .json instead")
     contours = facts.nest.contours
     cands, near = facts.candidates, facts.neighbours
-    fields: list[tuple[str, str]] = [
+    fields: Fields = [
         ("n_contours", str(n)),
-        ("contour_id", _list(json.dumps(c.id, ensure_ascii=False) for c in contours)),
-        ("part", _ints(k + 1 for k in facts.nest.owners)),
-        ("kind", _ints(KINDS.index(c.kind) + 1 for c in contours)),
-        ("parent", _ints(facts.parent + 1)),
-        ("zone", _ints(facts.zone)),
-        ("long", _bools(facts.long)),
+        ("contour_id", texts(c.id for c in contours)),
+        ("part", numbers_from_1(facts.nest.owners)),
+        ("kind", numbers_from_1(KINDS.index(c.kind) for c in contours)),
+        ("parent", numbers_from_1(facts.parent)),
+        ("zone", numbers(facts.zone)),
+        ("long", flags(facts.long)),
         ("start_side", str(SIDES.index(facts.start_side) + 1)),
-        ("contains", _relation(facts.contains, n)),
-        ("level_ahead", _relation(facts.level_ahead, n)),
-        ("in_hull", _relation(facts.in_hull, n)),
-        ("edge_gap", _table(facts.edge_gap_mm)),
-        ("edge_length", _table(facts.edge_length_mm)),
-        ("solid_length", _lengths(facts.solid_mm)),
+        ("contains", relation(facts.contains, n)),
+        ("level_ahead", relation(facts.level_ahead, n)),
+        ("in_hull", relation(facts.in_hull, n)),
+        ("edge_gap", length_table(facts.edge_gap_mm.tolist(), len(SIDES))),
+        ("edge_length", length_table(facts.edge_length_mm.tolist(), len(SIDES))),
+        ("solid_length", lengths(facts.solid_mm)),
         ("n_facing", str(len(near.row))),
-        ("facing_from", _ints(near.row + 1)),
-        ("facing_to", _ints(near.neighbour + 1)),
-        ("facing_length", _lengths(near.length_mm)),
-        ("facing_gap", _lengths(near.gap_mm)),
-        ("offcut_depth", _lengths(facts.offcut_mm)),
-        ("offcut_large", _bools(facts.offcut_large)),
-        ("heat_length", _lengths(facts.heat_mm)),
-        ("heat_parts", _ints(facts.heat_parts)),
+        ("facing_from", numbers_from_1(near.row)),
+        ("facing_to", numbers_from_1(near.neighbour)),
+        ("facing_length", lengths(near.length_mm)),
+        ("facing_gap", lengths(near.gap_mm)),
+        ("offcut_depth", lengths(facts.offcut_mm)),
+        ("offcut_large", flags(facts.offcut_large)),
+        ("heat_length", lengths(facts.heat_mm)),
+        ("heat_parts", numbers(facts.heat_parts)),
         ("n_candidates", str(len(cands))),
-        ("cand_contour", _ints(c.contour + 1 for c in cands)),
-        ("cand_x", _lengths(c.pierce[0] for c in cands)),
-        ("cand_y", _lengths(c.pierce[1] for c in cands)),
-        ("cand_end_x", _lengths(c.end[0] for c in cands)),
-        ("cand_end_y", _lengths(c.end[1] for c in cands)),
-        ("cand_ccw", _bools(c.direction == "ccw" for c in cands)),
-        ("cand_cut_length", _lengths(c.cut_mm for c in cands)),
-        ("cand_edge_start", _bools(c.edge_start for c in cands)),
+        ("cand_contour", numbers_from_1(c.contour for c in cands)),
+        ("cand_x", lengths(c.pierce[0] for c in cands)),
+        ("cand_y", lengths(c.pierce[1] for c in cands)),
+        ("cand_end_x", lengths(c.end[0] for c in cands)),
+        ("cand_end_y", lengths(c.end[1] for c in cands)),
+        ("cand_ccw", flags(c.direction == "ccw" for c in cands)),
+        ("cand_cut_length", lengths(c.cut_mm for c in cands)),
+        ("cand_edge_start", flags(c.edge_start for c in cands)),
         *_stretch_fields("head", facts.head),
         *_stretch_fields("tail", facts.tail),
     ]
-    return HEADER + "".join(f"{name} = {value};\n" for name, value in fields)
+    return HEADER + assignments(fields)
 
 
-def _stretch_fields(name: str, stretch: Stretch) -> list[tuple[str, str]]:
-    facing: Facing = stretch.neighbours
-    return [
-        (f"{name}_length", _lengths(stretch.total_mm)),
-        (f"{name}_edge", _lengths(stretch.edge_mm)),
-        (f"{name}_solid", _lengths(stretch.solid_mm)),
-        (f"n_{name}", str(len(facing.row))),
-        (f"{name}_cand", _ints(facing.row + 1)),
-        (f"{name}_contour", _ints(facing.neighbour + 1)),
-        (f"{name}_facing", _lengths(facing.length_mm)),
-    ]
-
-
-def _list(values: Iterable[str]) -> str:
-    return f"[{', '.join(values)}]"
-
-
-def _ints(values: Iterable[int]) -> str:
-    return _list(str(int(v)) for v in values)
-
-
-def _lengths(values_mm: Iterable[float]) -> str:
-    return _ints(round(v * 100) for v in values_mm)
-
-
-def _bools(values: Iterable[object]) -> str:
-    return _list("true" if v else "false" for v in values)
-
-
-def _dzn_rows(rows: Iterable[Iterable[str]], width: int) -> str:
-    """A 2-D array; one without rows keeps its number of columns."""
-    lines = [", ".join(row) for row in rows]
-    return "[| " + "\n   | ".join(lines) + " |]" if lines else f"array2d(1..0, 1..{width}, [])"
-
-
-def _relation(pairs: Ints, n: int) -> str:
-    holds = np.zeros((n, n), dtype=bool)
-    holds[pairs[:, 0], pairs[:, 1]] = True
-    return _dzn_rows((("true" if v else "false" for v in row) for row in holds.tolist()), n)
-
-
-def _table(values_mm: Floats) -> str:
-    return _dzn_rows(((str(round(v * 100)) for v in row) for row in values_mm.tolist()), values_mm.shape[1])
+def _stretch_fields(name: str, stretch: Stretch) -> Fields:
+    facing = ((i, j, mm) for i, j, mm, _ in _facing_rows(stretch.neighbours))
+    return stretch_fields(name, stretch.total_mm, stretch.edge_mm, stretch.solid_mm, facing)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, assert_never
 
@@ -16,18 +15,10 @@ from kerfwise.encoder.facts import facts_dzn
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um, points_um
+from kerfwise.encoder.minizinc_data import Fields, assignments, include, numbers, table_from_0
 from kerfwise.models.problem.problem import Durations
 from kerfwise.rules.flat.model_rule import ModelRule
-from kerfwise.rules.minizinc.twin import (
-    MODELS,
-    Fields,
-    TwinCase,
-    assignments,
-    numbers,
-    rule_file,
-    table_from_0,
-    twin_of,
-)
+from kerfwise.rules.minizinc.twin import MODELS, TwinCase, rule_file, twin_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.rule import Rule
@@ -180,14 +171,9 @@ def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
     }
 
 
-def include(path: Path) -> str:
-    """The line that includes a file."""
-    return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
-
-
 def drops_orders(rule: Rule[Any]) -> bool:
-    """Whether orders that are dropped on a cycle are taken out of the facts that the rule's file reads."""
-    return not isinstance(rule, ModelRule) and twin_of(rule.id).drops_orders
+    """Whether orders that are dropped on a cycle are taken out of the fact that the rule states."""
+    return rule.gives_way > 0 and rule.pairs_are != ""
 
 
 def _file_of(rule: Rule[Any]) -> Path:
@@ -352,9 +338,12 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
 def without_dropped(facts: Facts, stated: Stated, book: Mapping[str, Rule[Any]]) -> Facts:
     """The facts without the pairs whose orders were dropped because they closed a cycle."""
     for rule in dict.fromkeys(d.rule for d in stated.dropped):
-        orders = by_kind([d.statement for d in stated.dropped if d.rule == rule]).precede
         if drops_orders(book[rule]):
-            facts = twin_of(rule).without(facts, {(s.before, s.after) for s in orders})
+            orders = by_kind([d.statement for d in stated.dropped if d.rule == rule]).precede
+            gone, fact = {(s.before, s.after) for s in orders}, book[rule].pairs_are
+            kept = [pair for pair in getattr(facts, fact).tolist() if tuple(pair) not in gone]
+            changed: dict[str, Any] = {fact: np.array(kept, dtype=np.int64).reshape(-1, 2)}
+            facts = replace(facts, **changed)
     return facts
 
 

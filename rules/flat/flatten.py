@@ -18,6 +18,7 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
+from kerfwise.encoder.minizinc_data import include
 from kerfwise.rules.expression.node import Node, TooMuch
 from kerfwise.rules.minizinc.installation import version_of
 
@@ -189,11 +190,6 @@ def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = F
     if file.says:
         lines.append(printing("says", f"array1d({file.stem}_says)"))
     return "\n".join([*lines, "solve satisfy;", "output [];", data])
-
-
-def include(path: Path) -> str:
-    """The line that includes a file."""
-    return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
 
 
 # What MiniZinc has compiled, kept between runs by content: the same rule on the same nest is compiled once.

@@ -14,10 +14,11 @@ from weakref import WeakKeyDictionary
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.minizinc_data import Fields, assignments
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import join_names, nearest
 from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, parts
-from kerfwise.rules.minizinc.twin import Fields, Further, TwinCase, assignments, twin_of
+from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.own.selector import attributes
@@ -332,7 +333,7 @@ class ModelRule(Rule[Any]):
         )
         own = parameters_data(self.file, options)
         if self.replaces is not None:
-            own = [*(twin_of(self.replaces.id).measured(nest, cuts, options) or []), *own]
+            own = [*twin_of(self.replaces.id).measured(nest, cuts, options), *own]
         return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text, limits.plate)
 
     def lead_options(self, given: LeadOptions, options: Any, strength: Strength) -> LeadOptions:

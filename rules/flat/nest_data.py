@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 import json
-import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import shapely
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.minizinc_data import (
+    PER_MM,
+    Fields,
+    flags,
+    length_table,
+    lengths,
+    numbers,
+    numbers_from_1,
+    relation,
+    stretch_fields,
+    texts,
+)
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.judging.facing import Faced, faced_all_round, faced_by_cuts
-from kerfwise.rules.minizinc.twin import Fields, flag, flags, numbers
 from kerfwise.rules.own.criteria import none_has
 from kerfwise.rules.own.measures import (
-    areas_mm2,
-    cut_seconds,
     edge_gaps_mm,
-    lengths_mm,
-    rectangle_sides_mm,
-    sizes_mm,
-    weights_kg,
 )
-from kerfwise.rules.own.selector import attributes, is_long, measure_nest
+from kerfwise.rules.own.selector import attributes, is_long, measure_nest, nest_values
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import USUAL, Plate
 
@@ -34,7 +38,6 @@ from kerfwise.rules.rule import USUAL, Plate
 # Nothing here looks at the facts that models are built on. Only what a rule's file names is measured; the rest is
 # there, as MiniZinc wants it, and empty.
 
-PER_MM = 100
 NEVER_MS = 10**9
 PAIRS = ("level_ahead", "in_hull")
 SIDES = ("left", "right", "bottom", "top")
@@ -89,29 +92,29 @@ def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> F
     known = measure_nest(nest, cuts, limits.long_ratio, limits.web_mm)
     fields: Fields = [
         ("n_contours", str(n)),
-        ("contour_id", _texts(c.id for c in contours)),
-        ("part", numbers(k + 1 for k in nest.owners)),
-        ("kind", numbers(KINDS.index(c.kind) + 1 for c in contours)),
-        ("parent", numbers(parent[k] + 1 for k in range(n))),
+        ("contour_id", texts(c.id for c in contours)),
+        ("part", numbers_from_1(nest.owners)),
+        ("kind", numbers_from_1(KINDS.index(c.kind) for c in contours)),
+        ("parent", numbers_from_1(parent)),
         ("zone", numbers(max(1, known.zones.get(c.id, _zone_of_part(nest, known.zones, c.part))) for c in contours)),
         ("long", flags(is_long(known) if "long" in named else [False] * n)),
         ("start_side", str(SIDES.index(cuts.start_side or "left") + 1)),
-        ("contains", _relation(_inside(parent), n)),
+        ("contains", relation(_inside(parent), n)),
         *(
-            (fact, _relation(_pairs(nest, cuts, limits, fact) if fact in named else (), n))
+            (fact, relation(_pairs(nest, cuts, limits, fact) if fact in named else (), n))
             for fact in ("level_ahead", "in_hull")
         ),
-        ("edge_gap", _table([edge_gaps_mm(nest, side) for side in SIDES], n)),
+        ("edge_gap", length_table(zip(*(edge_gaps_mm(nest, side) for side in SIDES), strict=True), len(SIDES))),
         *_all_round(nest, limits, named),
         *_sides(nest, limits),
         ("n_candidates", str(n)),
-        ("cand_contour", numbers(range(1, n + 1))),
-        ("cand_x", _lengths(0.0 if c is None else c.pierce[0] for c in own)),
-        ("cand_y", _lengths(0.0 if c is None else c.pierce[1] for c in own)),
-        ("cand_end_x", _lengths(0.0 if c is None else c.end[0] for c in own)),
-        ("cand_end_y", _lengths(0.0 if c is None else c.end[1] for c in own)),
+        ("cand_contour", numbers_from_1(range(n))),
+        ("cand_x", lengths(0.0 if c is None else c.pierce[0] for c in own)),
+        ("cand_y", lengths(0.0 if c is None else c.pierce[1] for c in own)),
+        ("cand_end_x", lengths(0.0 if c is None else c.end[0] for c in own)),
+        ("cand_end_y", lengths(0.0 if c is None else c.end[1] for c in own)),
         ("cand_ccw", flags(c is not None and c.direction == "ccw" for c in own)),
-        ("cand_cut_length", _lengths(_torch_on_mm(nest, c) for c in own)),
+        ("cand_cut_length", lengths(_torch_on_mm(nest, c) for c in own)),
         ("cand_edge_start", flags(c is not None and not sheet.covers(shapely.Point(c.pierce)) for c in own)),
     ]
     for name, last, share in (("head", False, limits.head_share), ("tail", True, limits.tail_share)):
@@ -187,18 +190,18 @@ def _all_round(nest: Nest, limits: Limits, named: set[str]) -> Fields:
     n = len(nest.contours)
     wanted = named & {"edge_length", "solid_length", "n_facing", "FACING", "facing_from", "facing_to", "facing_length"}
     faced = faced_all_round(nest, limits.web_mm, limits.edge_band_mm) if wanted else {}
-    rows = [(i, j, mm) for i, own in sorted(faced.items()) for j, mm in sorted(own.contours_mm.items())]
+    rows = _facing(faced)
     lines = [c.line for c in nest.contours]
     nearest = _nearest_sides(nest)
     edges = [[faced[k].edge_mm if k in faced and nearest[k] == s else 0.0 for k in range(n)] for s in range(len(SIDES))]
     return [
-        ("edge_length", _table(edges, n)),
-        ("solid_length", _lengths(faced[k].solid_mm if k in faced else 0.0 for k in range(n))),
+        ("edge_length", length_table(zip(*edges, strict=True), len(SIDES))),
+        ("solid_length", lengths(faced[k].solid_mm if k in faced else 0.0 for k in range(n))),
         ("n_facing", str(len(rows))),
-        ("facing_from", numbers(i + 1 for i, _, _ in rows)),
-        ("facing_to", numbers(j + 1 for _, j, _ in rows)),
-        ("facing_length", _lengths(mm for _, _, mm in rows)),
-        ("facing_gap", _lengths(shapely.distance(lines[i], lines[j]) for i, j, _ in rows)),
+        ("facing_from", numbers_from_1(i for i, _, _ in rows)),
+        ("facing_to", numbers_from_1(j for _, j, _ in rows)),
+        ("facing_length", lengths(mm for _, _, mm in rows)),
+        ("facing_gap", lengths(shapely.distance(lines[i], lines[j]) for i, j, _ in rows)),
     ]
 
 
@@ -219,9 +222,9 @@ def _sides(nest: Nest, limits: Limits) -> Fields:
     middle = sorted(o.area for o in outers)[(len(outers) - 1) // 2] if outers else 0.0
     small = [o.centroid for o in outers if o.area <= middle * (1 + 1e-9)]
     return [
-        ("offcut_depth", _lengths(depth)),
+        ("offcut_depth", lengths(depth)),
         ("offcut_large", flags(depth[s] > (limits.offcut_share + 1e-9) * extent[s] for s in range(len(SIDES)))),
-        ("heat_length", _lengths(float(shapely.length(shapely.clip_by_rect(lines, *h)).sum()) for h in halves)),
+        ("heat_length", lengths(float(shapely.length(shapely.clip_by_rect(lines, *h)).sum()) for h in halves)),
         ("heat_parts", numbers(sum(bool(shapely.box(*h).contains(p)) for p in small) for h in halves)),
     ]
 
@@ -234,52 +237,29 @@ def _torch_on_mm(nest: Nest, cut: Any) -> float:
 
 
 def _stretch(name: str, faced: Mapping[int, Faced], n: int) -> Fields:
-    rows = [(i, j, mm) for i, own in sorted(faced.items()) for j, mm in sorted(own.contours_mm.items())]
-    return [
-        (f"{name}_length", _lengths(faced[k].total_mm if k in faced else 0.0 for k in range(n))),
-        (f"{name}_edge", _lengths(faced[k].edge_mm if k in faced else 0.0 for k in range(n))),
-        (f"{name}_solid", _lengths(faced[k].solid_mm if k in faced else 0.0 for k in range(n))),
-        (f"n_{name}", str(len(rows))),
-        (f"{name}_cand", numbers(i + 1 for i, _, _ in rows)),
-        (f"{name}_contour", numbers(j + 1 for _, j, _ in rows)),
-        (f"{name}_facing", _lengths(mm for _, _, mm in rows)),
-    ]
+    of = [faced.get(k, Faced(0.0, 0.0, 0.0, {})) for k in range(n)]
+    columns = ((f.total_mm for f in of), (f.edge_mm for f in of), (f.solid_mm for f in of))
+    return stretch_fields(name, *columns, _facing(faced))
 
 
-def _lengths(values_mm: Iterable[float]) -> str:
-    return numbers(round(v * PER_MM) if math.isfinite(v) else 0 for v in values_mm)
+def _facing(faced: Mapping[int, Faced]) -> list[tuple[int, int, float]]:
+    return [(i, j, mm) for i, own in sorted(faced.items()) for j, mm in sorted(own.contours_mm.items())]
 
 
-def _texts(values: Iterable[str]) -> str:
-    return f"[{', '.join(json.dumps(v, ensure_ascii=False) for v in values)}]"
+# Words about contours and the sheet beside the facts, of the nest and its plate alone: own rules know them, too.
 
-
-def _relation(pairs: Iterable[tuple[int, int]], n: int) -> str:
-    holds = set(pairs)
-    return f"array2d(1..{n}, 1..{n}, [{', '.join(flag((i, j) in holds) for i in range(n) for j in range(n))}])"
-
-
-def _table(columns_mm: Sequence[Sequence[float]], n: int) -> str:
-    cells = [str(round(column[k] * PER_MM)) for k in range(n) for column in columns_mm]
-    return f"array2d(1..{n}, 1..{len(columns_mm)}, [{', '.join(cells)}])"
-
-
-# Words about contours beside the facts: sizes, and what the nest's file says of its parts. Of the nest alone.
-
-UNITS_PER_MM = 100
-_SIZES: Mapping[str, Callable[[Nest], list[int]]] = {
-    "contour_area": lambda nest: [round(v) for v in areas_mm2(nest)],
-    "contour_length": lambda nest: [round(v * UNITS_PER_MM) for v in lengths_mm(nest)],
-    "contour_width": lambda nest: [round(v * UNITS_PER_MM) for v in sizes_mm(nest, 0)],
-    "contour_height": lambda nest: [round(v * UNITS_PER_MM) for v in sizes_mm(nest, 1)],
-    "short_side": lambda nest: [round(v * UNITS_PER_MM) for v in rectangle_sides_mm(nest, longer=False)],
-    "long_side": lambda nest: [round(v * UNITS_PER_MM) for v in rectangle_sides_mm(nest, longer=True)],
+_WORDS: Mapping[str, tuple[str, int]] = {
+    "contour_area": ("area_mm2", 1),
+    "contour_length": ("length_mm", PER_MM),
+    "contour_width": ("width_mm", PER_MM),
+    "contour_height": ("height_mm", PER_MM),
+    "short_side": ("short_side_mm", PER_MM),
+    "long_side": ("long_side_mm", PER_MM),
+    **{f"contour_{key}": (key, 0) for key in ("layer", "colour", "block", "text")},
+    "cut_ms": ("cut_s", 1000),
+    "part_weight": ("weight_kg", 1000),
 }
-"""Word → its values: lengths in whole 0.01 mm as all facts, the area in whole mm²."""
-
-
-_DRAWN: Mapping[str, str] = {f"contour_{key}": key for key in ("layer", "colour", "block", "text")}
-"""Word → what the drawing says of each contour under it, "" where it says nothing."""
+"""Word → the fact that it is, and its whole units in one of that fact's: 0.01 mm, mm², ms, g; 0 for a text."""
 
 
 _COMPARED = re.compile(r'contour_(layer|colour|block|text)\s*\[[^\]]*\]\s*==?\s*"([^"]*)"')
@@ -294,38 +274,27 @@ def unknown_words(nest: Nest, text: str) -> str | None:
     return None
 
 
-_OF_PLATE: Mapping[str, Callable[[Nest, Plate], list[int]]] = {
-    "cut_ms": lambda nest, plate: [round(1000 * s) for s in cut_seconds(nest, plate)],
-    "part_weight": lambda nest, plate: [round(1000 * kg) for kg in weights_kg(nest, plate)],
-}
-"""Word → its values on the plate: what a contour takes to pierce and cut, ms, and the weight of its part, g."""
-
-
-def _plate_words(plate: Plate) -> dict[str, str]:
-    """Word → its definition: thickness in 0.01 mm as all lengths, and texts."""
-    texts = {"sheet_material": plate.material, "cutting_process": plate.process}
-    return {
-        "sheet_thickness": f"int: sheet_thickness = {round(plate.thickness_mm * UNITS_PER_MM)};",
-        **{word: f"string: {word} = {json.dumps(text, ensure_ascii=False)};" for word, text in texts.items()},
-    }
-
-
 def further_words(nest: Nest, text: str, plate: Plate = USUAL) -> str:
     """MiniZinc text that defines, with their values, the further words that a rule's text names.
 
     `attribute_NAME[i]` is what the nest's file says of the part of contour i: a number, rounded, or a text; 0 or ""
     where it says nothing, and there `has_attribute_NAME[i]` is false.
     """
-    named = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
-    lines = [f"array[CONTOUR] of int: {word} = {numbers(_SIZES[word](nest))};" for word in _SIZES if word in named]
-    lines += [
-        f"array[CONTOUR] of string: {word} = {_texts(getattr(c.source, key) for c in nest.contours)};"
-        for word, key in _DRAWN.items()
-        if word in named
-    ]
-    measured = ((word, of) for word, of in _OF_PLATE.items() if word in named)
-    lines += [f"array[CONTOUR] of int: {word} = {numbers(of(nest, plate))};" for word, of in measured]
-    lines += [line for word, line in _plate_words(plate).items() if word in named]
+    named = set(re.findall(r"[A-Za-z_]\w*", text))
+    limits = Limits(plate=plate)
+    known = nest_values(measure_nest(nest, None, limits.long_ratio, limits.web_mm, plate))
+    lines = []
+    for word, (fact, per) in _WORDS.items():
+        if word in named:
+            values = known.values(fact)
+            written = numbers(round(v * per) for v in values) if per else texts(values)
+            lines.append(f"array[CONTOUR] of {'int' if per else 'string'}: {word} = {written};")
+    of_sheet = {
+        "int: sheet_thickness": round(plate.thickness_mm * PER_MM),
+        "string: sheet_material": json.dumps(plate.material, ensure_ascii=False),
+        "string: cutting_process": json.dumps(plate.process, ensure_ascii=False),
+    }
+    lines += [f"{word} = {value};" for word, value in of_sheet.items() if word.split()[1] in named]
     wanted = {re.sub(r"^(has_)?attribute_", "", w) for w in named if re.match(r"(has_)?attribute_\w", w)}
     for name in sorted(wanted):
         values = attributes(nest, name)
@@ -334,6 +303,6 @@ def further_words(nest: Nest, text: str, plate: Plate = USUAL) -> str:
         if all(isinstance(v, int | float) for v in present):
             lines.append(f"array[CONTOUR] of int: attribute_{name} = {numbers(round(v or 0) for v in values)};")
         else:
-            texts = _texts("" if v is None else str(v) for v in values)
-            lines.append(f"array[CONTOUR] of string: attribute_{name} = {texts};")
+            written = texts("" if v is None else str(v) for v in values)
+            lines.append(f"array[CONTOUR] of string: attribute_{name} = {written};")
     return "".join(f"{line}\n" for line in lines)

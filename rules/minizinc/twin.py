@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import importlib
 import inspect
-from collections.abc import Iterable, Set
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.minizinc_data import Fields
 from kerfwise.encoder.nest import Nest
 
 from . import __path__ as _path
@@ -53,35 +50,24 @@ class Further:
 class Twin(Generic[OptionsT]):
     """The Python side of a rule's model file; a rule whose file reads facts alone needs none.
 
-    `drops_orders` says that orders which are dropped on a cycle are taken out of the facts that the file reads.
+    What the check cannot know of, by `measured`, no other file can read in the rule's place.
     """
 
-    drops_orders: ClassVar[bool] = False
+    def of_nest(self, nest: Nest, options: OptionsT) -> Fields:
+        """Names and values of what the file reads beside the facts, where facts and check have it from the nest."""
+        return []
 
     def data(self, case: TwinCase, options: OptionsT) -> Fields:
         """Names and values of what the file reads beside the facts: the options, and what only this rule looks at."""
-        return []
+        return self.of_nest(case.facts.nest, options)
 
-    def measured(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> Fields | None:
-        """The same for the check, which measures it from the nest and the cuts; None where it cannot.
-
-        A rule of which the check cannot know what its file reads cannot be given another file.
-        """
-        return None
+    def measured(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> Fields:
+        """The same for the check, which measures it from the nest and the cuts."""
+        return self.of_nest(nest, options)
 
     def further(self, options: OptionsT, weight_mm: float | None) -> Iterable[Further]:
         """Arrays beside `<rule>_holds`; `weight_mm` is that of the rule, None where it is hard."""
         return ()
-
-    def without(self, facts: Facts, dropped: Set[tuple[int, int]]) -> Facts:
-        """The facts without the pairs (before, after) whose orders were dropped."""
-        return facts
-
-
-def pairs_without(pairs: Ints, dropped: Set[tuple[int, int]]) -> Ints:
-    """The rows (before, after) of (k, 2) `pairs` that are not among those dropped."""
-    kept = [(before, after) for before, after in pairs.tolist() if (before, after) not in dropped]
-    return np.array(kept, dtype=np.int64).reshape(-1, 2)
 
 
 def rule_file(rule: str) -> Path:
@@ -111,41 +97,3 @@ def twin_of(rule: str) -> Twin[Any]:
 
 def _name(rule: str) -> str:
     return rule.replace("-", "_")
-
-
-# Values as MiniZinc data text.
-
-Fields = list[tuple[str, str]]
-"""Names and values, as text."""
-
-
-def assignments(fields: Fields) -> str:
-    """Data text, a line each."""
-    return "".join(f"{name} = {value};\n" for name, value in fields)
-
-
-def flag(value: bool) -> str:
-    """A bool."""
-    return "true" if value else "false"
-
-
-def flags(values: Iterable[bool]) -> str:
-    """An array of bools."""
-    return f"[{', '.join(map(flag, values))}]"
-
-
-def numbers(values: Iterable[int]) -> str:
-    """An array of whole numbers."""
-    return f"[{', '.join(str(int(v)) for v in values)}]"
-
-
-def number_set(values: Iterable[int]) -> str:
-    """A set of whole numbers."""
-    return "{" + ", ".join(map(str, sorted(values))) + "}"
-
-
-def table_from_0(values: NDArray[np.int64]) -> str:
-    """A square table whose rows and columns count from 0."""
-    last = len(values) - 1
-    rows = ",\n  ".join(", ".join(map(str, row)) for row in values.tolist())
-    return f"array2d(0..{last}, 0..{last}, [\n  {rows}])"

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.minizinc_data import Fields, flags
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags
+from kerfwise.rules.minizinc.twin import Twin
 
 
 class CutDirectionTwin(Twin[CutDirectionOptions]):
     """Which ways round each kind of contour is cut."""
 
-    def data(self, case: TwinCase, options: CutDirectionOptions) -> Fields:
-        return self._fields(options)
-
-    def measured(self, nest: Nest, cuts: CutSequence, options: CutDirectionOptions) -> Fields:
-        return self._fields(options)
-
-    def _fields(self, options: CutDirectionOptions) -> Fields:
+    def of_nest(self, nest: Nest, options: CutDirectionOptions) -> Fields:
         allowed = [options.allowed(kind) for kind in KINDS]
         return [
             ("cut_direction_cw", flags("cw" in ways for ways in allowed)),

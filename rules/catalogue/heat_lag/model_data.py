@@ -7,29 +7,23 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.minizinc_data import Fields, numbers_from_1
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.minizinc.twin import Fields, Further, Twin, TwinCase, numbers, rule_file
+from kerfwise.rules.minizinc.twin import Further, Twin, rule_file
 
 
 class HeatLagTwin(Twin[HeatLagOptions]):
     """Near contours of different parts, and the seconds between them in a file of their own."""
 
-    def data(self, case: TwinCase, options: HeatLagOptions) -> Fields:
-        return self._fields(case.facts.nest, options)
-
-    def measured(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> Fields:
-        return self._fields(nest, options)
-
-    def _fields(self, nest: Nest, options: HeatLagOptions) -> Fields:
+    def of_nest(self, nest: Nest, options: HeatLagOptions) -> Fields:
         near = heating_pairs(nest, options.heat_radius_mm)
         lag: Fields = [("heat_lag_ms", str(round(options.lag_s * 1000)))] if options.lag_s > 0 else []
         return [
             ("heat_lag_cuts", str(options.lag_cuts)),
             ("n_heat_near", str(len(near))),
-            ("heat_near_one", numbers(i + 1 for i, _ in near)),
-            ("heat_near_other", numbers(j + 1 for _, j in near)),
+            ("heat_near_one", numbers_from_1(i for i, _ in near)),
+            ("heat_near_other", numbers_from_1(j for _, j in near)),
             *lag,
         ]
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.minizinc_data import Fields, flags
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallParts, HoldSmallPartsOptions, unheld
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class HoldSmallPartsTwin(Twin[HoldSmallPartsOptions]):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from kerfwise.encoder.minizinc_data import Fields, number_set, numbers
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, number_set, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class LocksTwin(Twin[LocksOptions]):

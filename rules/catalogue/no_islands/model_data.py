@@ -8,11 +8,12 @@ from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.graphs import weak_components
+from kerfwise.encoder.minizinc_data import Fields, flags, numbers
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.judging.holding import clusters as together
 from kerfwise.rules.judging.holding import holding
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class NoIslandsTwin(Twin[NoIslandsOptions]):

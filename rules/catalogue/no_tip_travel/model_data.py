@@ -11,7 +11,8 @@ from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import GRAZE_UM, UM_PER_MM, points_um
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags, numbers
+from kerfwise.encoder.minizinc_data import Fields, flags, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 from kerfwise.rules.options.option import NoOptions
 
 

@@ -10,10 +10,11 @@ import numpy as np
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts, Stretch
+from kerfwise.encoder.minizinc_data import Fields, numbers
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.judging.facing import faced_by_cuts
-from kerfwise.rules.minizinc.twin import Fields, Further, Twin, TwinCase, numbers, rule_file
+from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file
 
 PER_MM = 100
 ALLOWANCE = 0.02

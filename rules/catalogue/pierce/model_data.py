@@ -7,9 +7,10 @@ import shapely
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.minizinc_data import Fields, numbers_from_1
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class PierceTwin(Twin[PierceOptions]):
@@ -21,17 +22,17 @@ class PierceTwin(Twin[PierceOptions]):
         holes = met_holes(case.facts, options.kerf_mm, options.splash_mm)
         return [
             ("n_pierce_waste", str(len(waste))),
-            ("pierce_waste_cand", numbers(c + 1 for c, _ in waste)),
-            ("pierce_waste_hole", numbers(hole + 1 for _, hole in waste)),
+            ("pierce_waste_cand", numbers_from_1(c for c, _ in waste)),
+            ("pierce_waste_hole", numbers_from_1(hole for _, hole in waste)),
             ("n_pierce_kerfs", str(len(kerfs))),
-            ("pierce_kerf_cand", numbers(c + 1 for c, _ in kerfs)),
-            ("pierce_kerf_contour", numbers(k + 1 for _, k in kerfs)),
+            ("pierce_kerf_cand", numbers_from_1(c for c, _ in kerfs)),
+            ("pierce_kerf_contour", numbers_from_1(k for _, k in kerfs)),
             ("n_pierce_leads", str(len(leads))),
-            ("pierce_lead_later", numbers(c + 1 for c, _ in leads)),
-            ("pierce_lead_earlier", numbers(d + 1 for _, d in leads)),
+            ("pierce_lead_later", numbers_from_1(c for c, _ in leads)),
+            ("pierce_lead_earlier", numbers_from_1(d for _, d in leads)),
             ("n_pierce_holes", str(len(holes))),
-            ("pierce_hole_cand", numbers(c + 1 for c, _ in holes)),
-            ("pierce_hole_other", numbers(d + 1 for _, d in holes)),
+            ("pierce_hole_cand", numbers_from_1(c for c, _ in holes)),
+            ("pierce_hole_other", numbers_from_1(d for _, d in holes)),
         ]
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.minizinc_data import Fields, flags, numbers, numbers_from_1
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.scrap_last import ScrapLastOptions
 from kerfwise.rules.judging.holding import bounding
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, flags, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class ScrapLastTwin(Twin[ScrapLastOptions]):
@@ -27,6 +28,6 @@ class ScrapLastTwin(Twin[ScrapLastOptions]):
         return [
             ("scrap_framed", flags(contour.id in framed for contour in nest.contours)),
             ("n_scrap_beside", str(len(beside))),
-            ("scrap_one", numbers(one + 1 for one, _ in beside)),
-            ("scrap_other", numbers(other + 1 for _, other in beside)),
+            ("scrap_one", numbers_from_1(one for one, _ in beside)),
+            ("scrap_other", numbers_from_1(other for _, other in beside)),
         ]

@@ -7,8 +7,9 @@ import shapely
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM, tolerance_mm
+from kerfwise.encoder.minizinc_data import Fields, numbers, numbers_from_1
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
-from kerfwise.rules.minizinc.twin import Fields, Twin, TwinCase, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 FINE_MM = 0.002
 """Chords lie this close to contours whose gaps are measured."""
@@ -21,8 +22,8 @@ class SharedMetalTwin(Twin[SharedMetalOptions]):
         near = same_waste(case.facts, options.kerf_mm)
         return [
             ("n_shared_near", str(len(near))),
-            ("shared_one", numbers(i + 1 for i, _, _ in near)),
-            ("shared_other", numbers(j + 1 for _, j, _ in near)),
+            ("shared_one", numbers_from_1(i for i, _, _ in near)),
+            ("shared_other", numbers_from_1(j for _, j, _ in near)),
             ("shared_gap_um", numbers(gap_um for _, _, gap_um in near)),
             ("shared_least_um", str(round((options.kerf_mm - tolerance_mm(options.kerf_mm)) * UM_PER_MM))),
         ]

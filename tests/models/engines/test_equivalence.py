@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kerfwise.encoder.minizinc_data import Fields
 from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.minizinc_model import travel_um
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.heat_lag.model_data import HeatLagTwin
 from kerfwise.rules.minizinc import twin
-from kerfwise.rules.minizinc.twin import Fields
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, IdleTravel
 from kerfwise.rules.stating.state_rules import state_rules

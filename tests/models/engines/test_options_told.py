@@ -16,6 +16,7 @@ from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts, facts_dzn
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.minizinc_data import Fields
 from kerfwise.models.engines.minizinc_model import condition_arrays, data_text, model_text, rules_in_files
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
@@ -23,7 +24,7 @@ from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.heat_lag.model_data import HeatLagTwin
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.minizinc.twin import Fields, TwinCase, twin_of
+from kerfwise.rules.minizinc.twin import TwinCase, twin_of
 from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
