@@ -47,10 +47,28 @@ def animate(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, title: str) -
     InputError
         If nothing is known of the metal's strength.
     """
-    lines = list(_lines(nest))
+    page = (resources.files(__package__) / "animation.html").read_text(encoding="utf-8")
+    text = json.dumps(movement(nest, path, heat, how), separators=(",", ":")).replace("<", "\\u003c")
+    return page.replace("{{title}}", html.escape(title)).replace("{{data}}", text).encode("utf-8")
+
+
+def movement(
+    nest: Nest, path: TimedPath, heat: Heat, how: Cutting, frames: int = FRAMES, points: int = POINTS
+) -> dict[str, Any]:
+    """Where metal is at each of some `frames`, as JSON can hold it; each line has so many `points` at the most.
+
+    `lines` are the sheet's edge and the contours of parts: `xy` as drawn, mm, `moved` in each frame and how far `cold`
+    ones are off, both in µm, `off` what the part is off at its worst place, mm.
+
+    Raises
+    ------
+    InputError
+        If nothing is known of the metal's strength.
+    """
+    lines = list(_lines(nest, points))
     xy = np.concatenate([line.xy for line in lines])
     part = np.concatenate([np.full(len(line.xy), line.part) for line in lines])
-    at_s = _frames(path)
+    at_s = _frames(path, frames)
     follow = Followed(xy, part, at_s, np.zeros((len(at_s), len(xy), 2)))
     errors = errors_of(nest, cut_sheet(nest, path, heat, how, follow))
     moved = _without_drift(follow)
@@ -61,7 +79,7 @@ def animate(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, title: str) -
     ends = np.cumsum([0, *(len(line.xy) for line in lines)])
     cut_s = {burn.contour: float(burn.at_s[-1]) for burn in path.burns}
     by_part = {error.part: error for error in errors}
-    data = {
+    return {
         "sheet": [x0, y0, x1, y1],
         "at_s": np.round(at_s, 1).tolist(),
         "times": exaggeration(0.4 * most_mm, long_mm),
@@ -80,33 +98,30 @@ def animate(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, title: str) -
             for line, a, b in zip(lines, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
         ],
     }
-    page = (resources.files(__package__) / "animation.html").read_text(encoding="utf-8")
-    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
-    return page.replace("{{title}}", html.escape(title)).replace("{{data}}", text).encode("utf-8")
 
 
-def _lines(nest: Nest) -> list[_Line]:
+def _lines(nest: Nest, points: int) -> list[_Line]:
     number = {part.id: k for k, part in enumerate(nest.parts)}
     rings = [nest.sheet.polygon.exterior, *nest.sheet.polygon.interiors]
-    found = [_Line("", "sheet", _points(ring), -1) for ring in rings]
+    found = [_Line("", "sheet", _points(ring, points), -1) for ring in rings]
     for contour in nest.contours:
         if contour.shapes_part:
-            found.append(_Line(contour.id, contour.kind, _points(contour.line), number[contour.part]))
+            found.append(_Line(contour.id, contour.kind, _points(contour.line, points), number[contour.part]))
     return found
 
 
-def _points(line: shapely.LineString) -> Floats:
+def _points(line: shapely.LineString, count: int) -> Floats:
     """The corners of a line, and points between them."""
-    points: Floats = shapely.get_coordinates(shapely.segmentize(line, max(line.length / POINTS, LEAST_STEP_MM)))
+    points: Floats = shapely.get_coordinates(shapely.segmentize(line, max(line.length / count, LEAST_STEP_MM)))
     return points
 
 
-def _frames(path: TimedPath) -> Floats:
+def _frames(path: TimedPath, count: int) -> Floats:
     """Times of frames: the torch goes on evenly from one to the next, and travels in no time."""
     starts = np.array([burn.at_s[0] for burn in path.burns])
     on_s = np.array([burn.seconds for burn in path.burns])
     total = np.concatenate([[0.0], np.cumsum(on_s)])
-    at = np.linspace(0.0, total[-1], FRAMES) if len(on_s) else np.zeros(1)
+    at = np.linspace(0.0, total[-1], count) if len(on_s) else np.zeros(1)
     k = np.clip(np.searchsorted(total, at, side="right") - 1, 0, max(len(on_s) - 1, 0))
     found: Floats = starts[k] + at - total[k] if len(on_s) else at
     return found

@@ -20,7 +20,7 @@ from kerfwise.models.physics.heat.simulate import expect_short
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.plant_sections import Heat
 
-from .animation import animate
+from .animation import animate, movement
 from .cutting import Cutting, cut_sheet
 from .part_errors import PartError, errors_of
 from .picture import draw_parts
@@ -185,11 +185,24 @@ def distort_path(inputs: Inputs, path: TimedPath, grid_mm: float | None = None, 
     """The same of a timed path."""
     expect_short(path)
     nest, profile = inputs.nest, inputs.profile
-    kerf_mm = max(profile.material.kerf_mm, 0.1)
-    how = Cutting(_grid(nest, grid_mm), kerf_mm, profile.material.thickness_mm, yields)
+    how = _how(inputs, grid_mm, yields)
     tolerances = tolerances_of(nest, profile)
     errors = errors_of(nest, cut_sheet(nest, path, profile.heat, how))
     return Distortion(nest, path, profile.heat, how, errors, tolerances)
+
+
+def movement_of(inputs: Inputs, plan: Plan, frames: int, points: int) -> dict[str, Any]:
+    """How the sheet moves while a plan is cut, as `movement` tells it; InputError as from `distort_made`."""
+    metal_of(inputs.profile.heat.material)
+    expect_one_torch(inputs.profile, "the simulation of distortion", plan)
+    path = path_of_made(plan, inputs, silent, None)
+    expect_short(path)
+    return movement(inputs.nest, path, inputs.profile.heat, _how(inputs, None, True), frames, points)
+
+
+def _how(inputs: Inputs, grid_mm: float | None, yields: bool) -> Cutting:
+    material = inputs.profile.material
+    return Cutting(_grid(inputs.nest, grid_mm), max(material.kerf_mm, 0.1), material.thickness_mm, yields)
 
 
 def _grid(nest: Nest, grid_mm: float | None) -> float:

@@ -42,6 +42,8 @@ MOST_DRAWN = 3000
 """A picture of more lines than this is sent as dots: browsers draw that many lines slowly."""
 _SHAPE_DIGITS = 6
 """Of mm, to which a part is the same as before."""
+BENT = 80, 24
+"""Frames of how a sheet moves, and points of each contour: some megabytes for 300 contours."""
 BOLD = 3.0
 """How many times as thick as on paper a picture is drawn that stands beside a question."""
 
@@ -58,7 +60,7 @@ class Desk:
     """Answers questions about nests and plans; what it has worked out serves the next one."""
 
     def __init__(self) -> None:
-        self._reads, self._plans, self._sides = RecentResults(), RecentResults(), RecentResults()
+        self._reads, self._plans, self._sides, self._bent = (RecentResults() for _ in range(4))
 
     def ready(self) -> bool:
         """All is loaded."""
@@ -154,6 +156,12 @@ class Desk:
     def heat(self, wanted: PlanRequest, plan: str) -> dict[str, Any] | None:
         """How hot a plan makes the sheet, in frames; None where its profile says nothing of heat."""
         return heat_data(self._read(wanted).given, plan_in(plan), wanted=None)
+
+    def bent(self, wanted: PlanRequest, plan: str) -> dict[str, Any]:
+        """How the sheet moves while a plan is cut, and how far its parts are off; refused where that is not known."""
+        from kerfwise.apps.distortion.predict import movement_of  # scipy: only those who ask pay for it
+
+        return self._bent.get((wanted.key, plan), lambda: movement_of(*self._planned(wanted, plan), *BENT))
 
     def why(self, wanted: PlanRequest, plan: str, contour: str) -> dict[str, Any]:
         """Why a contour is cut where it is, as the page shows it, and as `text`."""
@@ -289,7 +297,7 @@ def desk(asking: Questions) -> Answers:
     own = (
         answers.ready, answers.prepared, answers.opened, answers.preview, answers.picture,
         answers.thumbnail, answers.edited, answers.changed, answers.room, answers.page, answers.compared,
-        answers.heat, answers.why, answers.move,
+        answers.heat, answers.bent, answers.why, answers.move,
     )  # fmt: skip
     return {**{answer.__name__: answer for answer in own}, **profile_answers()}
 

@@ -50,6 +50,7 @@ class Reading:
             "/api/events": self.all_events,
             "/api/{id}/page": self.page,
             "/api/{id}/heat": self.heat,
+            "/api/{id}/bent": self.bent,
             "/api/{id}/state": self.state,
             "/api/{id}/why": self.why,
             "/api/{id}/move": self.move,
@@ -153,6 +154,10 @@ class Reading:
     async def heat(self, request: Request) -> Response:
         """How hot the shown plan makes the sheet, or null."""
         return JSONResponse(await self._about(request, "heat"))
+
+    async def bent(self, request: Request) -> Response:
+        """How the sheet moves while a plan is cut, and how far each part is off: a simulation of seconds to minutes."""
+        return JSONResponse(await self._about(request, "bent"))
 
     async def state(self, request: Request) -> Response:
         """The session, and the name of the nest that the planner works for."""

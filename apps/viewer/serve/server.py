@@ -37,7 +37,9 @@ from .worker import Died, Refused, Worker
 
 ANSWERED_S, SLOW_S = 120.0, 900.0
 """No question takes longer, nor one of `SLOW`; the process that works on it is ended then."""
-SLOW = ("heat", "compared", "prepared")
+SIMULATED = ("heat", "bent")
+"""What a process of its own answers, begun with the first of them: nobody waits for it at the desk."""
+SLOW = (*SIMULATED, "compared", "prepared")
 MOST_ASKERS = 20
 """So many questions wait at a time: who asks something else waits for none of them."""
 MOST_THUMBNAILS = 500
@@ -46,7 +48,7 @@ NONE: Mapping[str, str] = {}
 
 
 class Server:
-    """The sessions of one folder, and the two processes that work for them.
+    """The sessions of one folder, and the processes that work for them.
 
     Parameters
     ----------
@@ -86,7 +88,8 @@ class Server:
         readable = [folder.path, *(one.resolve() for one in also), self._dropped, *installed]
         if profile is not None and Path(profile).is_absolute():
             readable.append(Path(profile).resolve().parent)
-        self.news, self._background, self.desk = News(), Background(), Worker("desk", readable)
+        self.news, self._background = News(), Background()
+        self.desk, self.simulator = Worker("desk", readable), Worker("desk", readable)
         self.planning = Planning(self.news, self._background, work, memory_gb, self._prepare, readable)
 
     async def begin(self) -> None:
@@ -96,7 +99,7 @@ class Server:
 
     async def end(self) -> None:
         """End them."""
-        for helper in (self.planning.helper, self.desk):
+        for helper in (self.planning.helper, self.desk, self.simulator):
             await to_thread.run_sync(helper.close)
         await self._background.end()
         shutil.rmtree(self._dropped, ignore_errors=True)
@@ -318,7 +321,8 @@ class Server:
     async def asked(self, question: str, **given: Any) -> Any:
         """What the desk answers; it changes nothing, so that another one is asked where it has died."""
         within_s = SLOW_S if question in SLOW else ANSWERED_S
-        ask = partial(self.desk.ask, question, within_s=within_s, **given)
+        helper = self.simulator if question in SIMULATED else self.desk
+        ask = partial(helper.ask, question, within_s=within_s, **given)
         try:
             return await to_thread.run_sync(ask, limiter=self._askers)
         except Died:

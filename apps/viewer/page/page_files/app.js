@@ -1,6 +1,7 @@
 /** @import { CutData, PageData, SideData, Source } from "./types.js" */
 /** @import { State } from "./store.js" */
 import { byId } from "./elements.js";
+import { BentFrames } from "./bent.js";
 import { HeatFrames } from "./heat.js";
 import { Outlines } from "./outlines.js";
 import { doingText } from "./player.js";
@@ -92,7 +93,7 @@ export class App {
     const { fits, fitted } = this.stages[0];
     this.data = data;
     this.#stand();
-    this.set({ side: Math.min(this.state.side, this.stages.length - 1) });
+    this.set({ side: Math.min(this.state.side, this.stages.length - 1), bent: false });
     this.renewers.forEach(fn => fn());
     if (fits || !same) this.stages.forEach(stage => stage.fit(same ? fitted.parts : undefined));
     if (this.state.heat) void this.showHeat(true);
@@ -172,6 +173,20 @@ export class App {
   /** Says something on the page, and to a screen reader. */
   /** @param {string} text */
   tell(text) { byId("live").textContent = text; }
+
+  /** The sheet as it moves while it is cut; a simulation that may take minutes makes it. */
+  /** @param {boolean} bent */
+  async showBent(bent) {
+    const { stages } = this;
+    for (const stage of stages) {
+      if (!bent || stage.bent || !this.source.bent) continue;
+      const data = await this.source.bent(stage.side);
+      if (data) stage.bent = new BentFrames(data, this.numbers);
+    }
+    if (stages !== this.stages) return; // another plan is shown meanwhile
+    this.set({ bent: bent && stages.some(stage => stage.bent) });
+    this.draw();
+  }
 
   /** @param {boolean} heat */
   async showHeat(heat) {

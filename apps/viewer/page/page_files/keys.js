@@ -43,6 +43,7 @@ export function keyboard(app, does) {
   add("Shift+ArrowUp", () => pan(0, PAN_PX), "");
   add("Shift+ArrowDown", () => pan(0, -PAN_PX), "");
   add("/", () => byId("search").focus(), tr("search"));
+  add("b", () => void app.showBent(!app.state.bent), tr("the sheet as it moves, on or off"));
   add("h", () => void app.showHeat(!app.state.heat), tr("heat on or off"));
   add("t", () => app.set({ travel: !app.state.travel }), tr("travel on or off"));
   add("l", () => app.set({ numbers: !app.state.numbers }), tr("numbers on or off"));

@@ -1,5 +1,6 @@
 /** @import { PageData } from "./types.js" */
 /** @import { Store } from "./store.js" */
+/** @import { BentFrames } from "./bent.js" */
 /** @import { HeatFrames } from "./heat.js" */
 import { Camera } from "./camera.js";
 import { Ground } from "./ground.js";
@@ -42,6 +43,8 @@ export class Stage {
     this.palette = palette();
     /** @type {HeatFrames | null} */
     this.heat = null;
+    /** @type {BentFrames | null} */
+    this.bent = null;
     /** @type {((context: CanvasRenderingContext2D, stage: Stage) => void)[]} */
     this.layers = [];
     /** @type {[number, number] | null} */
@@ -138,6 +141,7 @@ export class Stage {
     this.sharp = this.ground.draw(context, camera, this.palette, look, size);
     if (state.heat && this.heat) this.heat.paint(context, camera, state.time_s);
     paintOver(context, camera, this.palette, this.scenery, this.timeline, state);
+    if (state.bent && this.bent) this.bent.paint(context, camera, this.palette, this.scenery, state.time_s);
     if (this.cross) this.#crosshair(this.cross);
     for (const fn of this.layers) fn(context, this);
     this.frames++;

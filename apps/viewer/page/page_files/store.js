@@ -10,6 +10,7 @@
  * @property {number} speed
  * @property {string} tab
  * @property {boolean} heat
+ * @property {boolean} bent whether the sheet is drawn as it moves while it is cut
  * @property {boolean} travel
  * @property {boolean} numbers
  * @property {boolean} drawn whether lines have the colours of the drawing
@@ -23,7 +24,7 @@ export class Store {
     /** @type {State} */
     this.state = {
       side: 0, time_s: 0, selected: -1, hovered: -1, playing: false, speed: 8, tab: "why",
-      heat: false, travel: true, numbers: true, drawn: false, stale: false, marked: [],
+      heat: false, bent: false, travel: true, numbers: true, drawn: false, stale: false, marked: [],
     };
     /** @type {((state: State, changes: Partial<State>) => void)[]} */
     this.listeners = [];

@@ -93,6 +93,20 @@
  * @property {number} overheats
  * @property {string} frames - deflated bytes in base64: frame after frame, rows from the bottom up
  *
+ * @typedef {object} BentLine
+ * @property {string} name - id of its contour, "" for the sheet's edge
+ * @property {string} kind
+ * @property {number[]} xy - as it is drawn, mm
+ * @property {number[][]} moved - in each frame, µm
+ * @property {number | null} cut_s - when it is cut
+ * @property {number[] | null} cold - how far it is off when all is cold, µm
+ *
+ * @typedef {object} BentData - how the sheet moves while it is cut
+ * @property {number[]} at_s
+ * @property {number} times - so many times as far metal is drawn away
+ * @property {number} times_cold - the same of parts that are cold
+ * @property {BentLine[]} lines
+ *
  * @typedef {{text: string, lines: number[][]}} NcData
  *
  * @typedef {{kind: "kept" | "kept but for" | "broken", count: number, short: string, told: string, for_operator: string}} StateData
@@ -145,5 +159,6 @@
  * @property {(side: number) => Promise<HeatData | null>} heat
  * @property {boolean} [heatIsMade] - whether heat is simulated when it is asked for: so that is not done unasked
  * @property {(side: number) => Promise<NcData | null>} nc
+ * @property {(side: number) => Promise<BentData | null>} [bent] - simulated when it is asked for; left out where that cannot be
  */
 

@@ -212,6 +212,12 @@ export class Work {
       why: (side, contour) => askServer(`${this.path("why")}?${new URLSearchParams({ contour, plan: plan(side) })}`).catch(nothing),
       heat: async side => await heat(plan(side)) ?? null,
       heatIsMade: true,
+      bent: async side => {
+        this.say(tr("simulating how the sheet moves: this takes seconds to minutes …"));
+        const data = await askServer(`${this.path("bent")}?${new URLSearchParams({ plan: plan(side) })}`).catch(nothing);
+        if (data) this.say("");
+        return data;
+      },
       nc: async side => this.data?.sides[side]?.nc ?? null,
     };
   }
