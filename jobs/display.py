@@ -80,6 +80,14 @@ class Picture:
 
 # Tables for whoever works on with pandas: the cuts of a plan, a row each.
 
+SIDE_CHOSEN = {
+    "profile": "as the profile says",
+    "long-parts": "more long parts lie there",
+    "offcut": "a large offcut stiffens the far end",
+    "heat": "more is cut on that half",
+    "narrow-side": "both narrow sides are alike",
+}
+"""Why cutting starts from a side, by `Plan.start_side_because`."""
 NO_PANDAS = "a table needs pandas, which is not installed: pip install pandas"
 
 
@@ -139,7 +147,7 @@ def summary_lines(plan: Plan) -> list[str]:
         f"idle {totals.idle_mm / 1000:.3f} m, {_clock(totals.time_s)}",
         f"{_objective(plan)}, found by {solve.found_by}, {proof}",
         *_prices(plan),
-        f"start side {plan.start_side} (because: {plan.start_side_because}), "
+        f"start side {plan.start_side} ({SIDE_CHOSEN.get(plan.start_side_because, plan.start_side_because)}), "
         f"{counted(max((p.cut.zone for p in plan.cuts), default=0), 'zone')}",
     ]
     if plan.cost is not None:
@@ -223,11 +231,11 @@ def _prices(plan: Plan) -> Iterator[str]:
     if plan.prices is None or not plan.prices.breaches:
         return
     rules = (
-        f"{rule} {mm / 1000:.3f} m in {counted(count, 'place')}"
+        f" + {rule} {mm / 1000:.3f} m ({counted(count, 'place')})"
         for rule, (count, mm) in plan.prices.by_rule.items()
         if mm < EXEMPTION_MM
     )
-    yield f"of it travel {plan.prices.travel_mm / 1000:.3f} m" + "".join(f", {rule}" for rule in rules)
+    yield f"that is travel {plan.prices.travel_mm / 1000:.3f} m" + "".join(rules)
 
 
 def _what_of(dropped: Dropped) -> str:

@@ -77,7 +77,7 @@ def _of_slots(tried: LeadAttempt, contours: Sequence[int], options: LeadOptions)
     opens = all(not slits_of(tried.narrow[k].contour, options.kerf_mm)[1] for k in contours)
     choices = (slit, leave) if opens else (leave,)
     refuse = Choice("refuse", "not cut: the nest is refused, to be drawn otherwise")
-    return Question(NARROW, f"{which}: {text}{more}: what is done?", (*choices, refuse))
+    return Question(NARROW, f"{which}: {text}{more}: what should be done?", (*choices, refuse))
 
 
 def _of_holes(
@@ -111,12 +111,12 @@ def _of_holes(
     done = remedies.cut_or_left(replace(limits, least_mm=kerf_mm, under="skip"), holes)
     if done is not None and done[0]:
         left = f", {done[1]} left out" if done[1] else ""
-        choices.append(Choice("cut", f"{_counted(done[0], 'cut all the same')}{left}"))
+        choices.append(Choice("cut", f"{_counted(done[0], 'cut anyway')}{left}"))
     others = sorted({r.text for k in holes for r in of_each[k] if r.key in ("pierce_clearance_mm", "lead_in_min_mm")})
     besides = f" ({' and '.join(others[:2])} would have some of them cut)" if rest and others else ""
     which = "1 hole is too small to be cut" if len(holes) == 1 else f"{len(holes)} holes are too small to be cut"
     refuse = Choice("refuse", "not cut: the nest is refused, to be drawn otherwise")
-    return Question(SMALL_HOLES, f"{which}: {'; '.join(texts)}{besides}: what is done?", (*choices, refuse))
+    return Question(SMALL_HOLES, f"{which}: {'; '.join(texts)}{besides}: what should be done?", (*choices, refuse))
 
 
 def _counted(count: int, done: str) -> str:

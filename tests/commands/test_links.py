@@ -154,7 +154,7 @@ def test_links_and_a_hard_lag_of_heat_are_a_named_conflict_where_no_order_keeps_
     (folder / "plant.yaml").write_text(LINKS + "rules: {heat-lag: {strength: hard}}\n", encoding="utf-8")
     told = solve()
     assert told.code == 1
-    assert "heat-lag: between A.outer and B.outer there are at least 1 other cut: they heat each other" in told.err
+    assert "heat-lag: between A.outer and B.outer there must be at least 1 other cut: they heat each other" in told.err
     assert not (folder / "out.nc").exists()
 
 

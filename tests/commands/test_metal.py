@@ -76,5 +76,7 @@ def test_a_deep_slot_that_the_kerf_does_not_enter_is_asked_about_with_its_place(
     nest = nest_file(tmp_path, A=slot, B=rect(120, 20, 60, 60))
     done = solve(nest, "--work", "1")
     assert done.code == 3
-    assert "A.outer, slot, notch or neck at (50.0, 120.0), 1.00 mm wide and 80.0 mm deep: what is done?" in done.err
+    assert (
+        "A.outer, slot, notch or neck at (50.0, 120.0), 1.00 mm wide and 80.0 mm deep: what should be done?" in done.err
+    )
     assert not (tmp_path / "nest.nc").exists()

@@ -105,7 +105,7 @@ def test_a_deep_slot_is_a_question(tmp_path: Path) -> None:
     assert (asked.code, asked.out) == (3, "")
     assert (
         "narrow: the kerf of 1.5 mm does not enter a deep slot, notch or neck: A.outer, slot, notch or neck at "
-        "(80.0, 150.0), 1.00 mm wide and 80.0 mm deep: what is done?"
+        "(80.0, 150.0), 1.00 mm wide and 80.0 mm deep: what should be done?"
     ) in asked.err
     for how, said in (("slit", "opens a slot"), ("leave", "is cut straight across")):
         done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc", "--answer", f"narrow={how}", "--work", "0.1")

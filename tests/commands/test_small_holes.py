@@ -102,10 +102,11 @@ def test_small_holes_are_a_question_with_counts(tmp_path: Path) -> None:
     assert (ended.code, ended.out) == (3, "")
     assert ended.err.splitlines()[1:-1] == [
         "  1. small-holes: 4 holes are too small to be cut: 1 no wider than the kerf of 1.5 mm (0.13 mm across: "
-        "P1.hole4); 3 under small_holes.min_hole, 6 mm (4.00 mm across: P1.hole1, P1.hole2, P1.hole3): what is done?",
+        "P1.hole4); 3 under small_holes.min_hole, 6 mm (4.00 mm across: P1.hole1, P1.hole2, P1.hole3): "
+        "what should be done?",
         "      --answer small-holes=spot     4 holes marked at the middle",
         "      --answer small-holes=skip     4 holes left out",
-        "      --answer small-holes=cut      3 holes cut all the same, 1 left out",
+        "      --answer small-holes=cut      3 holes cut anyway, 1 left out",
         "      --answer small-holes=refuse   not cut: the nest is refused, to be drawn otherwise",
     ]
     for answer, made in (("spot", {"mark": 4}), ("skip", {}), ("cut", {"hole": 3})):

@@ -41,7 +41,7 @@ NONE = re.compile(r"^no rule decides where ")
 BETTER = re.compile(r"^no rule keeps .* as number (\d+) the plan would cost ([\d.]+) mm less")
 TIPPED = "no idle travel leads over parts that are out"
 MORE = re.compile(r"^(.*), and (\d+) more of (\S+)$")
-TOGETHER = re.compile(r"^(\d+) rules together: (.*)$")
+TOGETHER = re.compile(r"^decided by (\d+) rules together: (.*)$")
 ENTERED = re.compile(r"^entered at \((-?[\d.]+), (-?[\d.]+)\): the shortest lawful way from (.+) to (.+)$")
 
 

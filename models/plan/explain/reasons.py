@@ -58,7 +58,7 @@ class Reason:
         most = sorted(of_rule, key=lambda rule: -len(of_rule[rule]))
         named = most[:FEW_NAMED]
         named += [f"{len(most) - FEW_NAMED} more"] if len(most) > FEW_NAMED else []
-        return f"{len(most)} rules together: {', '.join(named[:-1])} and {named[-1]}"
+        return f"decided by {len(most)} rules together: {', '.join(named[:-1])} and {named[-1]}"
 
     def more(self) -> str:
         """What that would save, and where."""

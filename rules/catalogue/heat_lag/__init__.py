@@ -85,7 +85,7 @@ class HeatLag(Rule[HeatLagOptions]):
         for a, b in _near([contours[k] for k in hot], options.heat_radius_mm):
             first, second = hot[a], hot[b]
             ids = (contours[first].id, contours[second].id)
-            sentence = f"between {ids[0]} and {ids[1]} there are at least {_wanted(options)}: they heat each other"
+            sentence = f"between {ids[0]} and {ids[1]} there must be at least {_wanted(options)}: they heat each other"
             yield Lag(first, second, self.about(ids, sentence), options.lag_cuts, options.lag_s)
 
     def check_with(
@@ -124,11 +124,12 @@ class HeatLag(Rule[HeatLagOptions]):
             pause_s = after.start_s - before.end_s
             missing = []
             if between < options.lag_cuts:
-                missing.append(f"{between} cuts, not {options.lag_cuts}")
+                there = "is none" if not between else "is 1" if between == 1 else f"are {between}"
+                missing.append(f"{_other_cuts(options)} (there {there})")
             if timed and pause_s < options.lag_s - 1e-3:
-                missing.append(f"{pause_s:.1f} s, not {options.lag_s:g} s")
+                missing.append(f"{options.lag_s:g} s (there are {pause_s:.1f} s)")
             if missing:
-                text = f"between {before.contour} (cut {k}) and {after.contour} (cut {later}) there are only "
+                text = f"between {before.contour} (cut {k}) and {after.contour} (cut {later}) there must be "
                 found.append(
                     Violation(self.id, (before.contour, after.contour), text + " and ".join(missing), (k, later))
                 )
@@ -137,9 +138,12 @@ class HeatLag(Rule[HeatLagOptions]):
 
 def _wanted(options: HeatLagOptions) -> str:
     """What must lie between two contours that heat each other, in words."""
-    cuts = f"{options.lag_cuts} other cut" + ("s" if options.lag_cuts > 1 else "")
-    wanted = [cuts] * bool(options.lag_cuts) + [f"{options.lag_s:g} s"] * bool(options.lag_s)
+    wanted = [_other_cuts(options)] * bool(options.lag_cuts) + [f"{options.lag_s:g} s"] * bool(options.lag_s)
     return " and ".join(wanted)
+
+
+def _other_cuts(options: HeatLagOptions) -> str:
+    return f"{options.lag_cuts} other cut" + ("s" if options.lag_cuts > 1 else "")
 
 
 def _near(contours: Sequence[Contour], radius_mm: float) -> list[tuple[int, int]]:

@@ -24,7 +24,7 @@ def timed(cuts: CutSequence, *times_s: tuple[float, float]) -> CutSequence:
 
 
 def too_soon(first: str, second: str, at: tuple[int, int], missing: str) -> Violation:
-    text = f"between {first} (cut {at[0]}) and {second} (cut {at[1]}) there are only {missing}"
+    text = f"between {first} (cut {at[0]}) and {second} (cut {at[1]}) there must be {missing}"
     return Violation("heat-lag", (first, second), text, at)
 
 
@@ -39,7 +39,7 @@ CASES = (
         "fails",
         ROW,
         linked(in_order(ROW, "A.outer B.outer C.outer"), 2),
-        (too_soon("A.outer", "B.outer", (1, 2), "0 cuts, not 1"),),
+        (too_soon("A.outer", "B.outer", (1, 2), "1 other cut (there is none)"),),
     ),
     Case("one far away between", "passes", ROW, in_order(ROW, "A.mark1 A.hole1 A.outer C.outer B.outer")),
     Case(
@@ -47,14 +47,14 @@ CASES = (
         "fails",
         ROW,
         in_order(ROW, "B.outer A.outer C.outer"),
-        (too_soon("B.outer", "A.outer", (1, 2), "0 cuts, not 1"),),
+        (too_soon("B.outer", "A.outer", (1, 2), "1 other cut (there is none)"),),
     ),
     Case(
         "the holes of the other part count too",
         "fails",
         ROW,
         in_order(ROW, "B.outer A.hole1 A.outer"),
-        (too_soon("B.outer", "A.hole1", (1, 2), "0 cuts, not 1"),),
+        (too_soon("B.outer", "A.hole1", (1, 2), "1 other cut (there is none)"),),
     ),
     Case("contours of one part do not heat each other", "boundary", ROW, in_order(ROW, "A.hole1 A.outer C.outer")),
     Case("a mark between is a cut between", "boundary", ROW, in_order(ROW, "B.outer A.mark1 A.outer")),
@@ -64,14 +64,14 @@ CASES = (
         "boundary",
         NEAR,
         in_order(NEAR, "A.outer B.outer"),
-        (too_soon("A.outer", "B.outer", (1, 2), "0 cuts, not 1"),),
+        (too_soon("A.outer", "B.outer", (1, 2), "1 other cut (there is none)"),),
     ),
     Case(
         "cuts enough, but no time",
         "fails",
         ROW,
         timed(in_order(ROW, "A.outer C.outer B.outer"), (0, 10), (11, 12), (13, 20)),
-        (too_soon("A.outer", "B.outer", (1, 3), "3.0 s, not 5 s"),),
+        (too_soon("A.outer", "B.outer", (1, 3), "5 s (there are 3.0 s)"),),
         options=HeatLagOptions(lag_s=5.0),
     ),
     Case(
