@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, make_dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -23,16 +23,14 @@ from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.own.selector import attributes
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import USUAL, Forced, Ids, Rule, RuleFile, Strength, Violation
-from kerfwise.rules.statements import About, Before, Statement
+from kerfwise.rules.rule import USUAL, Ids, Rule, RuleFile, Strength, Violation
+from kerfwise.rules.statements import Before, Statement
 
 from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments
 from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data, unknown_words
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.candidates.candidate import LeadOptions
     from kerfwise.encoder.facts.facts import FactOptions, Facts
-    from kerfwise.rules.rule import Plant, RuleSetting
 
     from .flatten import Flattened, JudgedOrder
 
@@ -41,8 +39,9 @@ _MARKS = (
     *("strengths", "default", "default_weight", "gives_way"),
     *("excusable", "relaxable", "relaxed_last", "hard_with_head_down", "of_whole_nest", "minds_what_is_out"),
     *("of_fallen_metal", "shares"),
+    *("together", "excuse", "exempt", "allowances", "lead_options", "check_with"),
 )
-"""What a rule takes over from the one whose place it takes."""
+"""What a rule takes over from the one whose place it takes: marks, and hooks that its file says nothing of."""
 
 
 OF_CUTS = frozenset({"zone", "level_ahead", "start_side", "picked", "pick", "ways", "CANDIDATE", "HEAD", "TAIL"})
@@ -277,19 +276,6 @@ class ModelRule(Rule[Any]):
                     found.append((nest.contours[i].id, nest.contours[j].id))
         return list(dict.fromkeys(found))
 
-    def together(self, nest: Nest, options: Any) -> list[tuple[str, ...]]:
-        return [] if self.replaces is None else self.replaces.together(nest, options)
-
-    def excuse(self, nest: Nest, cuts: CutSequence, options: Any, violation: Violation, forced: Forced) -> str | None:
-        return None if self.replaces is None else self.replaces.excuse(nest, cuts, options, violation, forced)
-
-    def exempt(self, facts: Facts, options: Any) -> Iterable[About]:
-        """Those of the rule whose place it takes: its data says nothing of them."""
-        return () if self.replaces is None else self.replaces.exempt(facts, options)
-
-    def allowances(self, options: Any) -> tuple[Any, ...]:
-        return () if self.replaces is None else self.replaces.allowances(options)
-
     def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
         """Attributes that the file reads and no part has, or words that a drawing says of no contour; what there is."""
         text = whole_text(self.file)
@@ -336,18 +322,12 @@ class ModelRule(Rule[Any]):
             own = [*twin_of(self.replaces.id).measured(nest, cuts, options), *own]
         return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text, limits.plate)
 
-    def lead_options(self, given: LeadOptions, options: Any, strength: Strength) -> LeadOptions:
-        return given if self.replaces is None else self.replaces.lead_options(given, options, strength)
-
     def fact_options(self, given: FactOptions, options: Any, strength: Strength) -> FactOptions:
         """As the rule whose place it takes, but that zones need not respect the facts of its orders."""
         if self.replaces is None:
             return given
         made = self.replaces.fact_options(given, options, strength)
         return dataclasses.replace(made, zone_respects=given.zone_respects)
-
-    def check_with(self, options: Any, plant: Plant, rules: Mapping[str, RuleSetting]) -> Iterable[tuple[str, str]]:
-        return () if self.replaces is None else self.replaces.check_with(options, plant, rules)
 
 
 def read_model_rule(path: Path, rule_id: str = "", sentence: str = "") -> ModelRule:

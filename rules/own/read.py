@@ -14,7 +14,7 @@ from kerfwise.encoder.files import expect_readable, is_file
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
 from kerfwise.rules.options.quantities import WEIGHT
-from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, items
+from kerfwise.rules.options.yaml_positions import Problems, entries, items
 from kerfwise.rules.rule import Strength
 
 from .demands import ASKS, DEMANDS
@@ -180,7 +180,8 @@ _MAP, _STR = "tag:yaml.org,2002:map", "tag:yaml.org,2002:str"
 
 KeyAndNode = tuple[str, yaml.Node, yaml.Node]
 """What is set: a key with dots, where it stands, and the value."""
-Tree = dict[str, "Tree | yaml.Node"]
+Data = dict[str, object]
+"""A rule as YAML data; what is set in it is a node."""
 
 
 def is_own(key: str) -> bool:
@@ -195,22 +196,22 @@ def with_own_values(
 
     A value that is no mapping is the rule's strength. What is not set stays as it is, however deep.
     """
-    nodes: dict[str, tuple[yaml.Node, Tree]] = {}
-    names = [rule.name for rule in own]
+    changed: dict[str, tuple[yaml.Node, Data]] = {}
+    rules = {rule.name: rule for rule in own}
     for rest, key_node, value in _each(settings):
-        name = _named(rest, names)
+        name = _named(rest, rules)
         if name is None:
-            text = unknown("own rule", rest, names) if names else "the profile has no own rules"
+            text = unknown("own rule", rest, list(rules)) if rules else "the profile has no own rules"
             problems.add(key_node, f"set: {text}")
             continue
         path = rest[len(name) + 1 :].split(".") if len(rest) > len(name) else []
         if not path and not isinstance(value, yaml.MappingNode):
             path = ["strength"]
-        twice = _put(nodes.setdefault(name, (key_node, {}))[1], path, value)
+        twice = _put(changed.setdefault(name, (key_node, rules[name].plain()))[1], path, value)
         if twice is not None:
             problems.add(key_node, f"set: {'.'.join((SECTION, name, *twice))} is set twice")
     return tuple(
-        _changed(rule, *nodes[rule.name], problems, parameters_of) if rule.name in nodes else rule for rule in own
+        _changed(rule, *changed[rule.name], problems, parameters_of) if rule.name in changed else rule for rule in own
     )
 
 
@@ -232,57 +233,48 @@ def _named(rest: str, names: Iterable[str]) -> str | None:
     return max(found, key=len, default=None)
 
 
-def _put(tree: Tree, path: Sequence[str], value: yaml.Node, above: Sequence[str] = ()) -> tuple[str, ...] | None:
-    """Put a value where its path leads to, mappings key by key; the path of a value that was there already."""
+def _put(data: Data, path: Sequence[str], value: yaml.Node, above: Sequence[str] = ()) -> tuple[str, ...] | None:
+    """Put a value where its path leads to, mappings key by key; the path of a value that was set already."""
     if not path:
-        twice = None
-        for key, of in value.value if isinstance(value, yaml.MappingNode) else ():
-            twice = twice or _put(tree, [str(key.value)], of, above)
-        return twice
-    here = (*above, path[0])
-    found = tree.get(path[0])
-    if path[1:] or (isinstance(value, yaml.MappingNode) and not is_empty(value)):
+        members = value.value if isinstance(value, yaml.MappingNode) else ()
+        return next(filter(None, [_put(data, [str(key.value)], of, above) for key, of in members]), None)
+    here, found = (*above, path[0]), data.get(path[0])
+    if path[1:] or isinstance(value, yaml.MappingNode):
         if isinstance(found, yaml.Node):
             return here
-        under = tree[path[0]] = {} if found is None else found
+        under: Data = dict(found) if isinstance(found, Mapping) else {}
+        data[path[0]] = under
         return _put(under, path[1:], value, here)
-    tree[path[0]] = value
-    return None if found is None else here
+    data[path[0]] = value
+    return here if _is_set(found) else None
 
 
-def _changed(rule: Own, at: yaml.Node, tree: Tree, problems: Problems, parameters_of: ParametersOf) -> Own:
+def _is_set(value: object) -> bool:
+    """Whether something of the value is a node."""
+    return isinstance(value, yaml.Node) or (isinstance(value, Mapping) and any(map(_is_set, value.values())))
+
+
+def _changed(rule: Own, at: yaml.Node, data: Data, problems: Problems, parameters_of: ParametersOf) -> Own:
     what = f"{SECTION}.{rule.name}"
-    if "name" in tree:
+    if _is_set(data["name"]):
         problems.add(at, f"{what}.name: a rule keeps its name")
         return rule
-    plain = rule.plain()
-    strength = tree.get("strength")
-    if isinstance(strength, yaml.ScalarNode) and strength.value != "soft":
-        plain.pop("weight", None)
-    members = [(key, _key(key, at), _node(value, at)) for key, value in _merged(plain, tree).items()]
+    strength = data["strength"]
+    if isinstance(strength, yaml.ScalarNode) and strength.value != "soft" and not _is_set(data.get("weight")):
+        data.pop("weight", None)
+    members = [(key, _key(key, at), _node(value, at)) for key, value in data.items()]
     if isinstance(rule, OwnRule):
-        entry = yaml.MappingNode(
-            _MAP, [(key_node, value) for _, key_node, value in members], at.start_mark, at.end_mark
-        )
+        entry = yaml.MappingNode(_MAP, [member[1:] for member in members], at.start_mark, at.end_mark)
         made = read_own_rule(entry, members, problems, what)
         return rule if made is None else dataclasses.replace(made, place=rule.place)
-    for key in tree.keys() - {*FILE.forms, "parameters"} | tree.keys() & {"file"}:
-        problems.add(at, f"{what}: {unknown(FILE.noun, key, ('why', 'strength', 'weight', 'parameters'))}")
+    for key in (key for key, value in data.items() if _is_set(value) and key not in _OF_FILE):
+        problems.add(at, f"{what}: {unknown(FILE.noun, key, _OF_FILE[1:])}")
     known = [member for member in members if member[0] in FILE.forms]
     changed = dataclasses.replace(rule, **{"weight": None} | read_values(FILE, known, problems, what))
     return with_parameters(changed, members, problems, what, parameters_of)
 
 
-def _merged(plain: Mapping[str, object], tree: Tree) -> dict[str, object]:
-    """Plain data with what is set in its place."""
-    merged = dict(plain)
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            under = merged.get(key)
-            merged[key] = _merged(under if isinstance(under, Mapping) else {}, value)
-        else:
-            merged[key] = value
-    return merged
+_OF_FILE = ("name", "why", "strength", "weight", "parameters")
 
 
 def _key(key: str, at: yaml.Node) -> yaml.Node:

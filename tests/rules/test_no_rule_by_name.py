@@ -44,7 +44,7 @@ WORDS = {
         "postproc/check/feeds.py",
         "postproc/report/legend.py",
         "postproc/report/picture.py",
-        "rules/own/constraint.py",
+        "rules/own/demands.py",
     },
 }
 """Where a word that is an id besides means the key or the place."""
