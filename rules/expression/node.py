@@ -49,6 +49,12 @@ class Lit:
     atom: Atom
     holds: bool = True
 
+    @property
+    def ends(self) -> tuple[int, int]:
+        """The two contours of an order, the one that is cut first at the head."""
+        assert isinstance(self.atom, Before), f"no order: {self}"
+        return (self.atom.i, self.atom.j) if self.holds else (self.atom.j, self.atom.i)
+
 
 @dataclass(frozen=True, slots=True)
 class Gate:
@@ -240,6 +246,11 @@ def literals(node: Node) -> Iterator[Lit]:
             yield from literals(term)
 
 
+def orders(node: Node) -> list[tuple[int, int] | None]:
+    """The orders that all have to hold for the node to hold, first cut first; None for each part that is no order."""
+    return [part.ends if isinstance(part, Lit) and isinstance(part.atom, Before) else None for part in parts(node)]
+
+
 MOST_TOLD = 12
 """Contours up to which a condition is about all that it names; one that names more is about those that its author's
 comprehension runs over."""
@@ -250,8 +261,7 @@ def contours_of(node: Node) -> list[int]:
     found: dict[int, None] = {}
     for lit in literals(node):
         if not isinstance(lit.atom, Pick):
-            pair = (lit.atom.i, lit.atom.j)
-            found |= dict.fromkeys(pair if lit.holds or not isinstance(lit.atom, Before) else pair[::-1])
+            found |= dict.fromkeys(lit.ends if isinstance(lit.atom, Before) else (lit.atom.i, lit.atom.j))
     return list(found) or list(dict.fromkeys(lit.atom.c for lit in literals(node) if isinstance(lit.atom, Pick)))
 
 

@@ -53,8 +53,8 @@ class _Judged:
                 return self._run(self.ids(contours))
             case Stays(out, left):
                 return self._stays(self.ids(out), self.ids(left))
-            case Lit(Before(i, j), holds):
-                return self._order(*self.ids((i, j) if holds else (j, i)))
+            case Lit(Before()) as asked:
+                return self._order(*self.ids(asked.ends))
             case Lit(Apart() as apart):
                 return self._apart(apart)
             case Lit(Pick(c), holds):
@@ -105,10 +105,8 @@ class _Judged:
         position, *beside = (self.at.get(name, 0) for name in self.ids((condition.contours[0], *condition.beside)))
         value, asks, is_first = 0, condition.uncut_follow, False
         for term, weight in asked.terms:
-            assert isinstance(term, Lit)
-            assert isinstance(term.atom, Before)
-            ends = self.ids((term.atom.i, term.atom.j))
-            first, then = (self.at.get(name, 0) for name in (ends if term.holds else ends[::-1]))
+            assert isinstance(term, Lit), "a sum of orders"
+            first, then = (self.at.get(name, 0) for name in self.ids(term.ends))
             value += weight * (first < then if first and then else condition.uncut_follow)
             is_first = then == position
             asks = asks or is_first or then > self.cuts.made

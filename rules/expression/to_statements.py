@@ -60,8 +60,8 @@ def statement_of(asked: Asked, about: About) -> Statement:
             return NoGood(frozenset(out), frozenset(left), about)
         case NotNext(leave, reach, leaving, reaching):
             return Move(leave, reach, about, None, leaving, reaching)
-        case Lit(Before(i, j), holds):
-            return Precede(i, j, about) if holds else Precede(j, i, about)
+        case Lit(Before(), _):
+            return Precede(*asked.ends, about)
         case Lit(Pick(c), False):
             return Forbid(c, about)
         case Lit(Apart(i, j, cuts, seconds), True):
@@ -248,7 +248,7 @@ class Writer:
         if node is False:
             yield statement_of(node, About(self.rule, (), self._sentence(sentence, [], "")))
         elif isinstance(node, Lit) and isinstance(node.atom, Before):
-            ids = tuple(contours[k].id for k in _ends(node))
+            ids = tuple(contours[k].id for k in node.ends)
             sentence = sentence or f"{ids[0]} is cut before {ids[1]}: {self.why}"
             yield statement_of(node, About(self.rule, ids, sentence))
         elif isinstance(node, Lit) and isinstance(node.atom, Pick) and not node.holds:
@@ -275,7 +275,7 @@ class Writer:
             for term, weight in terms
             if isinstance(term, Lit) and isinstance(term.atom, Pick) and not term.holds and weight >= bound
         ]
-        orders = [_ends(term) for term, _ in terms if isinstance(term, Lit) and isinstance(term.atom, Before)]
+        orders = [term.ends for term, _ in terms if isinstance(term, Lit) and isinstance(term.atom, Before)]
         if not free or len(terms) == 1:
             return None
 
@@ -292,7 +292,7 @@ class Writer:
                 if isinstance(lit.atom, Pick):
                     numbers[self.ways[lit.atom.c].contour] = None
                 elif isinstance(lit.atom, Before):
-                    numbers |= dict.fromkeys(_ends(lit))
+                    numbers |= dict.fromkeys(lit.ends)
         named = dict.fromkeys(of) if of and len(numbers) > MOST_TOLD else numbers
         ids = [self.nest.contours[k].id for k in named]
         return About(self.rule, tuple(ids), self._sentence(sentence, ids, ""))
@@ -311,19 +311,13 @@ def _said(says: Sequence[str], k: int) -> str | None:
     return says[k] if k < len(says) else None
 
 
-def _ends(lit: Lit) -> tuple[int, int]:
-    """The two contours of an order, the one that is cut first at the head."""
-    assert isinstance(lit.atom, Before)
-    return (lit.atom.i, lit.atom.j) if lit.holds else (lit.atom.j, lit.atom.i)
-
-
 def _literal(term: Lit | Gate) -> tuple[Literal, int]:
     """The statement's literal for a term; with a sign of -1 where the term is its opposite."""
     if isinstance(term, Gate):
         inner = merged_gate(term)
         return _enough(inner.terms, inner.bound), 1
     if isinstance(term.atom, Before):
-        return Before(*_ends(term)), 1
+        return Before(*term.ends), 1
     assert isinstance(term.atom, Pick), "words were written out"
     return term.atom, 1 if term.holds else -1
 

@@ -17,14 +17,14 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.minizinc_data import Fields, assignments
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import join_names, nearest
-from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, parts
+from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, orders
 from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.own.selector import attributes
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import USUAL, Ids, Rule, RuleFile, Strength, Violation
-from kerfwise.rules.statements import Before, Statement
+from kerfwise.rules.statements import Statement
 
 from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments
 from .nest_data import Limits, further_words, measured_data, missing, order_data, orders_data, unknown_words
@@ -238,19 +238,16 @@ class ModelRule(Rule[Any]):
         """The orders that cuts break, where a hard element asks for nothing but orders: one of them may be relaxed."""
         if self.strength == "soft" or self.excusable:
             return []
-        pairs = []
-        for part in parts(node):
-            if not (isinstance(part, Lit) and isinstance(part.atom, Before)):
-                return []
-            i, j = (part.atom.i, part.atom.j) if part.holds else (part.atom.j, part.atom.i)
-            pairs.append((nest.contours[i].id, nest.contours[j].id))
-        return [pair for pair in pairs if all(name in at for name in pair) and at[pair[0]] > at[pair[1]]]
+        asked = orders(node)
+        ids = [(nest.contours[pair[0]].id, nest.contours[pair[1]].id) for pair in asked if pair is not None]
+        whole = ids if len(ids) == len(asked) else []
+        return [(one, other) for one, other in whole if one in at and other in at and at[one] > at[other]]
 
     def _told(self, nest: Nest, node: Node) -> str:
         """What does not hold, where the file has no sentence for it."""
-        if isinstance(node, Lit) and isinstance(node.atom, Before):
-            first, then = (node.atom.i, node.atom.j) if node.holds else (node.atom.j, node.atom.i)
-            return f"{nest.contours[first].id} must be cut before {nest.contours[then].id}: {self.sentence}"
+        if isinstance(node, Lit) and (pair := orders(node)[0]) is not None:
+            first, then = (nest.contours[k].id for k in pair)
+            return f"{first} must be cut before {then}: {self.sentence}"
         ids = [nest.contours[number].id for number in contours_of(node)]
         return f"{', '.join(ids[:MOST_TOLD])}: {self.sentence}" if ids else self.sentence
 
@@ -268,13 +265,8 @@ class ModelRule(Rule[Any]):
         return self._orders(nest, self._measured(nest, CutSequence(()), options))
 
     def _orders(self, nest: Nest, flat: Flattened) -> list[Ids]:
-        found = []
-        for node in (*flat.elements, *flat.further):
-            for part in parts(node):
-                if isinstance(part, Lit) and isinstance(part.atom, Before):
-                    i, j = (part.atom.i, part.atom.j) if part.holds else (part.atom.j, part.atom.i)
-                    found.append((nest.contours[i].id, nest.contours[j].id))
-        return list(dict.fromkeys(found))
+        asked = (pair for node in (*flat.elements, *flat.further) for pair in orders(node) if pair is not None)
+        return list(dict.fromkeys((nest.contours[i].id, nest.contours[j].id) for i, j in asked))
 
     def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
         """Attributes that the file reads and no part has, or words that a drawing says of no contour; what there is."""
