@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kerfwise.encoder.geometry.curve import Curve, flattened, lines_of
 from kerfwise.encoder.geometry.segment import Point
 
-from .bevels.bevel import Bevel
+from .bevels.bevel import Bevel, EdgeBevel
 from .cut import Stretch, Tab
 from .errors import InputError
 from .text import escape_text
@@ -80,7 +80,7 @@ class Contour:
     between them, that is cut before these contours are finished, as one item of the order. One that `holds` its part
     comes before the last stretch of every other that is held so in its zone.
 
-    One with a `bevel` is drawn at the part's largest section: see `bevels`.
+    One with a `bevel`, or `edge_bevels` on some of its edges, is drawn at the part's largest section: see `bevels`.
     """
 
     id: str
@@ -94,6 +94,29 @@ class Contour:
     along: tuple[Stretch, ...] = ()
     holds: bool = False
     bevel: Bevel | None = None
+    edge_bevels: tuple[EdgeBevel, ...] = ()
+
+    @property
+    def bevelled(self) -> bool:
+        """Whether it has a bevel anywhere."""
+        return self.bevel is not None or bool(self.edge_bevels)
+
+    @property
+    def with_one_bevel(self) -> Contour:
+        """The same, where all its edges have one bevel with that bevel on the whole of it."""
+        each = {*self.bevel_of_edge}
+        if not self.edge_bevels or None in each or len(each) > 1:
+            return self
+        return replace(self, bevel=each.pop(), edge_bevels=())
+
+    @cached_property
+    def bevel_of_edge(self) -> tuple[Bevel | None, ...]:
+        """The bevel of each line and arc of its curve, None where it is square."""
+        if not self.edge_bevels:
+            return (self.bevel,) * len(self.curve.segments)
+        return tuple(
+            next((one.bevel for one in self.edge_bevels if one.is_on(segment)), None) for segment in self.curve.segments
+        )
 
     @property
     def encloses(self) -> bool:

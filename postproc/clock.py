@@ -80,7 +80,8 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
             at = pierce.at
         for one in toolpath.passes:
             path = one.curve if one.tilt_deg else toolpath.path
-            share = one.feed_share * toolpath.feed_share / toolpath.passes[-1].feed_share
+            last = toolpath.passes[-1]
+            share = one.feed_share * toolpath.feed_share / (last.feed_share if last.steady else 1.0)
             runs.append(Run(path, travels_mm=(math.dist(at, _start(path)),), feed_share=share))
             at = _end(path)
         if toolpath.passes:

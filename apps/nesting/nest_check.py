@@ -17,6 +17,7 @@ from kerfwise.encoder.graphs import weak_components
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.text import join_names
 from kerfwise.encoder.validate import validated
 
 SLACK_MM = 0.01
@@ -194,8 +195,10 @@ def copy_problem(part: Part, requested: RequestedPart) -> str | None:
         return "has other tabs than the drawing"
     mirrored = bool(part.attributes.get("mirrored"))
     for one, other in zip(_contours(part), _contours(requested.part), strict=True):
-        if one.bevel != (other.bevel and (other.bevel.turned_over if mirrored else other.bevel)):
-            return f"has another bevel than the drawing: {one.bevel or 'none'} on {one.id}"
+        wanted = tuple(bevel and (bevel.turned_over if mirrored else bevel) for bevel in other.bevel_of_edge)
+        if (one.bevelled or other.bevelled) and one.bevel_of_edge != wanted:
+            found = join_names(sorted({str(bevel) for bevel in one.bevel_of_edge if bevel}), 4) or "none"
+            return f"has another bevel than the drawing: {found} on {one.id}"
     if lost := _arcs_lost(part, requested.part):
         return lost
     turns = _any_turn(part, requested.part) if requested.turns_deg is None else requested.turns_deg

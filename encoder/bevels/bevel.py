@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Segment
 
 BevelKind = Literal["V", "X", "Y", "K"]
 Face = Literal["top", "bottom"]
@@ -43,7 +45,7 @@ class BevelPass:
 
 @dataclass(frozen=True, slots=True)
 class Bevel:
-    """A bevel of a whole contour: the angle is from the vertical, the land the square rest of the edge, mm.
+    """A bevel of edges: the angle is from the vertical, the land the square rest of the edge, mm.
 
     `side` is the face that V and Y open to; X and K open to both, and have none.
 
@@ -177,3 +179,17 @@ class Bevel:
         [20.0, 10.0, 0.0]
         """
         return max(0.0, *(one.slope * (one.root_mm - depth_mm) for one in self.passes(thickness_mm) if one.tilt_deg))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class EdgeBevel:
+    """A bevel of one edge alone: a line or an arc of a contour, told by where it lies, either way along it."""
+
+    bevel: Bevel
+    edge: Curve
+
+    _OFF_MM: ClassVar[float] = 0.05
+
+    def is_on(self, segment: Segment) -> bool:
+        """Whether a line or an arc of the contour is the edge, or a piece of it."""
+        return all(self.edge.project(segment.point_at(share))[1] < self._OFF_MM for share in (0.02, 0.5, 0.98))

@@ -10,10 +10,12 @@ import numpy as np
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.offset import offset_curve
+from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
 
-from .bevel import Bevel, BevelPass
-from .tilted_path import Corner, Edge
+from .bevel import BevelPass
+from .round import SHARP_RAD, Corner, Round
+from .tilted_path import Lean
 
 _LEAST_GROWTH_MM = 1e-6
 _PART_KG = 1e-9
@@ -46,14 +48,34 @@ class BevelOptions:
         """Half the width of a pass's cut, measured level."""
         return self.kerf_mm(one.tilt_deg) / math.cos(math.radians(one.tilt_deg)) / 2
 
-    def main_half_mm(self, bevel: Bevel) -> float:
-        """The same of the last pass: plans have their leads join that."""
-        return self.half_mm(bevel.passes(self.thickness_mm)[-1])
+    def lean(self, one: BevelPass) -> Lean:
+        """How the torch leans in a pass."""
+        return Lean(one.tilt_deg, one.root_mm, self.half_mm(one))
 
-    def edges(self, drawn: Contour, ccw: bool) -> tuple[Edge, ...]:
-        """The contour as drawn with each of its passes."""
-        assert drawn.bevel is not None
-        return tuple(Edge(drawn, one, self.half_mm(one), ccw) for one in drawn.bevel.passes(self.thickness_mm))
+    def main_half_mm(self, drawn: Contour) -> float:
+        """Half the level width of the last pass's cut: plans have their leads join that."""
+        if drawn.bevel is None:
+            return self.kerfs[0][1] / 2
+        return self.half_mm(drawn.bevel.passes(self.thickness_mm)[-1])
+
+    def rounds(self, drawn: Contour, ccw: bool) -> tuple[Round, ...]:
+        """The passes of a contour as drawn, in order; the last goes all the way round.
+
+        Where single edges have bevels their passes but the last are each a run along these edges, while the part is
+        still held by the others; the last round cuts all edges, each as its own last pass wants.
+        """
+        if drawn.bevel is not None:
+            return tuple(Round(drawn, self.lean(one), ccw) for one in drawn.bevel.passes(self.thickness_mm))
+        upright, each = self.lean(BevelPass(0.0, 0.0)), drawn.bevel_of_edge
+        passes = [(BevelPass(0.0, 0.0),) if of is None else of.passes(self.thickness_mm) for of in each]
+        found = []
+        for run in _runs(drawn):
+            *before, _ = passes[run[0]]
+            for one in before:
+                leans = tuple(self.lean(one) if k in run else upright for k in range(len(each)))
+                found.append(Round(drawn, upright, ccw, (), leans, run, self.thickness_mm))
+        leans = tuple(self.lean(of[-1]) for of in passes)
+        return *found, Round(drawn, upright, ccw, (), leans, (), self.thickness_mm)
 
     def depths_mm(self) -> tuple[float, ...]:
         """The depths at which ways are judged, from the top face to the bottom face: a millimetre apart at the most."""
@@ -67,7 +89,7 @@ class BevelOptions:
 
 def bevelled(nest: Nest) -> Iterator[Contour]:
     """The contours with bevels, as they are drawn."""
-    return (contour for part in (nest.drawn or nest).parts for contour in part if contour.bevel is not None)
+    return (contour for part in (nest.drawn or nest).parts for contour in part if contour.bevelled)
 
 
 @cached_with_nest(most=4)
@@ -93,7 +115,41 @@ def _part(part: Part, options: BevelOptions) -> Part:
     return part if same else replace(part, outer=outer, holes=holes)
 
 
+def _runs(drawn: Contour) -> list[tuple[int, ...]]:
+    """The edges with a bevel, those that follow each other at one angle together, in the order of the contour."""
+    segments, each = drawn.curve.segments, drawn.bevel_of_edge
+    count, out = len(segments), 1.0 if drawn.curve.is_ccw == (drawn.kind == "outer") else -1.0
+    runs: list[list[int]] = []
+    for k in range(count):
+        if each[k] is None:
+            continue
+        if runs and runs[-1][-1] == k - 1 and each[k - 1] == each[k] and _goes_on(segments[k - 1], segments[k], out):
+            runs[-1].append(k)
+        else:
+            runs.append([k])
+    first, last = (runs[0], runs[-1]) if len(runs) > 1 else ([-1], [-1])
+    if first[0] == 0 and last[-1] == count - 1 and each[0] == each[-1] and _goes_on(segments[-1], segments[0], out):
+        runs[0] = [*runs.pop(), *first]
+    return [tuple(run) for run in runs]
+
+
+def _goes_on(before: Segment, after: Segment, out: float) -> bool:
+    """Whether a torch goes on from one edge to the next at its angle: not where they bend into the part."""
+    (ax, ay), (bx, by) = before.tangent_at(1.0), after.tangent_at(0.0)
+    return out * math.atan2(ax * by - ay * bx, ax * bx + ay * by) > -SHARP_RAD
+
+
 def _contour(contour: Contour, options: BevelOptions) -> Contour:
+    for one in contour.edge_bevels:
+        try:
+            one.bevel.expect_fit(options.thickness_mm)
+        except InputError as error:
+            raise InputError(f"{contour.id}, bevel {one.bevel}: {error.message}") from None
+        if not any(one.is_on(segment) for segment in contour.curve.segments):
+            x, y = one.edge.point_at(one.edge.length_mm / 2)
+            raise InputError(
+                f"{contour.id}, bevel {one.bevel}: no edge runs at ({x:.1f}, {y:.1f}) any more: draw it anew"
+            )
     if contour.bevel is None:
         return contour
     try:

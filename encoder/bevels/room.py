@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+import math
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -16,7 +17,8 @@ from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
 from kerfwise.encoder.text import join_names
 
 from .cut_nest import BevelOptions, bevelled
-from .tilted_path import Loops, Step, TiltedPath, pass_along, round_alone, within_turns
+from .round import SHARP_RAD, Loops, Round, pass_along, round_alone, run_along
+from .tilted_path import Step, TiltedPath, within_turns
 
 _RUNS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
 """How many times the least run loops are tried with."""
@@ -34,9 +36,40 @@ def section(part: Part, depth_mm: float, thickness_mm: float) -> shapely.Geometr
 
 def _bevelled_area(contour: Contour, depth_mm: float, thickness_mm: float, outwards: bool) -> shapely.Geometry:
     area = shapely.make_valid(contour.polygon)
+    if contour.edge_bevels:
+        taken = list(_strips(contour, depth_mm, thickness_mm))
+        return shapely.union_all([area, *taken]) if outwards else shapely.difference(area, shapely.union_all(taken))
     if contour.bevel is None or not (by_mm := contour.bevel.inset_mm(depth_mm, thickness_mm)):
         return area
     return shapely.buffer(area, by_mm if outwards else -by_mm, join_style="mitre", mitre_limit=MITRE)
+
+
+def _strips(contour: Contour, depth_mm: float, thickness_mm: float) -> Iterator[shapely.Geometry]:
+    """What the bevels of single edges take off the part at a depth, each as far as its edge goes.
+
+    Past a corner that sticks out the slope goes on, as far as the part does.
+    """
+    segments, each = contour.curve.segments, contour.bevel_of_edge
+    side = 1.0 if contour.curve.is_ccw == (contour.kind == "outer") else -1.0  # the part is on the left
+    for k, (segment, bevel) in enumerate(zip(segments, each, strict=True)):
+        by_mm = 0.0 if bevel is None else bevel.inset_mm(depth_mm, thickness_mm)
+        if by_mm <= 0:
+            continue
+        points = list(segment.flatten(_SLACK_MM / 3).tolist())
+        points = [segment.start, *map(tuple, points)]
+        share = [0.0, *(segment.project(at)[0] for at in points[1:])]
+        normals = [(-side * y, side * x) for x, y in map(segment.tangent_at, share)]
+        inner = [(x + by_mm * nx, y + by_mm * ny) for (x, y), (nx, ny) in zip(points, normals, strict=True)]
+        yield shapely.make_valid(shapely.Polygon([*points, *inner[::-1]]))
+        for other, end, towards in ((segments[k - 1], 0, -1.0), (segments[(k + 1) % len(segments)], -1, 1.0)):
+            pair = (other, segment) if end == 0 else (segment, other)
+            (ax, ay), (bx, by) = pair[0].tangent_at(1.0), pair[1].tangent_at(0.0)
+            turn = side * math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+            if turn >= SHARP_RAD:
+                x, y = segment.tangent_at(share[end])
+                far = towards * by_mm / math.tan(max(turn, SHARP_RAD)) if turn < math.pi / 2 else 0.0
+                corner = [points[end], inner[end]]
+                yield shapely.Polygon([*corner, *((px + far * x, py + far * y) for px, py in corner[::-1])])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,15 +97,24 @@ class Bevelling:
         """For every contour with a bevel its passes and what becomes of sharp corners, in a sentence."""
         found = {}
         for drawn in bevelled(nest):
-            assert drawn.bevel is not None
-            tilts = [one.tilt_deg for one in drawn.bevel.passes(self.options.thickness_mm)]
+            rounds = self.options.rounds(drawn, ccw=True)
+            tilts = [max((one.tilt_deg for one in (r.lean, *r.leans)), key=abs) for r in rounds]
             count, loops = len(tilts), sum(map(len, self.loops[drawn.id]))
             passes = "in one pass" if count == 1 else f"in {count} passes, one after the other,"
             angles = ", ".join(f"{tilt:g} degrees" if tilt else "upright" for tilt in tilts)
-            sharp = sum(len(list(e.sharp_corners())) for e in self.options.edges(drawn, ccw=True) if e.made_by.tilt_deg)
+            sharp = sum(len(list(r.sharp_corners())) for r in rounds if r.tilted)
             corners = f"; loops at {loops} of {sharp} sharp corners" if sharp else ""
-            found[drawn.id] = f"bevel {drawn.bevel}: cut {passes} at {angles}{corners}"
+            found[drawn.id] = f"bevel {_named(drawn)}: cut {passes} at {angles}{corners}"
         return found
+
+
+def _named(drawn: Contour) -> str:
+    """What bevels a contour has: of all of it, or each with how many edges have it."""
+    if drawn.bevel is not None:
+        return str(drawn.bevel)
+    counts = Counter(str(one) for one in drawn.bevel_of_edge if one is not None)
+    of = len(drawn.bevel_of_edge)
+    return " and ".join(f"{name} on {count} of {of} edges" for name, count in counts.items())
 
 
 def tilted_paths(drawn: Contour, cut: Cut, loops: Sequence[Loops], options: BevelOptions) -> tuple[TiltedPath, ...]:
@@ -83,11 +125,12 @@ def tilted_paths(drawn: Contour, cut: Cut, loops: Sequence[Loops], options: Beve
     InputError
         If the torch cannot go so, with why.
     """
-    assert drawn.bevel is not None
-    main_mm = options.main_half_mm(drawn.bevel)
-    edges = options.edges(drawn, cut.direction == "ccw")
+    main_mm, rounds = options.main_half_mm(drawn), options.rounds(drawn, cut.direction == "ccw")
     try:
-        paths = [pass_along(replace(e, loops=of), cut, main_mm) for e, of in zip(edges, loops, strict=True)]
+        paths = [
+            run_along(of, options.run_mm) if of.run else pass_along(of, cut, main_mm)
+            for of in (replace(r, loops=found) for r, found in zip(rounds, loops, strict=True))
+        ]
     except ValueError as error:
         raise InputError(f"{drawn.id}: {error}") from None
     turned = within_turns(paths, options.most_turn_deg)
@@ -118,10 +161,8 @@ class _Metal:
         Ways that do not cut the contour keep `apart_mm` from other parts, whose kerfs lie beside them.
         """
         for depth_mm in self.options.depths_mm():
-            lines = path.lines(depth_mm, along)
-            if not lines:
+            if (burnt := path.burnt(depth_mm, along)) is None:
                 continue
-            burnt = shapely.buffer(shapely.union_all(lines), path.half_mm)
             at = f"{depth_mm:g} mm below the top face"
             if not shapely.covers(self.sheet, shapely.buffer(burnt, -_SLACK_MM)):
                 return f"the torch would burn beyond the sheet, {at}"
@@ -133,6 +174,14 @@ class _Metal:
                     what = f"come within {apart_mm:g} mm of" if name != own and apart_mm else "burn into"
                     return f"the torch would {what} {name}, {at}{_place(shapely.intersection(metal, reach))}"
         return None
+
+    def no_room(self, path: TiltedPath, drawn: Contour, others: shapely.Geometry) -> str | None:
+        """Why a path's loops and leads have no room, beside what `others` burn aside."""
+        apart_mm = self.options.kerfs[0][1] + _SLACK_MM
+        hit = self.hit(path, drawn.part, along=False, apart_mm=apart_mm)
+        if hit is None and shapely.intersects(_swept(path, self.options), others):
+            return "it would cross the loop of another contour"
+        return hit
 
 
 def _place(area: shapely.Geometry) -> str:
@@ -155,7 +204,7 @@ def plan_bevels(nest: Nest, options: BevelOptions) -> Bevelling:
         try:
             found.loops[drawn.id] = tuple(_loops_and_room(drawn, metal, found))
         except (InputError, ValueError) as error:
-            wrong.append(f"{drawn.id}, bevel {drawn.bevel}: {error}")
+            wrong.append(f"{drawn.id}, bevel {_named(drawn)}: {error}")
     if wrong:
         raise InputError(
             "a bevel cannot be cut as it is drawn" if len(wrong) == 1 else "bevels cannot be cut as they are drawn",
@@ -176,35 +225,35 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
                 f"nothing of {part.id} would be left at the {face} face; a smaller angle, or a land, would do"
             )
     _expect_walls(part, options)
-    several, mass_kg, least_kg = len(options.edges(drawn, ccw=True)), options.mass_kg(part), options.lies_still_kg
+    rounds = options.rounds(drawn, ccw=True)
+    several = sum(not r.run for r in rounds)
+    if {k for r in rounds for k in r.run} == {*range(len(drawn.bevel_of_edge))}:
+        several = len(rounds)  # the last of them cuts loose what runs have cut out
+    mass_kg, least_kg = options.mass_kg(part), options.lies_still_kg
     if several > 1 and (least_kg is None or mass_kg < least_kg):
         less = "and nobody says" if least_kg is None else f"less than {least_kg:g} kg, which is"
         raise InputError(
             f"the first of its {several} passes sets loose what the others cut: {part.id} weighs {mass_kg:.3g} kg, "
             f"{less} from which mass on a loose part lies still (cuts.bevel.lies_still); a bevel V has one pass"
         )
-    kept_apart_mm = options.kerfs[0][1] + _SLACK_MM
     others = shapely.union_all([area for name, area in found.taken.items() if name != drawn.id])
-    for edge in options.edges(drawn, ccw=True):
-        if edge.made_by.tilt_deg == 0:
+    for way in rounds:
+        if not way.tilted:
             yield ()
             continue
         loops: list[tuple[tuple[float, float], float]] = []
-        for corner in edge.sharp_corners() if options.corner != "turn" else ():
+        for corner in way.sharp_corners() if options.corner != "turn" else ():
             why = "no loop has room"
             for times in _RUNS:
                 try:
-                    path = round_alone(replace(edge, loops=((corner, times * options.run_mm),)))
+                    path = round_alone(replace(way, loops=((corner, times * options.run_mm),), run=()))
                 except ValueError as error:  # too short a run
                     why = str(error)
                     continue
-                burnt = _swept(path, options)
-                hit = metal.hit(path, drawn.part, along=False, apart_mm=kept_apart_mm)
-                if hit is None and shapely.intersects(burnt, others):
-                    hit = "it would cross the loop of another contour"
+                hit = metal.no_room(path, drawn, others)
                 if hit is None:
                     loops.append((corner, times * options.run_mm))
-                    found.taken[drawn.id] = shapely.union(found.taken[drawn.id], burnt)
+                    found.taken[drawn.id] = shapely.union(found.taken[drawn.id], _swept(path, options))
                     break
                 why = hit if times == _RUNS[0] else why
             else:
@@ -214,10 +263,23 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
                         f"no loop has room at the corner ({x:.1f}, {y:.1f}): {why}; leave more web, shorten "
                         "cuts.bevel.run, or say cuts.bevel.corner: either"
                     )
-        path = round_alone(replace(edge, loops=tuple(loops)))
-        if (hit := metal.hit(path, drawn.part, along=True, apart_mm=0.0)) is not None:
-            raise InputError(f"{hit}; leave more web, or change the bevel")
+        for path in _alone(replace(way, loops=tuple(loops)), options):
+            hit = metal.hit(path, drawn.part, along=True, apart_mm=0.0)
+            if hit is None and way.run:
+                hit = metal.no_room(path, drawn, others)
+                found.taken[drawn.id] = shapely.union(found.taken[drawn.id], _swept(path, options))
+            if hit is not None:
+                raise InputError(f"{hit}; leave more web, or change the bevel")
         yield tuple(loops)
+
+
+def _alone(way: Round, options: BevelOptions) -> Iterator[TiltedPath]:
+    """The pass whatever the cut's leads are: of a run both ways along it, since it begins and ends otherwise."""
+    if not way.run:
+        yield round_alone(way)
+        return
+    for ccw in (True, False):
+        yield run_along(replace(way, ccw=ccw), options.run_mm)
 
 
 def _expect_walls(part: Part, options: BevelOptions) -> None:
@@ -229,7 +291,7 @@ def _expect_walls(part: Part, options: BevelOptions) -> None:
         for k, (hole, area) in enumerate(areas):
             near = [other for other, of in areas[:k] if shapely.dwithin(area, of, kerf_mm)]
             near += [] if shapely.contains(shapely.buffer(outline, -kerf_mm), area) else [part.outer]
-            if near and any(one.bevel is not None for one in (hole, *near)):
+            if near and any(one.bevelled for one in (hole, *near)):
                 raise InputError(
                     f"at the {face} face it leaves less than a kerf of wall between {near[0].id} and {hole.id}"
                 )
@@ -237,13 +299,8 @@ def _expect_walls(part: Part, options: BevelOptions) -> None:
 
 def _swept(path: TiltedPath, options: BevelOptions) -> shapely.Geometry:
     """What the loops of a path burn, at all depths together."""
-    return shapely.union_all(
-        [
-            shapely.buffer(shapely.MultiLineString(lines), path.half_mm)
-            for depth_mm in options.depths_mm()
-            if (lines := path.lines(depth_mm, along=False))
-        ]
-    )
+    areas = [path.burnt(depth_mm, along=False) for depth_mm in options.depths_mm()]
+    return shapely.union_all([area for area in areas if area is not None])
 
 
 def kept_candidates(
@@ -308,7 +365,9 @@ def _no_room(
     except InputError as error:
         return error.message
     apart_mm = bevelling.options.kerfs[0][1] + _SLACK_MM
-    for path in paths:
+    for path, way in zip(paths, bevelling.options.rounds(drawn, ccw=True), strict=True):
+        if way.run:
+            continue
         leads = replace(path, steps=tuple(_leads(path)))
         if leads.steps and path.tilt_deg and (hit := metal.hit(leads, drawn.part, along=False, apart_mm=apart_mm)):
             return hit

@@ -170,7 +170,7 @@ def places(outlines: Sequence[Outline], count: int) -> tuple[Floats, Ranks, Ints
     of = np.repeat(each, np.diff(drawn.first))
     k = np.arange(len(drawn)) + of
     right = np.array([outline.right for outline in outlines])[of]
-    tilted = np.array([outline.contour.bevel is not None for outline in outlines])[of]
+    tilted = np.array([outline.contour.bevelled for outline in outlines])[of]
     corners = np.flatnonzero((drawn.turn_rad * right > CORNER_RAD + TIED_RAD) & ~tilted)
     length_mm = drawn.starts_mm[k + 1] - drawn.starts_mm[k]
     edges = np.flatnonzero((drawn.bulge == 0) & (length_mm > around_mm[of] / (8 * count) + TIED_MM))

@@ -12,9 +12,9 @@ from typing import NamedTuple, cast, get_args
 import numpy as np
 import shapely
 
-from kerfwise.encoder.bevels.bevel import Bevel
+from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Contour, Nest, Note
+from kerfwise.encoder.nest import Contour, Nest, Note, Source
 from kerfwise.encoder.questions import ANSWERED, LAYER, LIKELIEST, Asking, Choice, Question
 from kerfwise.encoder.text import join_names
 
@@ -387,24 +387,37 @@ def _word(use: Use) -> str:
 # Bevels by layer or colour, as a plant maps them.
 
 
-def with_bevels_by_look(nest: Nest, bevels: Sequence[tuple[str, Bevel]]) -> Nest:
+def with_bevels_by_look(nest: Nest, pieces: Sequence[DrawnCurve], bevels: Sequence[tuple[str, Bevel]]) -> Nest:
     """The nest with a bevel on each outer contour and hole whose layer matches a pattern, or whose colour is its name.
 
-    The first that fits counts.
+    The first that fits counts. Where a contour is drawn in several `pieces` each says so of its own edges.
     """
     if not bevels:
         return nest
 
-    def made(contour: Contour) -> Contour:
-        source = contour.source
+    def looked_up(source: Source) -> Bevel | None:
         found = (
             bevel
             for key, bevel in bevels
             if key.lower() == source.colour.lower()
             or re.search(key, unicodedata.normalize("NFC", source.layer), re.IGNORECASE)
         )
-        bevel = next(found, None)
+        return next(found, None)
+
+    of_pieces = [(piece.curve, looked_up(piece.source)) for piece in pieces if not piece.curve.closed]
+    edges = [EdgeBevel(bevel, curve) for curve, bevel in of_pieces if bevel is not None]
+    tree = shapely.STRtree([one.edge.line() for one in edges])
+
+    def made(contour: Contour) -> Contour:
+        near = [edges[k] for k in sorted(tree.query(contour.line, "dwithin", distance=_NEAR_MM).tolist())]
+        mine = tuple(one for one in near if any(map(one.is_on, contour.curve.segments)))
+        if mine:
+            return replace(contour, edge_bevels=mine).with_one_bevel
+        bevel = looked_up(contour.source)
         return contour if bevel is None else replace(contour, bevel=bevel)
 
     parts = (replace(part, outer=made(part.outer), holes=tuple(map(made, part.holes))) for part in nest.parts)
     return replace(nest, parts=tuple(parts))
+
+
+_NEAR_MM = 0.1

@@ -11,7 +11,7 @@ from importlib.resources import files
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from kerfwise.encoder.bevels.bevel import Bevel
+from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import places, schema_message, spoken, strict_json
@@ -50,7 +50,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     _check_ids(document["parts"], text)
     parts = tuple(_part(entry, scale) for entry in document["parts"])
     parts = tuple(
-        _with_bevels(part, k, entry["bevel"], scale, text) if "bevel" in entry else part
+        _with_bevels(part, k, entry, scale, text) if "bevel" in entry else part
         for k, (part, entry) in enumerate(zip(parts, document["parts"], strict=True))
     )
     sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
@@ -156,31 +156,54 @@ def _part(entry: Mapping[str, Any], scale: float) -> Part:
     )
 
 
-def _with_bevels(part: Part, number: int, entry: Any, scale: float, text: str) -> Part:
+def _with_bevels(part: Part, number: int, entry: Mapping[str, Any], scale: float, text: str) -> Part:
     """The part with the bevels of its contours."""
     of_hole = {hole.id: k for k, hole in enumerate(part.holes)}
     outer, holes = part.outer, list(part.holes)
-    several = isinstance(entry, list)
-    for k, row in enumerate(entry if several else [entry]):
+    bevels = entry["bevel"]
+    several = isinstance(bevels, list)
+    for k, row in enumerate(bevels if several else [bevels]):
         path: list[str | int] = ["parts", number, "bevel", *([k] if several else [])]
         name = f"{part.id}.{row.get('of', 'outer')}"
         try:
             bevel = Bevel.of_json(row, scale)
-            if "edges" in row:
-                raise InputError("a bevel of some edges alone is not planned yet: give the whole contour one, or none")
             if name not in of_hole and name != outer.id:
                 known = ["outer", *(hole.id.rpartition(".")[2] for hole in holes)]
                 raise InputError(f"the part has no such contour: expected of: {' or '.join(known)}")
-            if (outer if name == outer.id else holes[of_hole[name]]).bevel is not None:
-                raise InputError("it is given a second bevel")
+            drawn = outer if name == outer.id else holes[of_hole[name]]
+            rows = entry["outer"] if name == outer.id else entry["holes"][of_hole[name]]
+            bevelled = _bevelled(drawn, bevel, row.get("edges"), rows, scale)
         except InputError as error:
             [(line, column)] = places(text, [path])
             raise InputError(f"{name}: {error.message}", line=line, column=column) from None
         if name == outer.id:
-            outer = replace(outer, bevel=bevel)
+            outer = bevelled
         else:
-            holes[of_hole[name]] = replace(holes[of_hole[name]], bevel=bevel)
+            holes[of_hole[name]] = bevelled
     return replace(part, outer=outer, holes=tuple(holes))
+
+
+def _bevelled(
+    drawn: Contour, bevel: Bevel, edges: Sequence[int] | None, rows: Sequence[Sequence[float]], scale: float
+) -> Contour:
+    """A contour with one more bevel, on all of it or on these edges, counted from 1 in the rows of the file."""
+    if drawn.bevel is not None or (edges is None and drawn.edge_bevels):
+        raise InputError("it is given a second bevel")
+    if edges is None:
+        return replace(drawn, bevel=bevel)
+    if not edges:
+        raise InputError("its bevel has no edges: name some, or leave out edges for the whole contour")
+    made = list[EdgeBevel]()
+    for number in edges:
+        begin, end = rows[(number - 1) % len(rows)], rows[number % len(rows)]
+        if not 0 < number <= len(rows) or begin[:2] == end[:2]:
+            raise InputError(f"it has no edge {number}: they are counted from 1, each from one vertex to the next")
+        edge = Curve.of([[begin[0] * scale, begin[1] * scale, *begin[2:]], [end[0] * scale, end[1] * scale]], False)
+        if any(one.is_on(edge.segments[0]) for one in (*drawn.edge_bevels, *made)):
+            raise InputError(f"its edge {number} is given a second bevel")
+        made.append(EdgeBevel(bevel, edge))
+    whole = replace(drawn, edge_bevels=(*drawn.edge_bevels, *made))
+    return whole.with_one_bevel
 
 
 def _tab(entry: Mapping[str, Any], scale: float) -> Tab:

@@ -255,8 +255,8 @@ class _Door:
         from .by_layer import with_bevels_by_look
         from .nest_from_drawing import nest_of, with_quantities
 
-        nest = nest_of(self.drawing(options, asking), options, asking)
-        nest = with_bevels_by_look(nest, options.bevels)
+        drawing = self.drawing(options, asking)
+        nest = with_bevels_by_look(nest_of(drawing, options, asking), drawing.pieces, options.bevels)
         return with_quantities(nest, unicodedata.normalize("NFC", self.file.stem), options.quantity)
 
     def drawing(self, options: ReadOptions, asking: Asking) -> Drawing:

@@ -11,9 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
 from kerfwise.rules.profile.profile import Profile
+
+from .bevel_edges import sides_of
 
 _MITRE = 50.0
 
@@ -26,9 +29,8 @@ class Slope:
     root_mm: float
 
 
-def slopes_of(contour: Contour, thickness_mm: float) -> tuple[list[Slope], bool]:
-    """The slopes of a contour's bevel from the top face down, and whether it has a square face besides."""
-    bevel = contour.bevel
+def slopes_of(bevel: Bevel | None, thickness_mm: float) -> tuple[list[Slope], bool]:
+    """The slopes of a bevel from the top face down, and whether it has a square face besides."""
     if bevel is None:
         return [], True
     both = bevel.kind in ("X", "K")
@@ -42,10 +44,10 @@ def slopes_of(contour: Contour, thickness_mm: float) -> tuple[list[Slope], bool]
     return found, bevel.land_mm > 0
 
 
-def cut_away_mm(contour: Contour, depth_mm: float, thickness_mm: float) -> float:
+def cut_away_mm(bevel: Bevel | None, depth_mm: float, thickness_mm: float) -> float:
     """How far the face lies behind the contour as drawn, at a depth."""
     away = [0.0]
-    for slope in slopes_of(contour, thickness_mm)[0]:
+    for slope in slopes_of(bevel, thickness_mm)[0]:
         over_mm = slope.root_mm - depth_mm if slope.lean_deg > 0 else depth_mm - slope.root_mm
         away.append(over_mm * math.tan(math.radians(abs(slope.lean_deg))))
     return max(away)
@@ -68,7 +70,7 @@ def as_burnt(nest: Nest, profile: Profile) -> Nest:
         c.id: 0.0 if square else round(half_width_mm(slopes[-1].lean_deg, profile) - kerf_mm / 2, 9)
         for c in nest.contours
         if c.bevel is not None
-        for slopes, square in (slopes_of(c, thickness_mm),)
+        for slopes, square in (slopes_of(c.bevel, thickness_mm),)
     }
     return _moved_out(nest, tuple(wider.items()))
 
@@ -103,7 +105,19 @@ def face_area(contour: Contour, away_mm: float, sharp: bool) -> shapely.Geometry
 
 def section_of(part: Part, depth_mm: float, thickness_mm: float) -> shapely.Geometry:
     """The metal of a part at a depth."""
-    metal = face_area(part.outer, cut_away_mm(part.outer, depth_mm, thickness_mm), sharp=True)
+    metal = _inside(part.outer, depth_mm, thickness_mm)
     for hole in part.holes:
-        metal = shapely.difference(metal, face_area(hole, cut_away_mm(hole, depth_mm, thickness_mm), sharp=True))
+        metal = shapely.difference(metal, _inside(hole, depth_mm, thickness_mm))
     return metal
+
+
+def _inside(contour: Contour, depth_mm: float, thickness_mm: float) -> shapely.Geometry:
+    """What a contour goes round at a depth."""
+    if not contour.edge_bevels:
+        return face_area(contour, cut_away_mm(contour.bevel, depth_mm, thickness_mm), sharp=True)
+    area = shapely.make_valid(contour.polygon)
+    for side in sides_of(contour):
+        if away_mm := cut_away_mm(side.bevel, depth_mm, thickness_mm):
+            change = shapely.difference if contour.kind == "outer" else shapely.union
+            area = change(area, side.taken(away_mm))
+    return area

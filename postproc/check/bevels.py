@@ -9,86 +9,36 @@ in the place of its tilted passes.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import ops
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve, lines_of
-from kerfwise.encoder.geometry.segment import Point, Segment
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
-from .bevel_faces import Slope, cut_away_mm, face_area, half_width_mm, section_of, slopes_of
+from .bevel_edges import sides_of
+from .bevel_faces import Slope, cut_away_mm, face_area, section_of, slopes_of
+from .jets import ANGLE_DEG, Jet, Root, jet_of, root_ring, roots_of
 from .torch_run import tolerance_mm
 
 _RULE = "bevels"
-_TURN_RAD = math.radians(2)
-_ANGLE_DEG = 0.01
 _SHARE = 0.8
 """A pass follows a contour where it covers so much of the way that it should go."""
 _SAMPLE_MM, _NEAR_MM, _WAIT_S = 0.5, 0.06, 2e-3
 _STEPS = 17
 """Depths that are looked at, beside the roots, for each 20 mm and at the least."""
 _KG = 1e-9
-
-
-# What a tilted burn is at each depth.
-
-
-@dataclass(frozen=True, eq=False)
-class _Jet:
-    """A tilted burn in fine steps: the torch's point at the top face, and where the jet goes for each mm downwards."""
-
-    burn: Burn
-    at: Floats
-    aside: Floats
-    lean_deg: float
-    steady: bool
-    half_mm: float
-
-    def line(self, depth_mm: float, some: Any = slice(None)) -> shapely.LineString:
-        """Its way at a depth, or a stretch of it."""
-        return shapely.LineString((self.at + depth_mm * self.aside)[some])
-
-    def burnt(self, depth_mm: float) -> shapely.Geometry:
-        """What it burns at a depth."""
-        return shapely.buffer(self.line(depth_mm), self.half_mm)
-
-
-def _jet(burn: Burn, profile: Profile) -> _Jet:
-    at, aside = [], []
-    rows = burn.path.vertices.tolist()
-    leans = {round(tilt, 6) for tilt, _ in burn.axes}
-    for k, ((x, y, bulge), after) in enumerate(zip(rows, [*rows[1:], rows[-1]], strict=True)):
-        (tilt, turn), (tilt_to, turn_to) = burn.axes[k], burn.axes[min(k + 1, len(rows) - 1)]
-        segment = Segment((x, y), (after[0], after[1]), bulge if k + 1 < len(rows) else 0.0)
-        widest = max(abs(segment.sweep_rad), math.radians(abs(turn_to - turn)), math.radians(abs(tilt_to - tilt)))
-        count = max(1, math.ceil(widest / _TURN_RAD))
-        if segment.is_arc:
-            count = max(count, segment.chords_within(0.005))
-        for share in (j / count for j in range(count)):
-            at.append(segment.point_at(share))
-            lean, way = (math.radians(a + (b - a) * share) for a, b in ((tilt, tilt_to), (turn, turn_to)))
-            aside.append((math.tan(lean) * math.cos(way), math.tan(lean) * math.sin(way)))
-    lean_deg = max(leans, key=abs)
-    return _Jet(burn, np.array(at), np.array(aside), lean_deg, len(leans) == 1, half_width_mm(lean_deg, profile))
-
-
-def _root_ring(contour: Contour, slope: Slope, profile: Profile) -> shapely.LinearRing | None:
-    """The way of the jet's middle round a contour at the root of a slope."""
-    out = half_width_mm(slope.lean_deg, profile) * (1 if contour.kind == "outer" else -1)
-    area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
-    pieces = [one for one in shapely.get_parts(area) if one.area > 0]
-    return max(pieces, key=shapely.area).exterior if pieces else None
 
 
 # The judgement, and the program that the rest of the check sees.
@@ -115,55 +65,53 @@ def judge_bevels(
     `shares` are the least and the greatest share of the cut feed at which small holes are cut.
     """
     drawn = nest.drawn or nest
-    bevelled = [c for c in drawn.contours if c.bevel is not None]
+    bevelled = [c for c in drawn.contours if c.bevelled]
     tilted = [k for k, burn in enumerate(program.burns) if burn.tilted]
     if not bevelled and not tilted:
         return BevelsJudged(program)
-    jets = {k: _jet(program.burns[k], profile) for k in tilted}
+    jets = {k: jet_of(program.burns[k], profile) for k in tilted}
     found: list[tuple[tuple[str, ...], str]] = []
     passes = _passes(bevelled, jets, profile, found)
     for k, jet in jets.items():
         if not any(k in of for of in passes.values()):
             found.append(((), f"line {jet.burn.line}: a tilted burn follows no bevel of the nest"))
     share_of = {k: shares.get(name, (1.0, 1.0)) for name, of in passes.items() for k in of}
-    found += _unsteady(jets, share_of, profile)
-    upright, upright_line = _upright_of(bevelled, program, profile)
-    found += _loose(drawn, bevelled, passes, upright, profile)
+    changes = {k for contour in bevelled if contour.edge_bevels for k in passes[contour.id]}
+    found += _unsteady(jets, share_of, changes, profile)
+    uprights, upright_line = _upright_of(bevelled, program, profile)
+    found += _loose(drawn, program, bevelled, passes, uprights, profile)
     found += _metal(drawn, bevelled, jets, passes, upright_line, profile)
-    found += _meeting(program, jets, passes, bevelled, upright, profile)
+    found += _meeting(program, jets, passes, bevelled, uprights, profile)
     burns: list[Burn] = []
-    last = {of[-1]: (name, of) for name, of in passes.items() if of}
     contours = {c.id: c for c in bevelled}
+    last = {max(of) if contours[name].edge_bevels else of[-1]: (name, of) for name, of in passes.items() if of}
     for k, burn in enumerate(program.burns):
         if k not in jets:
             burns.append(burn)
         elif k in last:
             contour = contours[last[k][0]]
-            slopes, square = slopes_of(contour, profile.material.thickness_mm)
-            if not square and len(last[k][1]) == len(slopes):
-                burns.append(_made_upright(jets[k], contour, slopes[-1], profile))
+            slopes, square = slopes_of(contour.bevel, profile.material.thickness_mm)
+            if contour.id not in uprights and (contour.edge_bevels or (not square and len(last[k][1]) == len(slopes))):
+                burns.append(_made_upright(jets[k], contour, profile))
     violations = tuple(Violation(_RULE, names, text) for names, text in found)
     return BevelsJudged(replace(program, burns=tuple(burns)), violations)
 
 
 def _passes(
-    bevelled: Sequence[Contour], jets: dict[int, _Jet], profile: Profile, found: list[tuple[tuple[str, ...], str]]
+    bevelled: Sequence[Contour], jets: dict[int, Jet], profile: Profile, found: list[tuple[tuple[str, ...], str]]
 ) -> dict[str, list[int]]:
     """The burns that make each bevel, in the order of its slopes."""
     taken: dict[str, list[int]] = {}
     for contour in bevelled:
         taken[contour.id] = []
-        for slope in slopes_of(contour, profile.material.thickness_mm)[0]:
-            ring = _root_ring(contour, slope, profile)
+        for root in roots_of(contour, profile):
+            slope, line = root.slope, root.line
             near = []
             for k, jet in jets.items():
-                if ring is None or abs(jet.lean_deg - slope.lean_deg) > _ANGLE_DEG:
+                if line is None or not shapely.dwithin(shapely.box(*line.bounds), jet.line(slope.root_mm), 1.0):
                     continue
-                line = jet.line(slope.root_mm)
-                if not shapely.dwithin(shapely.box(*ring.bounds), line, 1.0):
-                    continue
-                along_mm = shapely.intersection(ring, shapely.buffer(line, _NEAR_MM)).length
-                if along_mm >= _SHARE * ring.length:
+                along_mm = shapely.intersection(line, shapely.buffer(jet.leaning(slope), _NEAR_MM)).length
+                if along_mm > 0 and along_mm >= _SHARE * (line.length - root.rest_mm):
                     near.append(k)
             if not near:
                 text = (
@@ -174,31 +122,44 @@ def _passes(
             if len(near) > 1:
                 lines = " and ".join(str(jets[k].burn.line) for k in near)
                 found.append(((contour.id,), f"{contour.id}: the same slope is cut more than once, in lines {lines}"))
-            taken[contour.id].append(near[0])
+            taken[contour.id] += [] if near[0] in taken[contour.id] else [near[0]]
     return taken
 
 
 def _unsteady(
-    jets: dict[int, _Jet], shares: Mapping[int, tuple[float, float]], profile: Profile
+    jets: dict[int, Jet], shares: Mapping[int, tuple[float, float]], changes: Collection[int], profile: Profile
 ) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Burns whose torch changes its lean, turns too far, or waits or moves otherwise than it should."""
+    """Burns whose torch changes its lean, turns too far, or waits or moves otherwise than it should.
+
+    It `changes` its lean where single edges have bevels.
+    """
     machine, most = profile.machine, profile.cuts.bevel.most_turn
     waits_s = machine.pierce_time_s if pierce_dwell_of(profile) == "program" else 0.0
     for k, jet in jets.items():
         burn = jet.burn
         where = f"line {burn.line}"
-        if not jet.steady:
+        if not jet.steady and k not in changes:
             yield (), f"{where}: the torch changes its lean while it burns"
         turned = max(abs(turn) for _, turn in burn.axes)
-        if turned > most + _ANGLE_DEG:
+        if turned > most + ANGLE_DEG:
             yield (), f"{where}: the head turns to {turned:g} degrees, cuts.bevel.most_turn is {most:g}"
-        feed = machine.cut_feed_mm_s * math.cos(math.radians(jet.lean_deg))
-        low, high = (feed * share for share in shares.get(k, (1.0, 1.0)))
-        for other in burn.feeds_mm_s:
-            if not low * (1 - 1e-3) - 1e-2 <= other <= high * (1 + 1e-3) + 1e-2:
+        said = set[float]()
+        for lean_deg, other in _paces(burn):
+            feed = machine.cut_feed_mm_s * math.cos(math.radians(lean_deg))
+            low, high = (feed * share for share in shares.get(k, (1.0, 1.0)))
+            if not low * (1 - 1e-3) - 1e-2 <= other <= high * (1 + 1e-3) + 1e-2 and other not in said:
+                said.add(other)
                 yield (), f"{where}: it cuts at {other * 60:.0f} mm/min, at its lean that should be {high * 60:.0f}"
         if abs(burn.pierce_s - waits_s) > _WAIT_S:
             yield (), f"{where}: the torch stands for {burn.pierce_s:g} s before it moves, expected {waits_s:g} s"
+
+
+def _paces(burn: Burn) -> list[tuple[float, float]]:
+    """The greatest lean and the speed of each line and arc of a burn, each pair once."""
+    rows = burn.path.vertices[:, :2].tolist()
+    moves = [k for k in range(len(rows) - 1) if math.dist(rows[k], rows[k + 1]) > 1e-9]
+    leans = [max(abs(burn.axes[k][0]), abs(burn.axes[k + 1][0])) for k in moves]
+    return sorted({(round(lean, 6), feed) for lean, feed in zip(leans, burn.step_feeds_mm_s, strict=False)})
 
 
 def _upright_of(
@@ -209,9 +170,9 @@ def _upright_of(
     plain = [k for k, burn in enumerate(program.burns) if not burn.tilted and burn.tool == 0 and burn.path.segments]
     paths = lines_of([program.burns[k].path for k in plain], 0.005)
     for contour in bevelled:
-        if not slopes_of(contour, profile.material.thickness_mm)[1]:
+        if not all(slopes_of(bevel, profile.material.thickness_mm)[1] for bevel in {*contour.bevel_of_edge}):
             continue
-        ring = _root_ring(contour, Slope(0.0, 0.0), profile)
+        ring = root_ring(contour, Slope(0.0, 0.0), profile)
         for k, line in zip(plain, paths, strict=True):
             if ring is None or not shapely.dwithin(shapely.box(*ring.bounds), line, 1.0):
                 continue
@@ -223,6 +184,7 @@ def _upright_of(
 
 def _loose(
     nest: Nest,
+    program: NcProgram,
     bevelled: Sequence[Contour],
     passes: dict[str, list[int]],
     upright: dict[str, int],
@@ -236,6 +198,12 @@ def _loose(
             continue
         if max(of) - min(of) != len(of) - 1:
             yield (contour.id,), f"{contour.id}: other cuts come between the passes of its bevel"
+        if contour.edge_bevels:
+            last = [slopes_of(bevel, material.thickness_mm) for bevel in contour.bevel_of_edge]
+            if max(of) != max(of, key=lambda k: program.burns[k].path.length_mm):
+                yield (contour.id,), f"{contour.id}: an edge is cut on after the round that sets the part loose"
+            if any(len(slopes) + square < 2 for slopes, square in last):
+                continue  # the round that comes last cuts the other edges
         part = next(p for p in nest.parts if p.id == contour.part)
         mass_kg = part.polygon.area * material.thickness_mm * profile.plant.plate.density_kg_m3 * _KG
         if least_kg is None or mass_kg < least_kg - 1e-6:
@@ -249,14 +217,15 @@ def _loose(
 
 def _depths(bevelled: Sequence[Contour], thickness_mm: float) -> list[float]:
     count = _STEPS * max(1, math.ceil(thickness_mm / 20))
-    roots = {slope.root_mm for c in bevelled for slope in slopes_of(c, thickness_mm)[0]}
+    bevels = {bevel for c in bevelled for bevel in c.bevel_of_edge}
+    roots = {slope.root_mm for bevel in bevels for slope in slopes_of(bevel, thickness_mm)[0]}
     return sorted({*np.linspace(0.0, thickness_mm, count).round(6).tolist(), *roots})
 
 
 def _metal(
     nest: Nest,
     bevelled: Sequence[Contour],
-    jets: dict[int, _Jet],
+    jets: dict[int, Jet],
     passes: dict[str, list[int]],
     upright: dict[str, shapely.Geometry],
     profile: Profile,
@@ -309,7 +278,14 @@ def _left(
     Where two edges bend into the part the jet turns about one place of the root, from which the face is no further than
     it lies behind the contour, and half the jet.
     """
-    away_mm = cut_away_mm(contour, depth_mm, thickness_mm)
+    if contour.edge_bevels:
+        for side in sides_of(contour):
+            rest_mm = (6 if min(side.turns_rad) < -1.7 else 3) * half_mm
+            points = shapely.points(side.face(cut_away_mm(side.bevel, depth_mm, thickness_mm), rest_mm))
+            if (far := ~shapely.dwithin(burnt, points, allowed)).any():
+                return _at(points[far][0])
+        return None
+    away_mm = cut_away_mm(contour.bevel, depth_mm, thickness_mm)
     inside = face_area(contour, away_mm, sharp=False)
     ring = shapely.segmentize(shapely.boundary(inside), _SAMPLE_MM)
     points = shapely.points(shapely.get_coordinates(ring))
@@ -322,13 +298,17 @@ def _left(
     far &= shapely.dwithin(middles, points, half_mm + away_mm + allowed / 2)
     if not far.any():
         return None
-    x, y = shapely.get_coordinates(points[far][0])[0].tolist()
+    return _at(points[far][0])
+
+
+def _at(point: shapely.Point) -> Point:
+    x, y = shapely.get_coordinates(point)[0].tolist()
     return float(x), float(y)
 
 
 def _meeting(
     program: NcProgram,
-    jets: dict[int, _Jet],
+    jets: dict[int, Jet],
     passes: dict[str, list[int]],
     bevelled: Sequence[Contour],
     upright: dict[str, int],
@@ -343,11 +323,11 @@ def _meeting(
     depths = _depths(bevelled, thickness_mm)
     for name, of in passes.items():
         mine = {*of, *([upright[name]] if name in upright else [])}
-        for k, slope in zip(of, slopes_of(contours[name], thickness_mm)[0], strict=False):
+        roots = list(roots_of(contours[name], profile))
+        for k in of:
             own[k] = mine
-            ring = _root_ring(contours[name], slope, profile)
-            off = [] if ring is None else list(_off(jets[k], ring, slope))
-            areas = [shapely.buffer(jets[k].line(z, some), jets[k].half_mm) for z in depths for some in off]
+            off = list(_off(jets[k], contours[name], roots, profile))
+            areas = [jets[k].burnt(z, some) for z in depths for some in off]
             aside[k] = shapely.union_all(areas) if areas else shapely.Point()
             whole[k] = shapely.union_all([jets[k].burnt(z) for z in depths])
     lines = lines_of([b.path for b in program.burns if b.path.segments], 0.005)
@@ -364,9 +344,25 @@ def _meeting(
                 yield (), f"line {one}: a loop or a lead of a tilted burn meets what is cut from line {two} on"
 
 
-def _off(jet: _Jet, ring: shapely.LinearRing, slope: Slope) -> Iterator[slice]:
+def _on(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) -> NDArray[np.bool_]:
+    """Which points of a burn run along its contour: at the root of a slope, or upright beside it."""
+    on = np.zeros(len(jet.at), np.bool_)
+    for root in roots:
+        if root.line is None:
+            continue
+        leaning = np.sign(jet.leans_deg) == np.sign(root.slope.lean_deg)
+        steady = np.abs(jet.leans_deg - root.slope.lean_deg) <= ANGLE_DEG
+        near_mm = np.where(steady, _NEAR_MM, 1.0)  # on its way to another lean its cut is narrower
+        points = shapely.points(jet.at + root.slope.root_mm * jet.aside)
+        on |= leaning & (shapely.distance(root.line, points) <= near_mm)
+    if contour.edge_bevels and (ring := root_ring(contour, Slope(0.0, 0.0), profile)) is not None:
+        on |= (np.abs(jet.leans_deg) <= ANGLE_DEG) & (shapely.distance(ring, shapely.points(jet.at)) <= _NEAR_MM)
+    return on
+
+
+def _off(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) -> Iterator[slice]:
     """The stretches of a burn that do not run along its contour: leads and loops."""
-    near = shapely.dwithin(ring, shapely.points(jet.at + slope.root_mm * jet.aside), _NEAR_MM)
+    near = _on(jet, contour, roots, profile)
     k = 0
     while k < len(near):
         if near[k]:
@@ -379,24 +375,41 @@ def _off(jet: _Jet, ring: shapely.LinearRing, slope: Slope) -> Iterator[slice]:
         k = end
 
 
-def _made_upright(jet: _Jet, contour: Contour, slope: Slope, profile: Profile) -> Burn:
+def _made_upright(jet: Jet, contour: Contour, profile: Profile) -> Burn:
     """The burn as an upright one at its root, without its loops: they are judged above."""
-    ring = _root_ring(contour, slope, profile)
+    roots = list(roots_of(contour, profile))
+    slope = Slope(0.0, 0.0) if contour.edge_bevels else roots[-1].slope
+    ring = root_ring(contour, slope, profile)
     assert ring is not None
     points = jet.at + slope.root_mm * jet.aside
-    near = shapely.dwithin(ring, shapely.points(points), _NEAR_MM)
+    near = _on(jet, contour, [roots[-1]] if not contour.edge_bevels else roots, profile)
     on = np.flatnonzero(near)
+    if contour.edge_bevels:  # beside its edges, as an upright torch would be
+        points = _at_roots(jet, roots)
+        at_mm = shapely.line_locate_point(ring, shapely.points(points[on]))
+        points[on] = shapely.get_coordinates(shapely.line_interpolate_point(ring, at_mm))
     rows: list[tuple[float, float]] = [(float(x), float(y)) for x, y in points[: on[0]]]
     for a, b in zip(on, [*on[1:], None], strict=True):
         rows.append((float(points[a, 0]), float(points[a, 1])))
-        if b is not None and b > a + 1:
+        if b is not None and (b > a + 1 or (contour.edge_bevels and math.dist(points[a], points[b]) > 1e-6)):
             rows += _short_way(ring, points[a], points[b])
     rows += [(float(x), float(y)) for x, y in points[on[-1] + 1 :]]
     kept = [rows[0], *(q for p, q in pairwise(rows) if math.dist(p, q) > 1e-7)]
     path = Curve.of(kept, closed=False)
-    cosine = math.cos(math.radians(jet.lean_deg))
-    feed = max(jet.burn.feeds_mm_s) / cosine
+    lean_deg, feed = max(_paces(jet.burn), key=lambda pace: pace[1])
+    feed /= math.cos(math.radians(lean_deg))
     return replace(jet.burn, path=path, axes=(), step_feeds_mm_s=(feed,) * len(path.segments))
+
+
+def _at_roots(jet: Jet, roots: Sequence[Root]) -> Floats:
+    """The points of a burn at the root of that slope, leaning its way, that is nearest to each."""
+    found, least = jet.at.copy(), np.full(len(jet.at), np.inf)
+    for root in roots:
+        points = jet.at + root.slope.root_mm * jet.aside
+        away = shapely.distance(root.line, shapely.points(points))
+        new = (np.sign(jet.leans_deg) == np.sign(root.slope.lean_deg)) & (away < least)
+        found[new], least[new] = points[new], away[new]
+    return found
 
 
 def _short_way(ring: shapely.LinearRing, begin: Floats, end: Floats) -> list[tuple[float, float]]:

@@ -25,20 +25,23 @@ def bevel_passes(
     An upright pass follows the path of the cut itself. Between two passes the torch is off.
     """
     machine, words, cut = profile.machine, profile.cuts.bevel, toolpath.planned.cut
-    small_hole = toolpath.feed_share / toolpath.passes[-1].feed_share
+    last = toolpath.passes[-1]
+    small_hole = toolpath.feed_share / (last.feed_share if last.steady else 1.0)
     waits = pierce_dwell_of(profile, pen.dialect) == "program"
     for count, one in enumerate(toolpath.passes, 1):
         lean = f"TILT {number(one.tilt_deg, 3)}" if one.tilt_deg else "UPRIGHT"
+        lean = lean if one.steady else f"{lean} TO UPRIGHT"
         text = f"ZONE {cut.zone} {cut.direction.upper()} PASS {count} OF {len(toolpath.passes)} {lean}"
         yield comment(pen.dialect, f"CUT {order}", name, text)
-        feed_mm_s = machine.cut_feed_mm_s * one.feed_share * small_hole
+        feed_mm_s = machine.cut_feed_mm_s * small_hole
         yield from pen.select(False)
         if one.tilt_deg:
             path = one.moved(-corner[0], -corner[1])
-            pen.upright = f"{words.tilt}{number(one.tilt_deg, 3)} {words.turn}{_degrees(path.steps[0].begin_deg)}"
+            first = path.steps[0]
+            pen.upright = f"{words.tilt}{number(first.tilt_deg, 3)} {words.turn}{_degrees(first.begin_deg)}"
             yield pen.rapid(path.start)
-            yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
-            yield from _followed(path, feed_mm_s, words.turn, profile.material.thickness_mm, pen)
+            yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s * first.feed_share)
+            yield from _followed(path, feed_mm_s, (words.tilt, words.turn), profile.material.thickness_mm, pen)
             yield from pen.stop(False)
             pen.upright = f"{words.tilt}0"
         else:
@@ -48,21 +51,33 @@ def bevel_passes(
             yield from pen.stop(False)
 
 
-def _followed(path: TiltedPath, feed_mm_s: float, turn: str, thickness_mm: float, pen: GcodeWriter) -> Iterator[str]:
-    """The blocks that follow a path, the head turning with it: its angle stands where it changes."""
-    said, in_force = path.steps[0].begin_deg, ""
+def _followed(
+    path: TiltedPath, feed_mm_s: float, axes: tuple[str, str], thickness_mm: float, pen: GcodeWriter
+) -> Iterator[str]:
+    """The blocks that follow a path, the head tilting and turning with it: its angles stand where they change."""
+    said: tuple[float, ...] = (path.steps[0].tilt_deg, path.steps[0].begin_deg)
+    in_force = ""
+
+    def turned(*angles: float) -> str:
+        nonlocal said
+        words = [
+            f" {axis}{_degrees(a)}" for axis, a, b in zip(axes, angles, said, strict=True) if abs(a - b) > _SAME_DEG
+        ]
+        said = tuple(a if abs(a - b) > _SAME_DEG else b for a, b in zip(angles, said, strict=True))
+        return "".join(words)
+
     for step in path.steps:
+        step_mm_s = feed_mm_s * step.feed_share
         if step.segment.length_mm == 0:
-            reach_mm = abs(path.slope) * thickness_mm
-            deg_min = math.degrees(feed_mm_s / reach_mm) * 60  # no point of the jet moves faster than it cuts
-            yield f"{pen.dialect.line} {turn}{_degrees(step.end_deg)} F{number(deg_min, 3)}"
-            said, in_force = step.end_deg, ""
+            swept_deg = math.hypot(step.end_deg - step.begin_deg, step.end_tilt_deg - step.tilt_deg)
+            deg_min = swept_deg * step_mm_s / step.swing_mm(thickness_mm) * 60  # no point of the jet moves faster
+            yield f"{pen.dialect.line}{turned(step.end_tilt_deg, step.end_deg)} F{number(deg_min, 3)}"
+            in_force = ""
             continue
         for block, share in pen.shares_of(step.segment):
-            degrees = step.begin_deg + (step.end_deg - step.begin_deg) * share
-            if abs(degrees - said) > _SAME_DEG:
-                block, said = f"{block} {turn}{_degrees(degrees)}", degrees
-            if in_force != (word := pen.feed_word(feed_mm_s)):
+            tilt = step.tilt_deg + (step.end_tilt_deg - step.tilt_deg) * share
+            block += turned(tilt, step.begin_deg + (step.end_deg - step.begin_deg) * share)
+            if in_force != (word := pen.feed_word(step_mm_s)):
                 block, in_force = f"{block} {word}", word
             yield block
 

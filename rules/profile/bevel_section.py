@@ -8,7 +8,7 @@ from typing import Any, Literal
 import yaml
 
 from kerfwise.encoder.bevels.bevel import Bevel
-from kerfwise.encoder.bevels.tilted_path import Corner
+from kerfwise.encoder.bevels.round import Corner
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Text, Unfit
 from kerfwise.rules.options.option import option

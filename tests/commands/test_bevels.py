@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import pytest
 import kerfwise as package
 from kerfwise.apps.nesting.placement.layout import nest_dxf, nest_json
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.read import read_nest
 from kerfwise.postproc.check.check import check_program
@@ -116,7 +118,12 @@ def write(folder: Path, bevel: object, profile: str, **part: object) -> tuple[st
         ({"kind": "V", "angle": 45, "land": 2}, "P.outer: a bevel V has no land"),
         ({"kind": "V", "angle": 45, "of": "hole1"}, "P.hole1: the part has no such contour: expected of: outer"),
         ([{"kind": "V", "angle": 45}] * 2, "P.outer: it is given a second bevel"),
-        ({"kind": "V", "angle": 45, "edges": [1, 2]}, "P.outer: a bevel of some edges alone is not planned yet"),
+        ({"kind": "V", "angle": 45, "edges": [5]}, "P.outer: it has no edge 5: they are counted from 1"),
+        ({"kind": "V", "angle": 45, "edges": []}, "P.outer: its bevel has no edges"),
+        ({"kind": "V", "angle": 45, "edges": [1, 1]}, "its edge 1 is given a second bevel"),
+        ({"kind": "V", "angle": 45, "edges": [0]}, "P.outer: it has no edge 0"),
+        ([{"kind": "V", "angle": 45, "edges": [1]}] * 2, "P.outer: its edge 1 is given a second bevel"),
+        ([{"kind": "V", "angle": 45, "edges": [1]}, {"kind": "V", "angle": 45}], "P.outer: it is given a second bevel"),
         ({"kind": "V", "angle": 45, "tilt": 3}, "tilt"),
     ],
 )
@@ -127,6 +134,70 @@ def test_a_wrong_bevel_is_refused_with_its_line(tmp_path: Path, bevel: object, s
     assert re.search(r"nest\.json:\d+:\d+: ", done.err)
     assert says in done.err, done.err
     assert "Traceback" not in done.err
+
+
+EDGES: list[dict[str, object]] = [
+    {"kind": "Y", "angle": 30, "land": 4, "edges": [1]},
+    {"kind": "V", "angle": 20, "side": "bottom", "edges": [2, 3]},
+]
+
+
+@pytest.fixture(scope="module")
+def edged(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, str, Any]:
+    """A plate with bevels on three edges, its plant, program and plan."""
+    folder = tmp_path_factory.mktemp("edges")
+    nest, plant = write(folder, EDGES, "cuts: {bevel: {}}\n")
+    program, plan = folder / "out.nc", folder / "out.plan.json"
+    done = kerfwise("solve", nest, "-p", plant, "--work", "0.05", "-o", program, "--plan", plan)
+    assert done.code == 0, done.out + done.err
+    return nest, plant, program.read_text(), json.loads(plan.read_text())
+
+
+def test_single_edges_have_bevels(edged: tuple[str, str, str, Any], tmp_path: Path) -> None:
+    nest, plant, program, plan = edged
+    (row,) = plan["cuts"]
+    alone, whole = row["passes"]  # the slope of the Y alone, while the part is held; then once round
+    assert (alone["tilt"], whole["tilt"]) == (30, -20)
+    assert "tilts" not in alone
+    assert {*whole["tilts"]} >= {0, -20}
+    why = "bevel Y 30 land 4 top on 1 of 4 edges and V 20 bottom on 2 of 4 edges: cut in 2 passes"
+    assert row["because"][0].startswith(why)
+    assert "PASS 2 OF 2 TILT -20 TO UPRIGHT" in program
+    (tmp_path / "out.nc").write_text(program)
+    times = [kerfwise("time", nest, made, "-p", plant) for made in (tmp_path / "out.nc",)]
+    assert times[0].code == 0, times[0].err
+    # the slope of 30 degrees goes to 4 mm above the bottom of 10 mm: its jet's middle is tan 30 * 6 - half a cut inside
+    half = 1.5 / math.cos(math.radians(30)) / 2
+    along = [at for at in alone["top"] if at[4]]
+    assert {round(at[1], 4) for at in along} == {round(100 + 6 * math.tan(math.radians(30)) - half, 4)}
+
+
+@pytest.mark.linuxcnc
+def test_linuxcnc_tilts_the_torch_between_two_edges(edged: tuple[str, str, str, Any]) -> None:
+    done = run(edged[2])
+    assert (done.error, done.warnings, done.ended) == (None, [], "M2")
+    assert {round(axes[0], 3) for axes in done.burns[0].axes} == {30}
+    leans = [axes[0] for axes in done.burns[1].axes]
+    assert (min(leans), max(leans)) == (-20, 0)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "instead", "says"),
+    [
+        (r" A-20", " A-14", "P.outer: no pass that leans by -20 degrees"),
+        (r" A-1\d\S*", "", ""),
+        (r"(?s)\(CUT 1 P.outer ZONE 1 C?CW PASS 1.*?M5\n", "", "P.outer: no pass that leans by 30 degrees"),
+        (r"F2165.064", "F2500", "it cuts at 2500 mm/min, at its lean that should be 2165"),
+    ],
+)
+def test_damaged_edges_are_refused(edged: tuple[str, str, str, Any], pattern: str, instead: str, says: str) -> None:
+    nest, plant, program, _ = edged
+    profile = load_profile(plant)
+    damaged = re.sub(pattern, instead, program)
+    assert damaged != program
+    result = check_program(read_nest(nest, profile.read_options()), damaged, profile)
+    found = [v.text for rule in result.rules if rule.id == "bevels" for v in rule.violations]
+    assert any(says in text for text in found), found
 
 
 HEAD = "cuts: {bevel: {head: tilting}}\n"
@@ -195,6 +266,45 @@ def test_a_drawing_has_bevels_by_layer_and_colour(tmp_path: Path) -> None:
     assert done.code == 2
     assert "a bevel's angle is 95" in done.err
     assert "plant.yaml:4:" in done.err
+
+
+def test_a_drawing_has_bevels_on_single_edges(tmp_path: Path) -> None:
+    drawing = ezdxf.new()
+    drawing.header["$INSUNITS"] = 4
+    space = drawing.modelspace()
+    corners = [(100, 100), (220, 100), (220, 180), (100, 180)]
+    layers = ["V45", "0", "0", "0"]
+    for k, layer in enumerate(layers):
+        space.add_line(corners[k], corners[(k + 1) % 4], dxfattribs={"layer": layer, "color": 1 if k == 2 else 256})
+    for k in range(4):  # all of one layer: the whole contour
+        space.add_line(*[(x + 200, y) for x, y in (corners[k], corners[(k + 1) % 4])], dxfattribs={"layer": "V45"})
+    drawing.saveas(tmp_path / "plate.dxf")
+    (tmp_path / "plant.yaml").write_text(
+        PLANT.format("plasma-carbon-steel")
+        + "drawing: {layers: {bevel: {'^V45$': V 45 bottom, red: Y 30 land 4}}}\ncuts: {bevel: {}}\n"
+    )
+    options = load_profile(tmp_path / "plant.yaml").read_options()
+    nest = read_nest(tmp_path / "plate.dxf", options)
+    found = {
+        c.id: {s.start: str(b) for s, b in zip(c.curve.segments, c.bevel_of_edge, strict=True) if b}
+        for c in nest.contours
+    }
+    assert {tuple(map(round, at)) for at in found["P1.outer"]} == {(100, 100), (220, 180)}
+    assert sorted(found["P1.outer"].values()) == ["V 45 bottom", "Y 30 land 4 top"]
+    assert str(nest.contours[1].bevel) == "V 45 bottom"
+    # written again edge by edge, and as JSON by number
+    (tmp_path / "again.dxf").write_text(nest_dxf(nest))
+    mapped = {"BEVEL_V_45_BOTTOM": "V 45 bottom", "BEVEL_Y_30": "Y 30 land 4"}
+    again = read_nest(
+        tmp_path / "again.dxf", replace(options, bevels=tuple((k, Bevel.parse(v)) for k, v in mapped.items()))
+    )
+    assert [c.bevel_of_edge for c in again.contours] == [c.bevel_of_edge for c in nest.contours]
+    told = json.loads(nest_json(nest))["parts"][0]["bevel"]
+    assert [(row["kind"], row["edges"]) for row in told] == [("V", [1]), ("Y", [3])]
+    (tmp_path / "again.json").write_text(nest_json(nest))
+    assert read_nest(tmp_path / "again.json").contours[0].bevel_of_edge == nest.contours[0].bevel_of_edge
+    over = Placed(0, Pose(0.0, True), 0.0, 0.0).part(nest.parts[0], "M").outer
+    assert [str(b) for b in over.bevel_of_edge if b] == ["V 45 top", "Y 30 land 4 bottom"]
 
 
 def test_parts_of_a_list_keep_their_bevels_turned_over_where_they_are(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import random
 from dataclasses import replace
 from typing import Any
 
-from kerfwise.encoder.bevels.bevel import Bevel
+from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.rules.profile.load import load_profile
@@ -16,8 +16,8 @@ from kerfwise.rules.profile.profile import Profile
 Rows = list[tuple[float, ...]]
 
 
-def made_nest(seed: int) -> tuple[Nest, Profile]:
-    """The nest of a seed, and the profile that it is cut by."""
+def made_nest(seed: int, edges: bool = False) -> tuple[Nest, Profile]:
+    """The nest of a seed, and the profile that it is cut by; with `edges` single edges have bevels of their own."""
     dice = random.Random(seed)
     thickness = dice.choice([8.0, 12.0, 20.0, 30.0])
     cell = 180.0 + 6 * thickness
@@ -40,6 +40,8 @@ def made_nest(seed: int) -> tuple[Nest, Profile]:
     }
     cuts = replace(profile.cuts, bevel=replace(profile.cuts.bevel, **bevel))
     material = replace(profile.material, thickness_mm=thickness, kerf_mm=kerf)
+    if edges:
+        parts = [replace(p, outer=_edged(p.outer, dice), holes=tuple(_edged(h, dice) for h in p.holes)) for p in parts]
     nest = Nest(Sheet.rectangle(columns * cell, rows * cell), tuple(parts), file=f"made-{seed}.json")
     return nest, replace(profile, machine=machine, cuts=cuts, material=material, small_holes=holes)
 
@@ -57,6 +59,20 @@ def _part(name: str, middle: tuple[float, float], dice: random.Random, thickness
     if holes and dice.random() < 0.5 and thickness_mm < 20:
         holes[0] = replace(holes[0], bevel=_bevel(dice, thickness_mm))
     return Part(name, outer, tuple(holes))
+
+
+def _edged(contour: Contour, dice: random.Random) -> Contour:
+    """The contour with its bevel on some edges, and perhaps another on some more."""
+    bevel, segments = contour.bevel, contour.curve.segments
+    if bevel is None or len(segments) < 3:
+        return contour
+    other = Bevel("V", dice.choice([20.0, 30.0]), 0.0, dice.choice(["top", "bottom"]))  # type: ignore[arg-type]
+    made = []
+    for segment in segments:
+        if (one := dice.choice([bevel, bevel, other, None, None])) is not None:
+            edge = Curve.of([(*segment.start, segment.bulge), segment.end], closed=False)
+            made.append(EdgeBevel(one, edge))
+    return replace(contour, bevel=None, edge_bevels=tuple(made)).with_one_bevel
 
 
 def _bevel(dice: random.Random, thickness_mm: float) -> Bevel:

@@ -17,6 +17,8 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from kerfwise.encoder.bevels.bevel import Bevel
+from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.rules.profile.profile import Profile
 
@@ -72,7 +74,7 @@ def _moved(a: dict[str, float], b: dict[str, float], motion: int, i: float, j: f
     start, end = np.array([a["X"], a["Y"]]), np.array([b["X"], b["Y"]])
     if motion == 1:
         length = float(np.hypot(*(end - start)))
-        count = _count(length, a[turn] - b[turn])
+        count = _count(length, max(abs(a[turn] - b[turn]), abs(a[tilt] - b[tilt])))
         share = np.linspace(0.0, 1.0, count + 1)
         points = start + share[:, None] * (end - start)
     else:
@@ -102,15 +104,15 @@ def simulate_layers(nest: Nest, program: str, profile: Profile) -> list[LayerFin
     return list(found.values())
 
 
-def _radius_mm(lean_deg: float, profile: Profile) -> float:
+def _radii_mm(leans_deg: Floats, profile: Profile) -> Floats:
     table = sorted({0.0: profile.material.kerf_mm, **dict(profile.cuts.bevel.kerfs)}.items())
-    kerf_mm = float(np.interp(abs(lean_deg), [row[0] for row in table], [row[1] for row in table]))
-    return kerf_mm / 2 / math.cos(math.radians(lean_deg))
+    kerf_mm = np.interp(np.abs(leans_deg), [row[0] for row in table], [row[1] for row in table])
+    radii: Floats = (kerf_mm / 2 / np.cos(np.radians(leans_deg))).round(4)
+    return radii
 
 
-def _behind_mm(contour: Contour, depth_mm: float, thickness_mm: float) -> float:
+def _behind_mm(bevel: Bevel | None, depth_mm: float, thickness_mm: float) -> float:
     """How far the face lies behind the line that is drawn."""
-    bevel = contour.bevel
     if bevel is None:
         return 0.0
     tan, land = math.tan(math.radians(bevel.angle_deg)), bevel.land_mm
@@ -128,11 +130,11 @@ def _at_depth(
         lean, turn = np.radians(jet[:, 2]), np.radians(jet[:, 3])
         aside = depth_mm * np.tan(lean)
         ways.append(jet[:, :2] + aside[:, None] * np.column_stack([np.cos(turn), np.sin(turn)]))
-        radii.append(_radius_mm(float(np.abs(jet[:, 2]).max()), profile))
+        radii.append(_radii_mm(jet[:, 2], profile))
     angle = np.linspace(0.0, math.tau, DISC, endpoint=False)
     round_ = np.column_stack([np.cos(angle), np.sin(angle)])
     for way, radius in zip(ways, radii, strict=True):
-        disc = (way[:, None, :] + (radius * round_)[None, :, :]).reshape(-1, 2)
+        disc = (way[:, None, :] + radius[:, None, None] * round_[None, :, :]).reshape(-1, 2)
         inside = shapely.contains_xy(shapely.buffer(nest.sheet.polygon, DEEP_MM), disc)
         if not inside.all():
             yield _found("beyond the sheet", "", depth_mm, disc[~inside][0])
@@ -140,10 +142,11 @@ def _at_depth(
             burnt = _in_metal(part, disc, depth_mm, thickness_mm)
             if burnt.any():
                 yield _found("burnt", part.id, depth_mm, disc[burnt][0])
-    trees = [(cKDTree(way), radius) for way, radius in zip(ways, radii, strict=True)]
+    trees = [(cKDTree(way[of == r]), float(r)) for way, of in zip(ways, radii, strict=True) for r in np.unique(of)]
+    widest = max(radius for _, radius in trees)
     for part in nest.parts:
         for contour in part:
-            if contour.encloses and (left := _standing(contour, trees, max(radii), depth_mm, thickness_mm)) is not None:
+            if contour.encloses and (left := _standing(contour, trees, widest, depth_mm, thickness_mm)) is not None:
                 yield _found("left standing", contour.id, depth_mm, left)
 
 
@@ -159,15 +162,85 @@ def _in_metal(part: Part, points: Floats, depth_mm: float, thickness_mm: float) 
     for contour in part:
         if contour.encloses and inside.any():
             away = shapely.distance(contour.line, shapely.points(points[inside]))
-            inside[inside] = away > _behind_mm(contour, depth_mm, thickness_mm) + DEEP_MM
+            inside[inside] = away > _behind_mm(contour.bevel, depth_mm, thickness_mm) + DEEP_MM
+            for edge in _edges(contour):
+                along, deep = edge.local(points[inside])
+                behind_mm = _behind_mm(edge.bevel, depth_mm, thickness_mm)
+                low, high = (-edge.on_mm(end, behind_mm) - DEEP_MM for end in (0, 1))
+                taken = (along > low) & (along < edge.length - high) & (deep < behind_mm + DEEP_MM) & (behind_mm > 0)
+                inside[inside] = ~(taken & (deep > -DEEP_MM))
     return inside
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Edge:
+    """One edge where single edges have bevels: a line or an arc, with how the contour turns at its two ends."""
+
+    segment: Segment
+    bevel: Bevel | None
+    part_on_left: bool
+    turns: tuple[float, float]
+
+    @property
+    def length(self) -> float:
+        return self.segment.length_mm
+
+    def local(self, points: Floats) -> tuple[Floats, Floats]:
+        """How far along the edge points lie, and how far on the part's side of it."""
+        s, side = self.segment, 1.0 if self.part_on_left else -1.0
+        if not s.is_arc:
+            along = np.array(s.tangent_at(0.0))
+            off = points - np.array(s.start)
+            return off @ along, side * (off @ np.array([-along[1], along[0]]))
+        centre, way = np.array(s.centre), 1.0 if s.sweep_rad > 0 else -1.0
+        off = points - centre
+        begin = math.atan2(s.start[1] - centre[1], s.start[0] - centre[0])
+        turned = (way * (np.arctan2(off[:, 1], off[:, 0]) - begin - s.sweep_rad / 2) + math.pi) % math.tau - math.pi
+        along = s.radius_mm * (turned + abs(s.sweep_rad) / 2)
+        return along, side * way * (s.radius_mm - np.hypot(*off.T))
+
+    def on_mm(self, end: int, behind_mm: float) -> float:
+        """How far the slope goes on past an end: past a sharp corner to where the next edge ends it."""
+        turn = self.turns[end]
+        return behind_mm / math.tan(turn) if math.radians(29.99) < turn < math.pi / 2 else 0.0
+
+
+def _edges(contour: Contour) -> list[_Edge]:
+    if not contour.edge_bevels:
+        return []
+    segments, left = contour.curve.segments, contour.curve.is_ccw == (contour.kind == "outer")
+    turns = []
+    for k, after in enumerate(segments):
+        (ax, ay), (bx, by) = segments[k - 1].tangent_at(1.0), after.tangent_at(0.0)
+        turns.append((1 if left else -1) * math.atan2(ax * by - ay * bx, ax * bx + ay * by))
+    ends = zip(turns, [*turns[1:], turns[0]], strict=True)
+    return [_Edge(s, b, left, t) for s, b, t in zip(segments, contour.bevel_of_edge, ends, strict=True)]
+
+
+def _beside_edges(contour: Contour, depth_mm: float, thickness_mm: float, widest_mm: float) -> Floats:
+    """Places beside the face of each edge; jets end before corners that are not sharp."""
+    found = []
+    for edge in _edges(contour):
+        count = max(2, math.ceil(edge.length / 1.7))
+        for share in np.linspace(0.5 / count, 1 - 0.5 / count, count).tolist():
+            rest = [4 * widest_mm + 1 if turn < math.radians(29.99) else 0.0 for turn in edge.turns]
+            if not rest[0] <= share * edge.length <= edge.length - rest[1]:
+                continue
+            (x, y), (ux, uy) = edge.segment.point_at(share), edge.segment.tangent_at(share)
+            into = _behind_mm(edge.bevel, depth_mm, thickness_mm) - LOOK_MM
+            side = 1.0 if edge.part_on_left else -1.0
+            found.append((x - side * uy * into, y + side * ux * into))
+    return np.array(found).reshape(-1, 2)
 
 
 def _standing(
     contour: Contour, trees: Sequence[tuple[cKDTree, float]], widest_mm: float, depth_mm: float, thickness_mm: float
 ) -> Floats | None:
     """A place beside the face, on the waste's side, that nothing has burnt; inner corners keep a round rest."""
-    behind_mm = _behind_mm(contour, depth_mm, thickness_mm)
+    if contour.edge_bevels:
+        look = _beside_edges(contour, depth_mm, thickness_mm, widest_mm)
+        return _not_burnt(look, trees)
+    behind_mm = _behind_mm(contour.bevel, depth_mm, thickness_mm)
     line = shapely.LineString(shapely.get_coordinates(contour.line))
     at_mm = np.arange(0.0, line.length, 1.7)
     on, ahead = (shapely.get_coordinates(shapely.line_interpolate_point(line, at_mm + d)) for d in (0.0, 1e-3))
@@ -180,6 +253,10 @@ def _standing(
         rest_mm = 3 * (behind_mm + widest_mm) + 1
         clear = cKDTree(corners).query(on)[0] > rest_mm
         look = look[clear]
+    return _not_burnt(look, trees)
+
+
+def _not_burnt(look: Floats, trees: Sequence[tuple[cKDTree, float]]) -> Floats | None:
     burnt = np.zeros(len(look), np.bool_)
     for tree, radius in trees:
         burnt |= tree.query(look, distance_upper_bound=radius + 0.02)[0] <= radius + 0.02

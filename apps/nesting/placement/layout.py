@@ -6,15 +6,16 @@ import io
 import json
 import random
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import shapely
 
+from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import PART_TYPE, Contour, Nest, Part, Sheet
+from kerfwise.encoder.nest import PART_TYPE, Contour, Kind, Nest, Part, Sheet
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import dxf_in_mm, escape_text
@@ -264,8 +265,17 @@ def _part(part: Part) -> dict[str, Any]:
     if part.tabs:
         entry["tabs"] = [{"at": tab.at, **({"width": tab.width_mm} if tab.width_mm else {})} for tab in part.tabs]
     contours = (("outer", part.outer), *((f"hole{k}", hole) for k, hole in enumerate(part.holes, 1)))
-    bevels = [{"of": of, **contour.bevel.as_json()} for of, contour in contours if contour.bevel is not None]
+    bevels = [{"of": of, **row} for of, contour in contours for row in _bevels(contour)]
     return entry | ({"bevel": bevels} if bevels else {})
+
+
+def _bevels(contour: Contour) -> Iterator[dict[str, Any]]:
+    """The bevels of a contour as a nest file has them, those of single edges with the numbers of their vertices."""
+    if contour.bevel is not None:
+        yield contour.bevel.as_json()
+    each = contour.bevel_of_edge if contour.edge_bevels else ()
+    for bevel in dict.fromkeys(one for one in each if one is not None):
+        yield bevel.as_json() | {"edges": [k for k, one in enumerate(each, 1) if one == bevel]}
 
 
 def _open(curve: Curve) -> list[list[float]]:
@@ -309,14 +319,23 @@ def nest_dxf(nest: Nest) -> str:
 
 
 def _drawn(contours: Iterable[Contour]) -> list[tuple[Curve, str]]:
-    return [(contour.curve, _layer(contour)) for contour in contours]
+    """Contours with their layers; one with bevels on single edges is drawn edge by edge."""
+    found = []
+    for contour in contours:
+        if not contour.edge_bevels:
+            found.append((contour.curve, _layer(contour.kind, contour.bevel)))
+            continue
+        for segment, bevel in zip(contour.curve.segments, contour.bevel_of_edge, strict=True):
+            edge = Curve.of([(*segment.start, segment.bulge), segment.end], closed=False)
+            found.append((edge, _layer(contour.kind, bevel)))
+    return found
 
 
-def _layer(contour: Contour) -> str:
-    """MARK, CUT, or what bevel a contour has, for a plant that maps such layers: `BEVEL_V_45_TOP`."""
-    if contour.bevel is not None:
-        return f"BEVEL {contour.bevel}".upper().replace(" ", "_")
-    return "MARK" if contour.kind == "mark" else "CUT"
+def _layer(kind: Kind, bevel: Bevel | None) -> str:
+    """MARK, CUT, or a bevel, for a plant that maps such layers: `BEVEL_V_45_TOP`."""
+    if bevel is not None:
+        return f"BEVEL {bevel}".upper().replace(" ", "_")
+    return "MARK" if kind == "mark" else "CUT"
 
 
 def _polylines(curves: Iterable[tuple[Curve, str]]) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Part
@@ -209,9 +210,9 @@ class Placed:
         return x, y
 
     def _contour(self, contour: Contour, name: str, what: str) -> Contour:
-        bevel = contour.bevel
-        if bevel is not None and self.pose.mirrored:
-            bevel = bevel.turned_over
-        return Contour(
-            f"{name}.{what}", name, contour.kind, self.curve(contour.curve), source=contour.source, bevel=bevel
-        )
+        def laid(bevel: Bevel) -> Bevel:
+            return bevel.turned_over if self.pose.mirrored else bevel
+
+        made = Contour(f"{name}.{what}", name, contour.kind, self.curve(contour.curve), source=contour.source)
+        edges = tuple(EdgeBevel(laid(one.bevel), self.curve(one.edge)) for one in contour.edge_bevels)
+        return replace(made, bevel=contour.bevel and laid(contour.bevel), edge_bevels=edges)

@@ -58,8 +58,13 @@ class Burn:
 
     @property
     def lean_share(self) -> float:
-        """The share of the cut feed at which the torch goes where it leans: the way through the metal is longer."""
-        return min((math.cos(math.radians(tilt)) for tilt, _ in self.axes), default=1.0)
+        """The share of its greatest feed that it goes at as a whole, where it leans: the way in the metal is longer."""
+        shares = {math.cos(math.radians(tilt)) for tilt, _ in self.axes}
+        if len(shares) < 2:
+            return min(shares, default=1.0)
+        most, lengths = max(self.step_feeds_mm_s), [segment.length_mm for segment in self.path.segments]
+        slow_mm = [mm * most / feed for mm, feed in zip(lengths, self.step_feeds_mm_s, strict=True)]
+        return math.fsum(lengths) / math.fsum(slow_mm)
 
     @property
     def feeds_mm_s(self) -> tuple[float, ...]:

@@ -1,0 +1,126 @@
+"""Tilted burns for the check: what a jet burns at each depth, and the ways that the slopes of a bevel want of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.segment import Segment
+from kerfwise.encoder.nest import Contour
+from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.rules.profile.profile import Profile
+
+from .bevel_edges import sides_of
+from .bevel_faces import Slope, half_width_mm, slopes_of
+
+_TURN_RAD = math.radians(2)
+ANGLE_DEG = 0.01
+"""Leans that differ by less are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Jet:
+    """A tilted burn in fine steps: the torch's point at the top face, and where the jet goes for each mm downwards.
+
+    `leans_deg` are its angles there, `halves_mm` half the widths that it burns, level.
+    """
+
+    burn: Burn
+    at: Floats
+    aside: Floats
+    leans_deg: Floats
+    halves_mm: Floats
+
+    @property
+    def lean_deg(self) -> float:
+        """Its angle; where that changes, the greatest."""
+        return float(self.leans_deg[np.argmax(np.abs(self.leans_deg))])
+
+    @property
+    def steady(self) -> bool:
+        """Whether it leans alike all the way."""
+        return bool(np.ptp(self.leans_deg) < 1e-6)
+
+    @property
+    def half_mm(self) -> float:
+        """Half of what it burns, level, where that is widest."""
+        return float(self.halves_mm.max())
+
+    def line(self, depth_mm: float, some: Any = slice(None)) -> shapely.LineString:
+        """Its way at a depth, or a stretch of it."""
+        return shapely.LineString((self.at + depth_mm * self.aside)[some])
+
+    def burnt(self, depth_mm: float, some: slice = slice(None)) -> shapely.Geometry:
+        """What it burns at a depth, or a stretch of it."""
+        halves, points = self.halves_mm[some], (self.at + depth_mm * self.aside)[some]
+        if np.ptp(halves) < 1e-9:
+            return shapely.buffer(shapely.LineString(points), float(halves[0]))
+        wide = np.maximum(halves[:-1], halves[1:])
+        ends = [*(np.flatnonzero(np.abs(np.diff(wide)) > 1e-9) + 1).tolist(), len(wide)]
+        areas, begin = [], 0
+        for end in ends:
+            areas.append(shapely.buffer(shapely.LineString(points[begin : end + 1]), float(wide[begin])))
+            begin = end
+        return shapely.union_all(areas)
+
+    def leaning(self, slope: Slope) -> shapely.Geometry:
+        """Its way at the root of a slope, where it leans as that does."""
+        on = np.abs(self.leans_deg - slope.lean_deg) <= ANGLE_DEG
+        points = self.at + slope.root_mm * self.aside
+        pieces = np.split(np.flatnonzero(on), np.flatnonzero(np.diff(np.flatnonzero(on)) > 1) + 1)
+        return shapely.MultiLineString([points[piece] for piece in pieces if len(piece) > 1])
+
+
+def jet_of(burn: Burn, profile: Profile) -> Jet:
+    at, aside, leans = [], [], []
+    rows = burn.path.vertices.tolist()
+    for k, ((x, y, bulge), after) in enumerate(zip(rows, [*rows[1:], rows[-1]], strict=True)):
+        (tilt, turn), (tilt_to, turn_to) = burn.axes[k], burn.axes[min(k + 1, len(rows) - 1)]
+        segment = Segment((x, y), (after[0], after[1]), bulge if k + 1 < len(rows) else 0.0)
+        widest = max(abs(segment.sweep_rad), math.radians(abs(turn_to - turn)), math.radians(abs(tilt_to - tilt)))
+        count = max(1, math.ceil(widest / _TURN_RAD))
+        if segment.is_arc:
+            count = max(count, segment.chords_within(0.005))
+        for share in (j / count for j in range(count)):
+            at.append(segment.point_at(share))
+            lean, way = (math.radians(a + (b - a) * share) for a, b in ((tilt, tilt_to), (turn, turn_to)))
+            aside.append((math.tan(lean) * math.cos(way), math.tan(lean) * math.sin(way)))
+            leans.append(tilt + (tilt_to - tilt) * share)
+    half_of = {lean: half_width_mm(lean, profile) for lean in {*leans}}
+    halves = np.array([half_of[lean] for lean in leans])
+    return Jet(burn, np.array(at), np.array(aside), np.array(leans), halves)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Root:
+    """The way of a jet's middle at the root of a slope; of `rest_mm` of it round rests may stand. None: no room."""
+
+    slope: Slope
+    line: shapely.Geometry | None
+    rest_mm: float = 0.0
+
+
+def roots_of(contour: Contour, profile: Profile) -> Iterator[Root]:
+    """The ways that the slopes of a contour want, pass by pass; those of single edges edge by edge."""
+    if not contour.edge_bevels:
+        for slope in slopes_of(contour.bevel, profile.material.thickness_mm)[0]:
+            yield Root(slope, root_ring(contour, slope, profile))
+    for side in sides_of(contour) if contour.edge_bevels else ():
+        for slope in slopes_of(side.bevel, profile.material.thickness_mm)[0]:
+            half_mm = half_width_mm(slope.lean_deg, profile)
+            rest_mm = sum(8 * half_mm for sharp in side.sharp if not sharp)
+            yield Root(slope, shapely.LineString(side.beside(half_mm)), rest_mm)
+
+
+def root_ring(contour: Contour, slope: Slope, profile: Profile) -> shapely.LinearRing | None:
+    """The way of the jet's middle round a contour at the root of a slope."""
+    out = half_width_mm(slope.lean_deg, profile) * (1 if contour.kind == "outer" else -1)
+    area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
+    pieces = [one for one in shapely.get_parts(area) if one.area > 0]
+    return max(pieces, key=shapely.area).exterior if pieces else None
