@@ -11,6 +11,7 @@ import contextlib
 import hashlib
 import os
 import pickle
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -30,6 +31,24 @@ from kerfwise.encoder.files import DamagedFile, only_ours, read_sealed, write_se
 
 from .kernel_parts import PartCompiler
 
+
+def _without_blas() -> None:
+    """Have numba load without scipy, which takes as long as numba itself: it looks for its products of matrices.
+
+    No kernel here has such; one of somebody else finds them when it is compiled.
+    """
+    name = "scipy.linalg.cython_blas"
+    if name in sys.modules or "numba.np.arraymath" in sys.modules:
+        return
+    sys.modules[name] = cast(Any, None)  # as Python says that there is none
+    try:
+        from numba.np import arraymath
+    finally:
+        del sys.modules[name]
+    arraymath._HAVE_BLAS = True
+
+
+_without_blas()
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
 _made: list[Any] = []
