@@ -74,7 +74,7 @@ def read_command(output: str | None, as_json: bool, **given: Any) -> int:
         expect_picture(Path(output).suffix, output)
         expect_outputs([Path(output)], [Path(nest)])
     found, request, job = seen_nest(given)
-    if found.nest is not None and request.answers and not isinstance(found.error, InputError):
+    if found.nest is not None and not isinstance(found.error, InputError):
         kept_answers(nest, job, request, found.nest, print_note)
     if output:
         draw_seen(found, nest, output)

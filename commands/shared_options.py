@@ -149,8 +149,8 @@ def read_inputs(
     reading = reading_options(units, sheet, frame, repair, refit_arcs)
     reading["refit_arcs_mm"] = refit_as_made(reading["refit_arcs_mm"], request.last, plant, print_note)
     read = drawn_nest(nest, plant, **reading)
-    if request.answers:
-        job = kept_answers(nest, job, request, read, print_note)
+    if (kept := kept_answers(nest, job, request, read, print_note)) is not job:
+        job = kept
         plant = profile_for(request, job, silent, lambda named: plant_of(named, trust))
     plant = plant.at_origin(origin) if origin else plant
     for note in plant.without_losses(read).notes:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from .errors import InputError
-from .text import escape_text
+from .text import escape_text, unknown
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
@@ -301,6 +301,11 @@ def schema_message(error: ValidationError) -> str:
             return error.message.replace(" is a required property", " missing")
         case "oneOf":
             return "expected either 'width' and 'height', or 'outline'"
+        case "additionalProperties":
+            known = error.schema.get("properties", {}) if isinstance(error.schema, dict) else {}
+            return "; ".join(unknown("key", key, known) for key in unknown_keys(error))
+        case "pattern":
+            return f"{value} given, expected {error.schema.get('description', bound)}"
         case "const":
             return f"{value} given, expected {bound!r}"
         case "enum" if isinstance(bound, list):
@@ -316,6 +321,12 @@ def schema_message(error: ValidationError) -> str:
             words = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "over"}
             return f"{value} given, expected {words[error.validator]} {bound}"
     return error.message
+
+
+def unknown_keys(error: ValidationError) -> list[str]:
+    """The keys of an object that its schema does not have."""
+    known = error.schema.get("properties", {}) if isinstance(error.schema, dict) else {}
+    return [key for key in error.instance if key not in known] if error.validator == "additionalProperties" else []
 
 
 def _types(bound: object) -> str:

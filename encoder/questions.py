@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .text import escape_text
+from .text import escape_text, nearest
 
 Answers = tuple[tuple[str, str], ...]
 """The id of a question and the value of the choice, in the order in which they were given: the last one stands."""
@@ -31,6 +31,63 @@ OF_DRAWING = ("units", "clip", "mask", "fill", "paper", "off-page")
 
 LAYER = "layer:"
 """How the id of a question about a layer begins; the layer's name follows."""
+
+
+_USES = ("cut", "mark", "ignore", "sheet", "scrap", "bridge", "tab")
+_UNITS = ("mm", "cm", "m", "in", "ft", "pt", "px", "dm", "yd", "mil", "um", "us-ft", "72dpi", "90dpi", "96dpi")
+CHOICES: Mapping[str, tuple[str, ...]] = {
+    "units": _UNITS,
+    "frame": ("sheet", "part"),
+    LAYER: (*_USES, "open:mark", "open:ignore", "open:close", "open:shared"),
+    "colour:": _USES,
+    "linetype:": _USES,
+    "text": ("mark", "ignore"),
+    "text:": ("mark", "ignore"),
+    "point": ("mark", "ignore"),
+    "point:": ("mark", "ignore"),
+    "doubled": ("outer", "inner", "both"),
+    "overlap": ("join", "notch", "largest", "refuse"),
+    "thin": ("ignore", "mark", "cut"),
+    "clip": ("clipped", "whole", "ignore"),
+    "mask": ("whole", "ignore"),
+    "paper": ("read", "ignore"),
+    "off-page": ("ignore", "cut"),
+    "fill": ("cut", "ignore"),
+    "crossing": ("outline", "loops", "largest", "corners"),
+    NARROW: ("leave", "slit", "refuse"),
+    SMALL_HOLES: ("skip", "spot", "cut", "refuse"),
+    SHARED_EDGES: ("once", "pierced", "refuse"),
+}
+"""Every question that there is, with all choices that it may have; after a colon follows what it is about."""
+
+
+OF_LAYERS = ("layer", "text", "point")
+"""The questions that are about a layer."""
+
+
+def answer_problem(question: str, choice: str) -> tuple[str, bool] | None:
+    """What is wrong with an answer, whatever the drawing, and whether that is the choice; None where nothing is.
+
+    Examples
+    --------
+    >>> answer_problem("frame", "part"), answer_problem("layer:0", "cut,open:mark"), answer_problem("layer:A=B", "cut")
+    (None, None, None)
+    >>> answer_problem("Frame", "sheet")
+    ("no drawing raises a question 'Frame': did you mean 'frame'?", False)
+    >>> answer_problem("frame", "stock")
+    ('the answer frame=stock is none of the choices: expected sheet, part', True)
+    """
+    word, colon, about = question.partition(":")
+    if f"{word}{colon}" not in CHOICES:
+        known = CHOICES if not colon else [name for name in CHOICES if name.endswith(":")]
+        guess = nearest(f"{word}{colon}", known)
+        meant = f": did you mean '{guess}{about if guess.endswith(':') else ''}'?" if guess else ""
+        listed = "" if guess else f"; there are {', '.join(CHOICES)}"
+        return f"no drawing raises a question '{question}'{meant}{listed}", False
+    choices = CHOICES[f"{word}{colon}"]
+    if set(choice.split(",") if colon else [choice]) <= set(choices):
+        return None
+    return f"the answer {question}={choice} is none of the choices: expected {', '.join(choices)}", True
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +116,10 @@ class Question:
     id: str
     text: str
     choices: tuple[Choice, ...]
+
+    def __post_init__(self) -> None:
+        wrong = [problem for choice in self.choices if (problem := answer_problem(self.id, choice.value))]
+        assert not wrong, f"CHOICES forgets this: {wrong[0][0]}"
 
     def flag(self, choice: Choice) -> str:
         """The option that gives this answer, as it is typed in a shell."""
@@ -198,7 +259,7 @@ def answers_of(texts: Iterable[str]) -> Answers:
     Raises
     ------
     InputError
-        For a text without `=`.
+        For a text without `=`, for a question that no drawing raises, and for a choice that it does not have.
 
     Examples
     --------
@@ -210,6 +271,8 @@ def answers_of(texts: Iterable[str]) -> Answers:
         question, sign, choice = text.rpartition("=")
         if not (sign and question.strip() and choice.strip()):
             raise InputError(f"--answer {text!r}: expected QUESTION=CHOICE, such as frame=sheet")
+        if (problem := answer_problem(question.strip(), choice.strip())) is not None:
+            raise InputError(f"--answer {text!r}: {problem[0]}")
         found.append((question.strip(), choice.strip()))
     return tuple(found)
 

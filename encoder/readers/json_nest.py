@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import places, schema_message, spoken, strict_json
+from kerfwise.encoder.files import places, schema_message, spoken, strict_json, unknown_keys
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Sheet, Source, as_scrap
 from kerfwise.encoder.progress_notice import amount
@@ -56,7 +57,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
     if options.sheet_size_mm is not None and not same_size(_size(sheet), options.sheet_size_mm):
         sheet, why, sheet_notes = overridden(sheet, options.sheet_size_mm)
-    notes = (*_typing_slips(document["parts"]), *sheet_notes, *doubts(sheet, units))
+    notes = (*_not_read(document), *sheet_notes, *doubts(sheet, units))
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
     bridges = _bridges(document.get("bridges", ()), text, scale)
     because = (
@@ -218,17 +219,6 @@ def _curve(name: str, rows: Sequence[Sequence[float]], closed: bool, scale: floa
         raise InputError(f"{name}: {error.message}") from None
 
 
-def _typing_slips(parts: Sequence[Mapping[str, Any]]) -> list[Note]:
-    """An attribute named almost like a key of the format ('hole') is most likely a slip that loses a contour."""
-    notes = []
-    for part in parts:
-        for key in (k for k in part if k not in PART_KEYS):
-            near = difflib.get_close_matches(key, PART_KEYS, n=1, cutoff=0.75)
-            if near:
-                notes.append(Note("warning", f"part '{part['id']}' has a key '{key}': is '{near[0]}' meant?"))
-    return notes
-
-
 # The published JSON Schema of kerfwise-nest/1, and its complaints in words.
 
 MOST_ERRORS = 20
@@ -247,7 +237,7 @@ def validator() -> Draft202012Validator:
 
 
 def check_schema(document: object, text: str) -> None:
-    """Hold a parsed file against the schema.
+    """Hold a parsed file against the schema, and its keys against those that they may be misspelt for.
 
     A part whose rings are rows of plain numbers is known to pass and is not shown to the schema, which would take
     minutes over the vertices of a large nest. Where the rest of the file is as plain, the schema is not even loaded.
@@ -257,22 +247,99 @@ def check_schema(document: object, text: str) -> None:
     InputError
         With a line for each mismatch (the first twenty), naming part, contour, vertex and line.
     """
-    if _plain_nest(document):
-        return
-    shown, ids, numbers = document, [], []
-    if isinstance(document, dict) and isinstance(document.get("parts"), list):
-        parts = document["parts"]
-        ids = [p.get("id") if isinstance(p, dict) else None for p in parts]
-        numbers = [k for k, p in enumerate(parts) if not _plain(p)]
-        shown = {**document, "parts": [parts[k] for k in numbers] or [_short(part) for part in parts[:1]]}
-    found: list[tuple[list[str | int], str]] = []
-    for error in islice(validator().iter_errors(shown), MOST_ERRORS):
-        path = list(error.absolute_path)
-        if len(path) > 1 and path[0] == "parts":
-            path[1] = numbers[int(path[1])]
-        found.append((path, schema_message(error)))
+    parts = document.get("parts") if isinstance(document, dict) else None
+    parts = parts if isinstance(parts, list) else []
+    ids = [part.get("id") if isinstance(part, dict) else None for part in parts]
+    found = list(islice(_slips(document), MOST_ERRORS))
+    numbers = [k for k, part in enumerate(parts) if not _plain(part)]
+    if numbers or not _plain_but_for_parts(document):
+        shown = document
+        if isinstance(document, dict) and parts:
+            shown = {**document, "parts": [_short(parts[k]) for k in numbers or [0]]}
+        for error in islice(validator().iter_errors(shown), MOST_ERRORS):
+            path = list(error.absolute_path)
+            if len(path) > 1 and path[0] == "parts":
+                path[1] = numbers[int(path[1])]
+            found.append(([*path, *unknown_keys(error)[:1]], schema_message(error)))
     if found:
         raise _refusal(found, text, ids)
+
+
+KEYS = {"": ("format", "units", "sheet", "parts", "scrap", "bridges"), "sheet": ("width", "height", "outline", "holes")}
+KEYS["parts"] = (
+    *PART_KEYS, "priority", "due", "quantity", "thickness", "material", "layer", "colour", "linetype", "block",
+)  # fmt: skip
+"""The keys of a file, of its sheet, and those of its parts that say something to kerfwise."""
+
+
+def _objects(document: object) -> Iterator[tuple[list[str | int], str, dict[str, Any]]]:
+    """The file, its sheet and its parts, as far as they are objects: where they stand, and which keys are theirs."""
+    if isinstance(document, dict):
+        yield [], "", document
+        parts = document.get("parts")
+        places = [(["sheet"], "sheet", document.get("sheet"))]
+        rows = enumerate(parts) if isinstance(parts, list) else ()
+        for path, kind, value in (*places, *((["parts", k], "parts", part) for k, part in rows)):
+            if isinstance(value, dict):
+                yield list(path), kind, value
+
+
+def _slips(document: object) -> Iterator[tuple[list[str | int], str]]:
+    """Keys that are most likely misspelt, which would lose what they say, and numbers that are none."""
+    for path, kind, value in _objects(document):
+        for key in value.keys() - set(KEYS[kind]):
+            near = _meant(key, KEYS[kind])
+            if near is not None:
+                yield [*path, key], f"unknown key, did you mean '{near}'?"
+            elif _holds_contours(value[key]):
+                yield [*path, key], "unknown key of what looks like contours: expected outer, holes or marks"
+            elif (number := _no_number(value[key])) is not None:
+                yield [*path, key], f"{number} given, expected a number"
+
+
+def _meant(key: str, known: Sequence[str]) -> str | None:
+    """The key that a word is most likely misspelt for.
+
+    Examples
+    --------
+    >>> [_meant(word, ("holes", "width", "units")) for word in ("hole", "Holes", "widht", "unit", "lot", "holder")]
+    ['holes', 'holes', 'width', 'units', None, None]
+    """
+    for name in known:
+        alike = difflib.SequenceMatcher(None, key.lower(), name).ratio() >= ALIKE and abs(len(key) - len(name)) < 2
+        if alike or sorted(key.lower()) == sorted(name):
+            return name
+    return None
+
+
+ALIKE = 0.85
+"""One letter in seven may be wrong, left out or too much."""
+
+
+def _holds_contours(value: object) -> bool:
+    """Whether a value is a ring of points or a list of such."""
+    if not isinstance(value, list) or len(value) < 1:
+        return False
+    return _plain_ring(value) or all(map(_plain_ring, value))
+
+
+def _no_number(value: object) -> str | None:
+    """NaN or an infinity somewhere in a value, as the file has it; None where there is none."""
+    if (isinstance(value, float) and not math.isfinite(value)) or value in ("NaN", "Infinity", "-Infinity"):
+        return str(value)
+    inside = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return next((number for one in inside if (number := _no_number(one)) is not None), None)
+
+
+def _not_read(document: Mapping[str, Any]) -> list[Note]:
+    """A word on keys of the file and of its sheet that nothing reads; a part may have any."""
+    return [
+        Note("warning", f"nothing reads the key '{key}' of {'the sheet' if kind else 'the file'}")
+        for _, kind, value in _objects(document)
+        if kind != "parts"
+        for key in value
+        if key not in KEYS[kind]
+    ]
 
 
 def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[object]) -> InputError:
@@ -287,34 +354,43 @@ def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[obje
     return InputError("not a kerfwise-nest/1 file", line=line, column=column, details=tuple(texts))
 
 
-def _plain_nest(document: object) -> bool:
-    """True for a nest on a rectangle, of plain parts, that the schema has nothing to say about."""
-    if not isinstance(document, dict) or not document.keys() <= {"format", "units", "sheet", "parts"}:
+def _plain_but_for_parts(document: object) -> bool:
+    """True for a nest on a rectangle that the schema has nothing to say about, but of its parts."""
+    if not isinstance(document, dict) or not document.keys().isdisjoint(("scrap", "bridges")):
         return False
-    sheet, parts = document.get("sheet"), document.get("parts")
+    sheet = document.get("sheet")
     if document.get("format") != FORMAT or document.get("units", "mm") not in ("mm", "cm", "m", "in", "ft"):
         return False
-    if not isinstance(sheet, dict) or sheet.keys() != {"width", "height"} or not isinstance(parts, list):
+    if not isinstance(sheet, dict) or sheet.keys() != {"width", "height"} or not isinstance(document["parts"], list):
         return False
-    sized = all(type(x) in (int, float) and 0 < x <= LIMIT_MM for x in sheet.values())
-    return sized and all(map(_plain, parts))
+    return all(type(x) in (int, float) and 0 < x <= LIMIT_MM for x in sheet.values())
 
 
 def _plain(part: object) -> bool:
     """True for a part that the schema has nothing to say about."""
-    if not isinstance(part, dict) or not isinstance(part.get("id"), str) or not part["id"]:
+    if not _has_plain_rings(part) or not isinstance(part, dict) or not isinstance(part.get("id"), str):
         return False
-    if "tabs" in part or "bevel" in part:
+    if not part["id"] or "tabs" in part or "bevel" in part:
+        return False
+    if not part.keys().isdisjoint(("quantity", "due")):
+        return False
+    priority, thickness = part.get("priority", 1), part.get("thickness", 1)
+    numbers = all(type(number) in (int, float) for number in (priority, thickness)) and priority >= 0 < thickness
+    return numbers and all(isinstance(part.get(key, ""), str) for key in KEYS["parts"][-5:])
+
+
+def _has_plain_rings(part: object) -> bool:
+    if not isinstance(part, dict):
         return False
     many = [part.get(key, []) for key in ("holes", "marks")]
     return _plain_ring(part.get("outer")) and all(isinstance(m, list) and all(map(_plain_ring, m)) for m in many)
 
 
-def _short(part: dict[str, object]) -> dict[str, object]:
-    """A plain part with a few of its vertices: the schema says of all the same."""
-    outer = part["outer"]
-    assert isinstance(outer, list)
-    return {**part, "outer": outer[:FEW], **{key: [] for key in ("holes", "marks") if key in part}}
+def _short(part: Any) -> Any:
+    """A part with a few of its vertices, where they are plain: the schema says of all the same."""
+    if not _has_plain_rings(part):
+        return part
+    return {**part, "outer": part["outer"][:FEW], **{key: [] for key in ("holes", "marks") if key in part}}
 
 
 def _plain_ring(rows: object) -> bool:

@@ -18,7 +18,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
 from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kind import Number, OptionKind, Pairs, Text, Unfit, scalar_text
+from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, Unfit, scalar_text
 from kerfwise.rules.options.option import option, options_of
 from kerfwise.rules.options.quantities import OrWord, PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items, with_value
@@ -110,7 +110,7 @@ class Job:
         metadata=option(OrWord(Number(1, 99_999_999, whole=True), none="none"), "number of the program on its control"),
     )
     answers: Answers = field(
-        default=(), metadata=option(Pairs(), "answers to questions that the drawing raises, as in {frame: sheet}")
+        default=(), metadata=option(AnswerPairs(), "answers to questions that the drawing raises, as in {frame: sheet}")
     )
     locks: tuple[Lock, ...] = ()
     settings: tuple[Setting, ...] = ()

@@ -12,7 +12,7 @@ from typing import Literal
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.questions import OF_CUTTING, Answers, with_answers
+from kerfwise.encoder.questions import OF_CUTTING, OF_LAYERS, Answers, answer_problem, with_answers
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import (
     Inputs,
@@ -115,7 +115,16 @@ def profile_for(
 
 
 def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
-    """The profile with the answers of the job file, and those given beside it, to questions that the drawing raises."""
+    """The profile with the answers of the job file, and those given beside it, to questions that the drawing raises.
+
+    Raises
+    ------
+    InputError
+        For an answer to a question that no drawing raises, or a choice that it does not have.
+    """
+    for question, choice in answers:
+        if (problem := answer_problem(question, choice)) is not None:
+            raise InputError(problem[0])
     told = with_answers(() if job is None else job.answers, answers)
     if told:
         plant = replace(plant, drawing=replace(plant.drawing, answers=with_answers(plant.drawing.answers, told)))
@@ -465,8 +474,16 @@ def kept_answers(nest: str | Path, job: Job | None, request: NestRequest, read: 
     Where there is to be no job file, or none can be written, that is told and the answers hold for this time.
     """
     used = set(OF_CUTTING) if read.reading is None else {*read.reading.answers, *OF_CUTTING}
-    for question, choice in request.answers:
-        if question not in used:
+    of_job = () if job is None else job.answers
+    layers = {row.layer for row in read.reading.taken} if read.reading is not None else set()
+    for question, choice in (*of_job, *request.answers):
+        kind, _, layer = question.partition(":")
+        if question not in used and kind in OF_LAYERS and layers and layer not in layers:
+            message = f"{unknown('layer', layer, layers)}, so that {question}={choice} answers nothing"
+            if (question, choice) in request.answers:
+                raise InputError(f"--answer {question}={choice}: {message}")
+            tell(f"{job.file if job else ''}: answers: {message}")
+        elif question not in used and (question, choice) in request.answers:
             tell(f"--answer {question}={choice} answers no question of {Path(nest).name}: it is not kept")
     new = tuple(
         (q, c) for q, c in request.answers if q in used and dict(() if job is None else job.answers).get(q) != c

@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from kerfwise.encoder.questions import answer_problem
 from kerfwise.encoder.text import nearest
 
 from .yaml_positions import is_empty, shape
@@ -262,6 +263,17 @@ class Pairs(OptionKind):
 
     def expected(self) -> str:
         return f"a mapping such as {{red: {self.words[0]}}}" if self.words else "a mapping such as {frame: sheet}"
+
+
+class AnswerPairs(Pairs):
+    """Answers to questions of drawings; such as no drawing raises, and choices that they do not have, are refused."""
+
+    def read(self, node: yaml.Node) -> tuple[tuple[str, str], ...]:
+        found = Pairs.read(self, node)
+        for (question, choice), (key, value) in zip(dict(found).items(), node.value, strict=True):
+            if (problem := answer_problem(question, choice)) is not None:
+                raise Unfit(problem[0], value if problem[1] else key)
+        return found
 
 
 @dataclass(frozen=True, slots=True)

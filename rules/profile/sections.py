@@ -16,7 +16,7 @@ from kerfwise.encoder.readers.layers import PURPOSES, Purpose
 from kerfwise.encoder.readers.options import QUANTITY, UNITS, FrameName, OpenLines, ScrapLines
 from kerfwise.encoder.small_holes import HoleLimits, Under
 from kerfwise.encoder.torch_path import CornerFeed
-from kerfwise.rules.options.kind import Choice, Flag, Number, Pairs, Text
+from kerfwise.rules.options.kind import AnswerPairs, Choice, Flag, Number, Pairs, Text
 from kerfwise.rules.options.option import Members, option, options_of
 from kerfwise.rules.options.quantities import (
     LEAD,
@@ -370,7 +370,7 @@ class DrawingSection:
         metadata=option(Choice(get_args(ScrapLines)), "what becomes of lines on layers that layers.scrap names"),
     )
     answers: Answers = field(
-        default=(), metadata=option(Pairs(), "answers to questions that drawings raise, as in {frame: sheet}")
+        default=(), metadata=option(AnswerPairs(), "answers to questions that drawings raise, as in {frame: sheet}")
     )
     quantity: str = field(
         default=QUANTITY,

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from kerfwise import InputError, read_nest
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, sheet, square
 from kerfwise.tests.encoder.readers.test_frame import framed
@@ -68,6 +72,45 @@ def test_an_answer_is_kept(tmp_path: Path) -> None:
     assert kerfwise("read", nest, "--answer", "frame=sheet").code == 0
     again = kerfwise("read", nest)
     assert (again.code, "answered: frame=sheet" in again.out) == (0, True)
+
+
+SLIPS = [
+    ("fram", "sheet", "no drawing raises a question 'fram': did you mean 'frame'?", 3),
+    ("frame", "shet", "the answer frame=shet is none of the choices: expected sheet, part", 10),
+    ("layr:Gravur", "cut", "no drawing raises a question 'layr:Gravur': did you mean 'layer:Gravur'?", 3),
+    ("layer:Gravur", "engrave", "the answer layer:Gravur=engrave is none of the choices: expected cut, mark", 17),
+    ("off-pge", "cut", "no drawing raises a question 'off-pge': did you mean 'off-page'?", 3),
+]
+"""A question, an answer, what is wrong with it, and the column of that in YAML."""
+
+
+@pytest.mark.parametrize(("question", "choice", "said", "column"), SLIPS)
+def test_an_answer_that_no_drawing_asks_for_is_refused_wherever_it_stands(
+    tmp_path: Path, question: str, choice: str, said: str, column: int
+) -> None:
+    nest, job, plant = save_dxf(tmp_path, mixed), tmp_path / "drawing.job.yaml", tmp_path / "plant.yaml"
+    on_line = kerfwise("read", nest, "--no-job", "--answer", f"{question}={choice}")
+    assert (on_line.code, said in on_line.err) == (2, True)
+    job.write_text(f"quantity: 2\nanswers:\n  {question}: {choice}\n", encoding="utf-8")
+    of_job = kerfwise("read", nest)
+    assert of_job.code == 2
+    assert f"{job}:3:{column}: job file.answers: {said}" in of_job.err
+    plant.write_text(f"drawing:\n  answers: {{\n  {question}: {choice}}}\n", encoding="utf-8")
+    of_plant = kerfwise("read", nest, "--no-job", "-p", plant)
+    assert of_plant.code == 2
+    assert f"{plant}:3:{column}: drawing.answers: {said}" in of_plant.err
+    with pytest.raises(InputError, match=re.escape(said)):
+        read_nest(nest, answers={question: choice})
+
+
+def test_an_answer_about_a_layer_that_is_not_there(tmp_path: Path) -> None:
+    nest, job = save_dxf(tmp_path, mixed), tmp_path / "drawing.job.yaml"
+    said = "unknown layer 'gravur': did you mean 'Gravur'? (valid: 0, DIM, Gravur, Plate H300 W400)"
+    given = kerfwise("read", nest, "--answer", "layer:gravur=cut")
+    assert (given.code, said in given.err, job.exists()) == (2, True, False)
+    job.write_text("answers: {'layer:gravur': cut}\n", encoding="utf-8")
+    kept = kerfwise("solve", nest, "--work", "0.01", "-o", tmp_path / "out.nc")  # of a drawing before, most likely
+    assert (kept.code, f"{job}: answers: {said}" in kept.err) == (0, True)
 
 
 def test_a_nest_that_cannot_be_cut_is_drawn_all_the_same(tmp_path: Path) -> None:

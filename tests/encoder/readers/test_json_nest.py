@@ -82,10 +82,12 @@ def test_a_sheet_too_small_to_be_one_is_doubted(tmp_path: Path) -> None:
     assert texts(read(tmp_path, given).notes)[0].startswith("the sheet is 10 × 5 mm, too small to be one")
 
 
-def test_a_slip_in_a_key_is_pointed_out(tmp_path: Path) -> None:
-    given = document()
-    given["parts"][0]["hole"] = given["parts"][0].pop("holes")
-    assert texts(read(tmp_path, given).notes) == ["part 'P1' has a key 'hole': is 'holes' meant?"]
+def test_keys_that_nothing_reads_are_told(tmp_path: Path) -> None:
+    given = document() | {"author": "A"}
+    given["sheet"]["grade"] = "S235"
+    given["parts"][0]["customer"] = "B"
+    told = ["nothing reads the key 'author' of the file", "nothing reads the key 'grade' of the sheet"]
+    assert texts(read(tmp_path, given).notes) == told
 
 
 def put(*path: str | int, value: object) -> Callable[[Document], None]:
@@ -106,6 +108,7 @@ def drop(*path: str | int) -> Callable[[Document], None]:
     return change
 
 
+RING = [[1, 1], [2, 1], [2, 2]]
 REFUSED = "not a kerfwise-nest/1 file: "
 
 
@@ -140,6 +143,30 @@ REFUSED = "not a kerfwise-nest/1 file: "
             41,
         ),
         (put("parts", 0, "marks", 1, 0, 0, value=float("nan")), "part 'P1', mark 2, vertex 1, x: \"NaN\" given", 58),
+        (put("unit", value="in"), "unit: unknown key, did you mean 'units'?", 96),
+        (put("Sheet", value={}), "Sheet: unknown key, did you mean 'sheet'?", 96),
+        (put("scarp", value=[]), "scarp: unknown key, did you mean 'scrap'?", 96),
+        (put("sheet", "widht", value=4), "the sheet, widht: unknown key, did you mean 'width'?", 7),
+        (put("sheet", "hole", value=[RING]), "the sheet, hole: unknown key, did you mean 'holes'?", 7),
+        (put("parts", 1, "hole", value=[RING]), "part 'P2', hole: unknown key, did you mean 'holes'?", 94),
+        (put("parts", 1, "Marks", value=[]), "part 'P2', Marks: unknown key, did you mean 'marks'?", 94),
+        (put("parts", 1, "colur", value="red"), "part 'P2', colur: unknown key, did you mean 'colour'?", 94),
+        (put("parts", 1, "inside", value=[RING]), "part 'P2', inside: unknown key of what looks like contours", 94),
+        (put("parts", 1, "shape", value=RING), "part 'P2', shape: unknown key of what looks like contours", 94),
+        (put("parts", 1, "priority", value=-1), "part 'P2', priority: -1 given, expected at least 0", 94),
+        (put("parts", 1, "priority", value="high"), "part 'P2', priority: \"high\" given, expected a number", 94),
+        (put("parts", 1, "quantity", value=1.5), "part 'P2', quantity: 1.5 given, expected a whole number", 94),
+        (put("parts", 1, "quantity", value=0), "part 'P2', quantity: 0 given, expected at least 1", 94),
+        (put("parts", 1, "thickness", value=-3), "part 'P2', thickness: -3 given, expected over 0", 94),
+        (put("parts", 1, "due", value="24.12.2026"), "part 'P2', due: \"24.12.2026\" given, expected a day as 20", 94),
+        (put("parts", 1, "layer", value=5), "part 'P2', layer: 5 given, expected a text", 94),
+        (put("parts", 1, "order", value=float("nan")), "part 'P2', order: NaN given, expected a number", 94),
+        (put("parts", 1, "lot", value={"kg": [float("inf")]}), "part 'P2', lot: Infinity given, expected a num", 94),
+        (
+            put("parts", 1, "tabs", value=[{"at": [70, 10], "widht": 1}]),
+            "part 'P2', tab 1: unknown key 'widht': did you mean 'width'?",
+            100,
+        ),
         (
             put("parts", 1, "outer", 0, 2, value=2e6),
             "part 'P2', outer, vertex 1, bulge: 2000000.0 given, expected at most",
@@ -227,6 +254,12 @@ def test_an_arc_wider_than_the_world_names_its_contour(tmp_path: Path) -> None:
         read(tmp_path, given)
 
 
+WRONG: list[dict[str, Any]] = [
+    {"priority": -0.1}, {"priority": True}, {"quantity": 0}, {"quantity": 2.5}, {"thickness": 0}, {"thickness": "3"},
+    {"due": "soon"}, {"due": 3}, {"material": 5}, {"block": []},
+]  # fmt: skip
+
+
 def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """It takes a tenth of a second for a thousand of them."""
     shown: list[Any] = []
@@ -266,6 +299,7 @@ def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyP
         {"parts": [{"id": "", "outer": [[0, 0], [1, 0], [1, 1]]}]},
         {"parts": [{"id": "A", "outer": [[0, 0]]}]},
         {"parts": [None]},
+        *[{"parts": [{"id": "A", "outer": RING, **more}]} for more in WRONG],
     ],
 )
 def test_a_file_that_the_schema_refuses_is_never_taken_for_plain(change: dict[str, Any]) -> None:
