@@ -230,9 +230,10 @@ def _clipping_shapes(path: Element, space: str, transform: str, number: int) -> 
     kept = {key: value for key, value in properties(path).items() if key in ("transform", "clip-rule")}
     inner = SubElement(shapes, f"{space}g", kept)
     inner.extend(copy.deepcopy(list(path)))
-    if clipped := next((shape for shape in inner.iter() if properties(shape).get("clip-path", "none") != "none"), None):
+    clipped = [shape for shape in inner.iter() if properties(shape).get("clip-path", "none") != "none"]
+    if clipped:
         raise InputError(
-            f"{called(clipped)} in the clipping path '{name}' is clipped itself, which is not read; release it in "
+            f"{called(clipped[0])} in the clipping path '{name}' is clipped itself, which is not read; release it in "
             f"{_PROGRAM}"
         )
     return shapes

@@ -16,6 +16,7 @@ import pytest
 
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.encoder.advice import ADVICE, BOW_TIE, GAP, STRAY, A, Advice, Words, Write, drawn, dxf, part, parts
+from kerfwise.tests.encoder.changes import CHANGES
 from kerfwise.tests.encoder.readers.drawings import lines, square
 
 ENCODER = Path(__file__).parents[2] / "encoder"
@@ -24,6 +25,13 @@ OPTION = re.compile(
     r"IN_PROFILE|REPAIR|WRONG_UNITS|setting\(|as_part"
 )
 """What names an option in a string of the source."""
+
+CHANGE = re.compile(
+    r"\b(save|release|move|give|draw|correct|mend|remove|shorten|widen|turn|export|explode|delete) "
+    r"(it|them|the|each|a)\b|leave one|in CAD|plain SVG|\b(let|keep|make|end|lead|begin) (it|them|one)\b|as DXF|"
+    r"_PROGRAM|did you mean|expected outer|goes from one place"
+)
+"""What asks for a change of the file."""
 
 FACTS = {
     "the head would turn more than cuts.bevel.most_turn": "what the plant says of its head; nothing is advised",
@@ -61,6 +69,18 @@ FACTS = {
     "say cuts.common.shortest: off": "only after a stop within a group that is cut with common edges",
     "those named with --also": "an option of kerfwise serve, tried in tests/apps/viewer/serve/test_hostile.py",
     "opens {": "half of the sentence of cuts.narrow, tried there",
+    "more often than once on one side": "the other half of the sentence about a bridge that misses an outline",
+    "to one that can be cut: draw it elsewhere": "no bridge is known that comes so far",
+    "often called OVERKILL": "takes thousands of lines",
+    "give them one zone": "tried in tests/encoder/facts/test_zones.py",
+    "a key is given twice: leave one of them": "with its place it is tried",
+    "did you mean": "a word to type instead: tried where it is told",
+    "does not meet the outline of": "the same of one that is too short",
+    "each but the last would cost a pierce": "tried in tests/commands/test_tabs.py",
+    "draw each part by a closed line": "only where lines were closed that nobody asked to",
+    "a bevel of some edges alone": "tried in tests/commands/test_bevels.py",
+    "is damaged ({error})": "libraries' own errors on damaged files",
+    "close the line in CAD": "the first of several remedies, tried with them",
 }
 """Strings that name an option and advise nothing, or whose advice is tried elsewhere, and why."""
 
@@ -73,7 +93,10 @@ def _ran(row: Advice, folder: Path, file: Write | None, words: Words) -> Ended:
     return kerfwise(row.verb, nest, "--no-job", *profile, *words, *out)
 
 
-@pytest.mark.parametrize("row", ADVICE, ids=lambda row: row.source[:40])
+FULL = [pytest.param(row, marks=pytest.mark.full) if row.verb == "facts" else row for row in CHANGES]
+
+
+@pytest.mark.parametrize("row", [*ADVICE, *FULL], ids=lambda row: row.source[:40])
 def test_what_is_advised_helps(row: Advice, tmp_path: Path) -> None:
     before = _ran(row, tmp_path, None, row.words)
     said = before.out + before.err
@@ -101,12 +124,12 @@ def _strings() -> Iterator[tuple[str, str]]:
             if isinstance(node, ast.Constant) and not isinstance(node.value, str):
                 continue
             text = ast.unparse(node)
-            if OPTION.search(text) and " " in text:
+            if (OPTION.search(text) or CHANGE.search(text)) and " " in text:
                 yield f"{file.name}:{node.lineno}", text
 
 
 def test_no_message_is_forgotten() -> None:
-    known = [row.source for row in ADVICE] + list(FACTS)
+    known = [row.source for row in (*ADVICE, *CHANGES)] + list(FACTS)
     found = list(_strings())
     forgotten = [f"{where}: {text}" for where, text in found if not any(words in text for words in known)]
     assert forgotten == []
