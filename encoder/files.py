@@ -302,10 +302,9 @@ def schema_message(error: ValidationError) -> str:
         case "oneOf":
             return "expected either 'width' and 'height', or 'outline'"
         case "additionalProperties":
-            known = error.schema.get("properties", {}) if isinstance(error.schema, dict) else {}
-            return "; ".join(unknown("key", key, known) for key in unknown_keys(error))
+            return "; ".join(unknown("key", key, _schema(error)["properties"]) for key in unknown_keys(error))
         case "pattern":
-            return f"{value} given, expected {error.schema.get('description', bound)}"
+            return f"{value} given, expected {_schema(error).get('description', bound)}"
         case "const":
             return f"{value} given, expected {bound!r}"
         case "enum" if isinstance(bound, list):
@@ -325,8 +324,14 @@ def schema_message(error: ValidationError) -> str:
 
 def unknown_keys(error: ValidationError) -> list[str]:
     """The keys of an object that its schema does not have."""
-    known = error.schema.get("properties", {}) if isinstance(error.schema, dict) else {}
-    return [key for key in error.instance if key not in known] if error.validator == "additionalProperties" else []
+    if error.validator != "additionalProperties":
+        return []
+    given: Any = error.instance
+    return [key for key in given if key not in _schema(error)["properties"]]
+
+
+def _schema(error: ValidationError) -> Mapping[str, Any]:
+    return error.schema if isinstance(error.schema, dict) else {}
 
 
 def _types(bound: object) -> str:

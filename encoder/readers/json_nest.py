@@ -274,14 +274,15 @@ KEYS["parts"] = (
 
 def _objects(document: object) -> Iterator[tuple[list[str | int], str, dict[str, Any]]]:
     """The file, its sheet and its parts, as far as they are objects: where they stand, and which keys are theirs."""
-    if isinstance(document, dict):
-        yield [], "", document
-        parts = document.get("parts")
-        places = [(["sheet"], "sheet", document.get("sheet"))]
-        rows = enumerate(parts) if isinstance(parts, list) else ()
-        for path, kind, value in (*places, *((["parts", k], "parts", part) for k, part in rows)):
-            if isinstance(value, dict):
-                yield list(path), kind, value
+    if not isinstance(document, dict):
+        return
+    yield [], "", document
+    if isinstance(sheet := document.get("sheet"), dict):
+        yield ["sheet"], "sheet", sheet
+    parts = document.get("parts")
+    for k, part in enumerate(parts if isinstance(parts, list) else ()):
+        if isinstance(part, dict):
+            yield ["parts", k], "parts", part
 
 
 def _slips(document: object) -> Iterator[tuple[list[str | int], str]]:
