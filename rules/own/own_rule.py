@@ -159,7 +159,7 @@ class PlantRule(Rule[Thresholds]):
         return self.selects_nothing(nest, cuts, options) or self.rule.ask.unjudged(cuts)
 
     def selects_nothing(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
-        known = nest_values(measure_nest(nest, cuts, options.long_ratio, options.web_mm))
+        known = self._known(nest, cuts, options)
         for selector in (self.rule.select, *self.rule.ask.selectors()):
             if not selector.chosen(known):
                 return f"it selects no contour of this nest: {selector.why_nothing(known)}"
@@ -168,8 +168,10 @@ class PlantRule(Rule[Thresholds]):
         return None
 
     def _chosen(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> Chosen:
-        measured = measure_nest(nest, cuts, options.long_ratio, options.web_mm, options.plate)
-        return self.rule.chosen(nest_values(measured))
+        return self.rule.chosen(self._known(nest, cuts, options))
+
+    def _known(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> KnownFacts:
+        return nest_values(measure_nest(nest, cuts, options.long_ratio, options.web_mm, options.plate))
 
 
 def as_rule(own: OwnRule) -> PlantRule:

@@ -16,7 +16,7 @@ from kerfwise.rules.own.demands import MOST
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import profile_yaml
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.rule import Plate, Violation
 from kerfwise.rules.statements import Precede
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.rules.own.made import rules_of
@@ -179,3 +179,13 @@ def test_rule_of_too_many_statements_is_refused() -> None:
     (own,) = rules_of(f"- {{name: r, select: {{left_gap_mm: '< {10 * side}'}}, first: true}}")
     with pytest.raises(InputError, match=r"own:r comes to 260,100 statements on this nest, at most 250,000 are taken"):
         as_rule(own).violations(many, CutSequence(()), Thresholds())
+
+
+def test_a_rule_for_one_thickness_is_judged_on_that_sheet() -> None:
+    """What selects by the sheet is not measured on the usual one."""
+    (own,) = rules_of("- {name: r, select: {part: P2, thickness_mm: '> 10'}, before: {part: P0, process: laser}}")
+    rule, order = as_rule(own), in_order(ROW, "P0.outer P1.outer P2.outer P3.outer")
+    thick = Thresholds(plate=Plate(thickness_mm=12.0, process="laser"))
+    assert rule.unjudged(ROW, order, thick) is None
+    assert [violation.contours for violation in rule.violations(ROW, order, thick)] == [("P2.outer", "P0.outer")]
+    assert "none has the thickness_mm '> 10'; there is '6.0'" in str(rule.unjudged(ROW, order, Thresholds()))
