@@ -35,20 +35,16 @@ from .node import (
     NotNext,
     Run,
     Stays,
-    Sum,
     all_of,
     any_of,
-    at_least,
-    at_most,
     gate,
     holds_under,
     literals,
     opposite,
     order,
     parts,
-    plus,
-    position,
 )
+from .numbers import Sum, at_least, at_most, plus, position
 
 
 def statement_of(asked: Asked, about: About) -> Statement:

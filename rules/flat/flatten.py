@@ -19,7 +19,8 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import DamagedFile, read_sealed, write_sealed
 from kerfwise.encoder.minizinc_data import include
-from kerfwise.rules.expression.node import Node, TooMuch
+from kerfwise.rules.expression.node import Node
+from kerfwise.rules.expression.numbers import TooMuch
 from kerfwise.rules.minizinc.installation import version_of
 
 from .compiler import (

@@ -6,29 +6,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from kerfwise.rules.expression.node import (
+from kerfwise.rules.expression.node import Lit, Next, Node, all_of, any_of, iff, is_certain, opposite, order, parts
+from kerfwise.rules.expression.numbers import (
     MOST_MS,
     ChoiceSum,
-    Lit,
-    Next,
-    Node,
     OwnNumber,
     Sum,
     TooMuch,
-    all_of,
-    any_of,
     at_least,
     at_most,
     equal,
     function_of,
     greatest,
-    iff,
     in_values,
-    is_certain,
     of_node,
-    opposite,
-    order,
-    parts,
     plus,
     position,
     product,

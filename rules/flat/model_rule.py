@@ -21,7 +21,7 @@ from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, or
 from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
-from kerfwise.rules.own.selector import attributes
+from kerfwise.rules.own.known_nest import attributes
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import USUAL, Ids, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import Statement

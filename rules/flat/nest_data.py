@@ -26,10 +26,10 @@ from kerfwise.encoder.minizinc_data import (
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.judging.facing import Faced, faced_all_round, faced_by_cuts
 from kerfwise.rules.own.criteria import none_has
+from kerfwise.rules.own.known_nest import SIDES, MeasuredNest, attributes
 from kerfwise.rules.own.measures import (
     edge_gaps_mm,
 )
-from kerfwise.rules.own.selector import attributes, is_long, measure_nest, nest_values
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import USUAL, Plate
 
@@ -40,7 +40,6 @@ from kerfwise.rules.rule import USUAL, Plate
 
 NEVER_MS = 10**9
 PAIRS = ("level_ahead", "in_hull")
-SIDES = ("left", "right", "bottom", "top")
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,15 +88,16 @@ def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> F
     parent = _parents(nest, cuts, limits)
     at, sheet = cuts.positions(), nest.sheet.polygon
     own = [cuts[at[c.id] - 1] if c.id in at else None for c in contours]
-    known = measure_nest(nest, cuts, limits.long_ratio, limits.web_mm)
+    known = MeasuredNest(nest, cuts, limits.long_ratio, limits.web_mm)
+    zones = known.stated_zones
     fields: Fields = [
         ("n_contours", str(n)),
         ("contour_id", texts(c.id for c in contours)),
         ("part", numbers_from_1(nest.owners)),
         ("kind", numbers_from_1(KINDS.index(c.kind) for c in contours)),
         ("parent", numbers_from_1(parent)),
-        ("zone", numbers(max(1, known.zones.get(c.id, _zone_of_part(nest, known.zones, c.part))) for c in contours)),
-        ("long", flags(is_long(known) if "long" in named else [False] * n)),
+        ("zone", numbers(max(1, zones.get(c.id, _zone_of_part(nest, zones, c.part))) for c in contours)),
+        ("long", flags(known.long() if "long" in named else [False] * n)),
         ("start_side", str(SIDES.index(cuts.start_side or "left") + 1)),
         ("contains", relation(_inside(parent), n)),
         *(
@@ -282,7 +282,7 @@ def further_words(nest: Nest, text: str, plate: Plate = USUAL) -> str:
     """
     named = set(re.findall(r"[A-Za-z_]\w*", text))
     limits = Limits(plate=plate)
-    known = nest_values(measure_nest(nest, None, limits.long_ratio, limits.web_mm, plate))
+    known = MeasuredNest(nest, None, limits.long_ratio, limits.web_mm, plate)
     lines = []
     for word, (fact, per) in _WORDS.items():
         if word in named:

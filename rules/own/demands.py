@@ -27,7 +27,8 @@ from kerfwise.rules.statements import Pick
 
 from .criteria import FREE, LENGTHS, ROUNDING_MM, NumberSpan, number_of
 from .forms import TRUE, Form, Group, Scalar
-from .selector import ATTRIBUTE, NAMED_FACTS, SELECTOR, KnownFacts, Selector, named_fact
+from .known_nest import ATTRIBUTE, NAMED_FACTS, KnownNest, named_fact
+from .selector import SELECTOR, Selector
 
 Forms = Mapping[str, tuple[Form, str]]
 """Key → the form of its value, and a line of help."""
@@ -40,7 +41,7 @@ class Chosen:
     """Which contours of a nest a rule is about: its id, and group by group (selected, all of the group)."""
 
     rule: str
-    known: KnownFacts
+    known: KnownNest
     groups: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
 
     @property

@@ -17,7 +17,8 @@ from kerfwise.rules.rule import USUAL, Ids, Plate, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Statement
 
 from .demands import DEMANDS, Chosen, Demand
-from .selector import KnownFacts, Selector, facts_values, groups, measure_nest, nest_values
+from .known_nest import KnownNest, MeasuredNest, PlannedNest
+from .selector import Selector, groups
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -49,7 +50,7 @@ class OwnRule:
         reach = {self.scope} - {"sheet"}
         return set().union(reach, self.select.names(), self.ask.facts(), *(s.names() for s in self.ask.selectors()))
 
-    def chosen(self, known: KnownFacts) -> Chosen:
+    def chosen(self, known: KnownNest) -> Chosen:
         """Which contours it is about on one nest."""
         selected = set(self.select.chosen(known))
         parted = ((tuple(k for k in group if k in selected), group) for group in groups(known, self.scope))
@@ -128,7 +129,7 @@ class PlantRule(Rule[Thresholds]):
         self.minds_what_is_out = rule.ask.MINDS_WHAT_IS_OUT
 
     def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
-        contours, chosen = facts.nest.contours, self.rule.chosen(facts_values(facts, options.plate))
+        contours, chosen = facts.nest.contours, self.rule.chosen(PlannedNest(facts, options.plate))
         for condition in self.rule.ask.conditions(chosen):
             ids = tuple(contours[k].id for k in condition.contours)
             yield statement_of(condition.asked, About(self.id, ids, f"{condition.sentence}: {self.rule.why}"))
@@ -170,8 +171,8 @@ class PlantRule(Rule[Thresholds]):
     def _chosen(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> Chosen:
         return self.rule.chosen(self._known(nest, cuts, options))
 
-    def _known(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> KnownFacts:
-        return nest_values(measure_nest(nest, cuts, options.long_ratio, options.web_mm, options.plate))
+    def _known(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> KnownNest:
+        return MeasuredNest(nest, cuts, options.long_ratio, options.web_mm, options.plate)
 
 
 def as_rule(own: OwnRule) -> PlantRule:
@@ -182,7 +183,7 @@ def as_rule(own: OwnRule) -> PlantRule:
 def own_pairs(rules: tuple[Own, ...], nest: Nest, thresholds: Thresholds) -> tuple[Ids, ...]:
     """Contour ids (before, after) that hard own rules order, but for rules about zones: no zone may
     contradict them."""
-    known = nest_values(measure_nest(nest, None, thresholds.long_ratio, thresholds.web_mm, thresholds.plate))
+    known = MeasuredNest(nest, None, thresholds.long_ratio, thresholds.web_mm, thresholds.plate)
     contours = nest.contours
     return tuple(
         (contours[a].id, contours[b].id)

@@ -23,7 +23,7 @@ PLAIN = {name for name in RULES if "-" not in name}
 IDS = re.compile(rf"(?<![\w-])({'|'.join(sorted(set(RULES) - PLAIN))})(?![\w-])|(?<=rules\.)({'|'.join(PLAIN)})\b")
 ALLOWED = {
     "rules/registry.py": "it collects the catalogue",
-    "rules/own/selector.py": "help text that says where a plant sets `long_ratio`",
+    "rules/own/known_nest.py": "help text that says where a plant sets `long_ratio`",
     "encoder/candidates/entries.py": "what planners call options of leads: keys of a profile, in messages",
 }
 WORDS = {

@@ -17,7 +17,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.expression.node import ChoiceSum, Lit, equal, in_values
+from kerfwise.rules.expression.node import Lit
+from kerfwise.rules.expression.numbers import ChoiceSum, equal, in_values
 from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Move, Pick, Precede, Statement

@@ -16,7 +16,7 @@ from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import circle, cut, nest, part, rect
 from kerfwise.rules.own import Thresholds, as_rule
-from kerfwise.rules.own.selector import NAMED_FACTS, facts_values, measure_nest, nest_values
+from kerfwise.rules.own.known_nest import NAMED_FACTS, MeasuredNest, PlannedNest
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, Move, NoGood, Precede, Statement
 from kerfwise.tests.rules.own.made import rules_of
 from kerfwise.tests.rules.test_statements_agree import sheets
@@ -67,13 +67,13 @@ def facts_of(sheet: Nest, candidates: Any = ()) -> Facts:
 def test_facts_are_as_measured(sheet: Nest) -> None:
     facts = facts_of(sheet)
     cuts = CutSequence(tuple(cut(sheet, c.id, zone=int(facts.zone[k])) for k, c in enumerate(sheet.contours)))
-    planned, judged = facts_values(facts), nest_values(measure_nest(sheet, cuts, long_ratio=4.0, web_mm=25.0))
+    planned, judged = PlannedNest(facts), MeasuredNest(sheet, cuts, long_ratio=4.0, web_mm=25.0)
     for name in NAMED_FACTS:
         assert list(planned.values(name)) == list(judged.values(name)), name
 
 
 def test_facts_of_a_small_sheet() -> None:
-    known = nest_values(measure_nest(SHEET, None, long_ratio=4.0, web_mm=25.0))
+    known = MeasuredNest(SHEET, None, long_ratio=4.0, web_mm=25.0)
     ids = [c.id for c in SHEET.contours]
 
     def value(name: str, contour: str) -> object:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.rules.own.selector import attributes
+from kerfwise.rules.own.known_nest import attributes
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, square
 

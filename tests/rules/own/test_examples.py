@@ -20,7 +20,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.own import as_rule
 from kerfwise.rules.own.demands import ASKS, PLACES
-from kerfwise.rules.own.selector import NAMED_FACTS
+from kerfwise.rules.own.known_nest import NAMED_FACTS
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import state_rules
