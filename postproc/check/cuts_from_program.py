@@ -29,7 +29,10 @@ from .plan_runs import read_resumed
 from .result import ids_by_name, normalize_name
 from .torch_run import TorchRun, every_line_of, in_steps_of, tolerance_mm
 
-_CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
+_CUT = re.compile(
+    r"(?P<does>CUT|MARK) (?P<number>\d+) (?P<contour>.+?) ZONE (?P<zone>\d+)\b(?: (?P<direction>C?CW)\b)?",
+    re.IGNORECASE,
+)
 _SIDE = re.compile(r"START SIDE (LEFT|RIGHT|BOTTOM|TOP)", re.IGNORECASE)
 _EXCUSED = re.compile(r"EXCUSED (?P<rule>[a-z0-9-]+) (?P<contour>.+)", re.IGNORECASE)
 _SIDES: Mapping[str, Side] = {"LEFT": "left", "RIGHT": "right", "BOTTOM": "bottom", "TOP": "top"}
@@ -142,13 +145,12 @@ def _rebuilt(
             violations.append(_stray(burn, path))
             continue
         contour = nest.contours[match.contour]
-        if words and name is not None and name != match.contour:
-            warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else zones.get(contour.id, 0) if burn.torch > 1 else 0
         cut, run, wrong = cut_from_burn(burn, taken[k], contour, match, kerf_mm, zone, len(cuts) + 1)
         if burn.unlit:
             cut, run, more = with_tabs(cut, run, burn, kerf_mm, _widths_asked(nest, contour, tabs_asked))
             wrong = [*wrong, *more]
+        warnings += wrong_comment(burn, words, None if name is None else nest.contours[name].id, cut, len(cuts) + 1)
         cuts.append(replace(cut, excused=excused[contour.id], torch=burn.torch))
         lines.append(burn.line)
         runs.append(run)
@@ -159,6 +161,25 @@ def _rebuilt(
     sequence = replace(sequence, pierces=holes_with_contours(pierces, sequence.cuts)) if pierces else sequence
     sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
+
+
+def wrong_comment(burn: Burn, words: re.Match[str] | None, named: str | None, cut: Cut, number: int) -> Iterator[str]:
+    """What the comment before a burn says otherwise than it is: what is cut, whether that marks, its number and way.
+
+    `named` is the contour that the comment names, None where the nest has no such one.
+    """
+    if words is None:
+        return
+    line, does = f"line {burn.line}", "cut" if burn.tool == 0 else "marked"
+    if named != cut.contour:
+        said = named or f"{words['contour']}, which the nest does not have"
+        yield f"{line}: the comment names {said}, but {cut.contour} is {does}"
+    if (words["does"].upper() == "CUT") != (burn.tool == 0):
+        yield f"{line}: the comment says {words['does'].upper()}, but {cut.contour} is {does}"
+    if int(words["number"]) != number:
+        yield f"{line}: the comment says number {words['number']}, but {cut.contour} is number {number}"
+    if words["direction"] and words["direction"].lower() != cut.direction:
+        yield f"{line}: the comment says {words['direction'].upper()}, but {cut.contour} is {does} {cut.direction}"
 
 
 def _taken_apart(

@@ -338,6 +338,10 @@ class Dialect:
             SomeOrAll(get_args(Rotary)), "letters of axes that tilt and turn a torch, which it moves with X and Y"
         ),
     )
+    no_marking: str | None = field(
+        default=None,
+        metadata=option(TextOrWord("unsaid"), "why there are no words for marking, and how a plant states its own"),
+    )
     greatest_radius_mm: float | None = field(
         default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")
     )

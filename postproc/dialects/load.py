@@ -289,6 +289,11 @@ def fitting_dialect(profile: Profile) -> Dialect:
     return dialect
 
 
+def _marks_too(dialect: Dialect, profile: Profile) -> bool:
+    """Whether a shipped dialect is for the profile's process, and can mark."""
+    return dialect.marks and profile.machine.process in dialect.processes
+
+
 def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool = False) -> None:
     """Refuse a nest whose program a dialect has no words for; `resumes` says that it goes on after a stop.
 
@@ -304,11 +309,13 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
         writings = () if nest.reading is None else nest.reading.writings
         layers = sorted({f'"{"text" if one.text else "point"}:{one.layer}=ignore"' for one in writings})
         without = f"; --answer {' --answer '.join(layers)} leaves out what is written" if layers else ""
+        others = [name for name in dialect_names() if _marks_too(load_dialect(name), profile)]
+        why = f"; {dialect.no_marking}" if dialect.no_marking else ""
         raise wrong_at(
             place,
             f"machine.dialect: '{dialect.name}' has no words for marking, and the nest has {len(marks)} ({shown}): "
-            "take another dialect, give a copy of it the words (mark_on, mark_off), or take a nest without them"
-            f"{without}",
+            f"take another dialect ({', '.join(others)}), give a copy of it the words (kerfwise dialects new mine "
+            f"--like {dialect.name}; mark_on, mark_off{why}), or take a nest without them{without}",
         )
     powers = powers_of(dialect, profile)
     if (

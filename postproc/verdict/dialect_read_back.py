@@ -183,7 +183,7 @@ def _run(tool: str, path: Curve, pen: GcodeWriter) -> Iterator[_Line]:
         _Line("dwell" if block in wait else f"{tool}_on", block) for block in pen.start(marks, dwell_s, _FEED_MM_S)
     )
     blocks = pen.path(path, _FEED_MM_S)
-    if pen.dialect.feed_alone:
+    if pen.dialect.feed_alone and blocks[0] == pen.feed_word(_FEED_MM_S):
         yield _Line("feed", blocks.pop(0))
     words = ["line", "arc_ccw", "arc_cw", "line"] if tool == "torch" else ["line"]
     yield from (_Line(word, block) for word, block in zip(_spread(words, len(blocks)), blocks, strict=True))

@@ -128,12 +128,13 @@ class Control:
     their own. `speed_output` is the E of the M67 and M68 that change the speed. `filtered` says that QtPlasmaC's filter
     rewrites a program before it is run.
 
-    `beam` says that it is a laser of GRBL, lit by M3 and M4 with a power S in moves at a feed only; up to the power
-    `marks_up_to` it marks, `full_power` is 100 %. `dwell` is the letter of the seconds of G4. `bare` says that X and Y
-    without a motion word are a line with the torch on, and travel with it off. `fixed` are G words in force always,
-    which nobody has to say. `program` is the letter of the number that a program begins with. `longest` is the greatest
-    number of bytes of a line, `longest_code` that without blanks and comments. `obeyed` are characters that it obeys
-    wherever they stand, and with which none beyond ASCII may stand either.
+    `beam` says that it is a laser of GRBL, lit by M3 and M4 with a power S in moves at a feed only. A laser marks up to
+    the power `marks_up_to`, `full_power` is 100 %; both are 0 where S says nothing of that. `dwell` is the letter of
+    the seconds of G4. `bare` says that X and Y without a motion word are a line with the torch on, and travel with it
+    off. `fixed` are G words in force always, which nobody has to say. `program` is the letter of the number that a
+    program begins with. `longest` is the greatest number of bytes of a line, `longest_code` that without blanks and
+    comments. `obeyed` are characters that it obeys wherever they stand, and with which none beyond ASCII may stand
+    either.
 
     `selects` and `deselects` are the M words, with the letter of the torch's number and what that is less, by which
     further torches burn with the first one, where there are any.
@@ -213,6 +214,8 @@ class Control:
         return bool(self.also or self.means or self.program_names or self.decimal != ".")
 
 
+MARKS_UP_TO = 0.4
+"""The share of full power up to which a laser's beam marks, where a profile does not say its powers."""
 _COMMON_M = frozenset({0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 8.0, 9.0, 30.0, 48.0, 49.0, 50.0, 51.0, 53.0})
 _MATERIAL = "it selects another material on the machine than the profile's; select it by hand and post without"
 _WAITS = "how long it waits for the machine is not known; post the program without"
@@ -256,7 +259,7 @@ CONTROLS: Mapping[str, Control] = {
         known_m=frozenset({0.0, 2.0, 3.0, 4.0, 5.0, 8.0, 9.0, 30.0}),
         fixed=frozenset({61.0, 91.1}),
         beam=True,
-        marks_up_to=400.0,
+        marks_up_to=MARKS_UP_TO * 1000.0,
         full_power=1000.0,
         longest=127,
         longest_code=79,

@@ -18,7 +18,7 @@ from kerfwise.postproc.dialects.blocks import Also
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.plant_sections import ENDINGS
 
-from .controls import CONTROLS, Control, Declared
+from .controls import CONTROLS, MARKS_UP_TO, Control, Declared
 from .essi import OBEYED
 from .tools import ENDS, HALTS
 from .words import BOUNDS
@@ -41,9 +41,9 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
     """
     control = CONTROLS[dialect.control]
     changes: dict[str, object] = {}
-    if dialect.powers is not None and control.beam and dialect.powers.full != control.full_power:
+    if dialect.powers is not None and (control.beam or any("{mark_power}" in block for block in dialect.mark_on)):
         full = float(dialect.powers.full)
-        changes |= {"full_power": full, "marks_up_to": control.marks_up_to / control.full_power * full}
+        changes |= {"full_power": full, "marks_up_to": MARKS_UP_TO * full}
     if any(_is_halt(block) for block in (*dialect.torch_on, *dialect.mark_on)):
         changes["halts_lit"] = True
     if dialect.comment is None and dialect.reads is not None:

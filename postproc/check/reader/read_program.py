@@ -99,7 +99,7 @@ def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
         control = replace(control, kerf_mm=material.kerf_mm)
     pierce_s = max(machine.pierce_time_s - control.stands_s, 0.0)
     held_s = (pierce_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
-    if not control.beam or material.power is None:
+    if not control.full_power or material.power is None:
         return control, held_s
     cuts = material.power
     marks = 0.0 if material.mark_power is None else material.mark_power

@@ -209,8 +209,14 @@ class Tools(ToolsOn):
                 raise block.refused("all tools at once are not supported here: start one, such as $0", named)
             if block.of("S") <= 0:
                 self.track.fault(block.line, "program-state", f"tool ${tool} is started without S1, which turns it on")
+            if 0 < block.of("S") <= self.control.marks_up_to:
+                tool = 1
             self.start(tool, block.line)
+            if self.control.full_power and self.track.open is not None:
+                self.track.open.powers.add(block.of("S"))
             return
+        if named is None and self.control.marks_up_to:
+            tool = ALL
         if named is None and any(on != 0 for on in self.on) and self.control.numbered:
             raise block.refused(
                 f"{word.text} without $ while tool ${self.on[0]} is on is not supported here: one version of the "

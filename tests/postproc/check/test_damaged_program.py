@@ -148,11 +148,23 @@ def test_zones_and_start_side_come_from_comments() -> None:
     assert set(check(PROGRAM.replace("SIDE LEFT", "SIDE RIGHT")).broken()) == {"start-side", "level-ahead"}
 
 
-def test_a_comment_that_names_another_contour_is_a_warning() -> None:
-    result = check(PROGRAM.replace("CUT 9 E.outer", "CUT 9 D.outer"))
+@pytest.mark.parametrize(
+    ("now", "said"),
+    [
+        ("CUT 9 D.outer", "the comment names D.outer, but E.outer is cut"),
+        ("CUT 9 Z.outer", "the comment names Z.outer, which the nest does not have, but E.outer is cut"),
+        ("CUT 3 E.outer", "the comment says number 3, but E.outer is number 9"),
+        ("MARK 9 E.outer", "the comment says MARK, but E.outer is cut"),
+        ("CUT 9 E.outer ZONE 2 CCW)\n(", "the comment says CCW, but E.outer is cut cw"),
+    ],
+)
+def test_a_comment_that_says_otherwise_than_what_is_cut_is_a_warning(now: str, said: str) -> None:
+    (text,) = [line for line in PROGRAM.splitlines() if line.startswith("(CUT 9 E.outer")]
+    damaged = now.removesuffix("\n(") if "\n" in now else text[1:].replace("CUT 9 E.outer", now)
+    result = check(PROGRAM.replace(text, f"({damaged}"))
     assert result.ok
     assert len(result.warnings) == 1
-    assert "the comment names D.outer, but E.outer is cut" in result.warnings[0]
+    assert said in result.warnings[0]
 
 
 def test_feeds_other_than_the_profile_says() -> None:

@@ -45,13 +45,21 @@ class Case:
     @property
     def dialects(self) -> list[str]:
         """The dialects that can spell it."""
-        return [name for name in dialect_names() if not self.process or self.process in load_dialect(name).processes]
+        known = [(name, load_dialect(name)) for name in dialect_names()]
+        fitting = [(name, one) for name, one in known if not self.process or self.process in one.processes]
+        marks = any(contour.kind == "mark" for contour in self.nest.contours)
+        return [name for name, one in fitting if one.marks or not marks]
 
 
-def plates() -> Nest:
-    """Two rows of four plates, 12 mm apart; two have a hole."""
-    low = [part(f"A{k}", rect(40 + 112 * k, 30, 100, 80), [circle(90 + 112 * k, 70, 15)] * (k % 2)) for k in range(4)]
-    return nest(520, 260, *low, *(part(f"B{k}", rect(40 + 112 * k, 122, 100, 90)) for k in range(4)))
+def plates(marked: bool = False) -> Nest:
+    """Two rows of four plates, 12 mm apart; two have a hole, and two a mark where they are `marked`."""
+    low, high = [], []
+    for k in range(4):
+        x, y = 112 * k, 40 * marked
+        mark = [[(60 + x, y), (90 + x, y), (90 + x, y + 8)]] * (marked and k < 2)
+        low.append(part(f"A{k}", rect(40 + x, 30, 100, 80), [circle(90 + x, 70, 15)] * (k % 2), mark))
+        high.append(part(f"B{k}", rect(40 + x, 122, 100, 90)))
+    return nest(520, 260, *low, *high)
 
 
 def _example(name: str) -> Case:
@@ -69,6 +77,10 @@ def _links() -> Case:
 
 def _tabs() -> Case:
     return Case(plates(), with_tabs("plasma-carbon-steel", slat_pitch_mm=120.0))
+
+
+def _marks() -> Case:
+    return Case(plates(marked=True), load_profile())
 
 
 def _laser_tabs() -> Case:
@@ -95,6 +107,7 @@ _MADE = {
     "a made plate of 115 contours": _plate115,
     "plates with links": _links,
     "plates with a tab each": _tabs,
+    "plates with marks": _marks,
     "a laser's parts with tabs": _laser_tabs,
     "a skeleton cut up": _scrap,
     "plates with common cuts": _common,

@@ -28,6 +28,7 @@ def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
         return "\n".join(_of_hpgl(text.split("\n")))
     if dialect in _OF_DIALECT:
         rows = [_NUMBER.sub("", row) for row in text.split("\n")]
+        rows = _by_power(rows, 102) if dialect == "marlin" else rows
         mapped = [_OF_DIALECT[dialect].get(row, row) for row in _called(rows)]
         return "\n".join(_said_out(row.replace(_WAITS.get(dialect, "G4 P"), "G4 P") for row in mapped))
     if control.startswith("linuxcnc"):
@@ -41,8 +42,10 @@ def in_linuxcnc(text: str, control: str, dialect: str = "") -> str:
 def _of_hpgl(rows: list[str]) -> Iterator[str]:
     """PU and PD with a place are travel and a line, 40 units a mm; alone they lift and lower what draws."""
     yield "G21 G90 G17 G40 G94"
-    words = {"PD;": "M3 $0 S1", "PU;": "M5 $0", "SP0;": "M2"}
+    words = {"SP0;": "M2"}
     for row in rows:
+        if row in ("SP1;", "SP2;"):  # the second pen marks
+            words |= {"PD;": f"M3 ${int(row[2]) - 1} S1", "PU;": f"M5 ${int(row[2]) - 1}"}
         if found := re.fullmatch(r"P([UD])(-?\d+),(-?\d+);", row):
             x, y = (int(number) / 40 for number in found.group(2, 3))
             yield f"{'G0' if found[1] == 'U' else 'G1'} X{x:.3f} Y{y:.3f}"
@@ -86,11 +89,16 @@ _NO_BRACKETS = str.maketrans("()", "[]")
 
 
 def _of_grbl(rows: list[str]) -> list[str]:
-    """M3 starts the torch, or with little power what marks; the M4 behind it changes nothing; M5 stops what is on."""
+    """The M4 behind M3 changes nothing."""
+    return _by_power(rows, 400)
+
+
+def _by_power(rows: list[str], marks_up_to: int) -> list[str]:
+    """M3 starts the torch, or with little power what marks; M5 stops what is on."""
     made, tool = [], 0
     for row in rows:
         if found := re.fullmatch(r"M3 S(\d+)", row):
-            tool = 0 if int(found[1]) > 400 else 1
+            tool = 0 if int(found[1]) > marks_up_to else 1
             row = f"M3 ${tool} S1"
         elif re.fullmatch(r"M4 S\d+", row):
             continue
