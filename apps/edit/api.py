@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from kerfwise.api.reading import LockLike, Settings, nest_request
-from kerfwise.apps.edit.edited_nest import EditedNest, editing
+from kerfwise.apps.edit.edited_nest import EditedNest, contours_cut, editing
 from kerfwise.jobs.inputs import NestLike, ProfileLike
-from kerfwise.jobs.nest_job.request import JobLike, inputs_for, last_plan
+from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.models.plan.plan import Plan
 
 
@@ -57,10 +57,6 @@ def edit(
     (6, 7)
     """
     inputs = inputs_for(nest, nest_request(profile, job, settings, locks, cut_by, answers))
-    done: set[str] = set()
-    if cut_by is not None:
-        file = nest if isinstance(nest, str | Path) else None
-        cuts = last_plan(cut_by, inputs.nest, file, inputs.profile).cuts
-        done = {contour for number, contour in cuts.items() if upto is None or number <= upto}
+    done = contours_cut(inputs, nest if isinstance(nest, str | Path) else None, cut_by, upto)
     edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=done)
     return edited.do(*changes) if changes else edited

@@ -27,8 +27,12 @@ from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.text import escape_text, unknown
+from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.nest_job.request import last_plan
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.output_files import expect_outputs, write_files
+from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.profile.profile import Profile
 
 from .edits import Add, Drop, Edit, Keep, Mirror, Move, NestAnew, OtherSheet, Turn, edit_of
@@ -100,7 +104,7 @@ class _State:
         return replace(self, lying={**self.lying, name: lying})
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class EditedNest:
     """A nest and the changes made to it. Nothing of it changes: each change gives another one.
 
@@ -139,6 +143,14 @@ class EditedNest:
     reading: ReadOptions = field(default_factory=ReadOptions)
     edits: tuple[Edit, ...] = ()
     undone: tuple[Edit, ...] = field(default=())
+
+    def __str__(self) -> str:
+        x0, y0, x1, y1 = self.nest.sheet.bounds
+        count = counted(len(self.nest.parts), "part")
+        text = f"{count} of {len(self.base.parts)} before, on a sheet of {x1 - x0:g} × {y1 - y0:g} mm"
+        return f"{text}\noff the sheet, left out: {escape_text(', '.join(self.off))}" if self.off else text
+
+    __repr__ = __str__
 
     def do(self, *changes: Edit | str) -> EditedNest:
         """With these changes, which count together: only what comes of all of them has to be sound.
@@ -407,6 +419,23 @@ def _faults(base: Nest, state: _State, spacing: Spacing) -> Iterator[str]:
 def _was_so(before: Mapping[str, Part], a: str, b: str, apart_mm: float) -> bool:
     """Whether two parts lay as near to each other before."""
     return a in before and b in before and before[a].polygon.distance(before[b].polygon) <= apart_mm + _NEAR_MM
+
+
+def contours_cut(inputs: Inputs, file: str | Path | None, old: Plan | str | Path | None, upto: int | None) -> set[str]:
+    """The contours that a plan or program of a nest has cut, up to that cut; all of them where no number is given.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or has fewer cuts.
+    """
+    if old is None:
+        return set()
+    cuts = last_plan(old, inputs.nest, file, inputs.profile).cuts
+    if upto is not None and not 1 <= upto <= len(cuts):
+        name = "the plan" if isinstance(old, Plan) else old
+        raise InputError(f"--upto {upto} (in Python upto): {name} has {len(cuts)} cuts only")
+    return {contour for number, contour in cuts.items() if upto is None or number <= upto}
 
 
 def editing(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,14 @@ from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job.request import Names
+
+_FARTHEST = 1e6
+
+
+def _expect_amounts(line: str, *amounts: float) -> None:
+    """Refuse what is no length and no angle, or beyond every sheet."""
+    if not all(abs(amount) <= _FARTHEST for amount in amounts):
+        raise InputError(f"{line}: expected numbers from {-_FARTHEST:g} to {_FARTHEST:g}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +47,9 @@ class Move:
     dx_mm: float
     dy_mm: float
 
+    def __post_init__(self) -> None:
+        _expect_amounts(f"move {self.part} {self.dx_mm:g} {self.dy_mm:g}", self.dx_mm, self.dy_mm)
+
 
 @dataclass(frozen=True, slots=True)
 class Turn:
@@ -47,6 +57,9 @@ class Turn:
 
     part: str
     turn_deg: float
+
+    def __post_init__(self) -> None:
+        _expect_amounts(f"turn {self.part} {self.turn_deg:g}", self.turn_deg)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,9 +117,9 @@ def edit_of(line: str, reading: ReadOptions = ReadOptions()) -> Edit:  # noqa: B
             case "keep", [_, *_]:
                 return Keep(tuple(words))
             case "move", [part, dx, dy]:
-                return Move(part, _amount(dx), _amount(dy))
+                return Move(part, float(dx), float(dy))
             case "turn", [part, turn]:
-                return Turn(part, _amount(turn) % 360.0)
+                return Turn(part, float(turn))
             case "mirror", [part]:
                 return Mirror(part)
             case "add", [file]:
@@ -115,8 +128,8 @@ def edit_of(line: str, reading: ReadOptions = ReadOptions()) -> Edit:  # noqa: B
                 return NestAnew(tuple(words))
             case "sheet", [size]:
                 width, _, height = size.lower().partition("x")
-                wide, high = _amount(width), _amount(height)
-                if wide > 0 and high > 0:
+                wide, high = float(width), float(height)
+                if 0 < wide <= _FARTHEST and 0 < high <= _FARTHEST:
                     return OtherSheet(Sheet.rectangle(wide, high))
     except ValueError:
         pass
@@ -124,16 +137,6 @@ def edit_of(line: str, reading: ReadOptions = ReadOptions()) -> Edit:  # noqa: B
         "drop PART…, keep PART…, move PART DX DY, turn PART DEG, mirror PART, nest-anew [PART…], sheet WxH, add FILE=N"
     )
     raise InputError(f"{line!r} is no change of a nest: expected {known}")
-
-
-def _amount(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value) or abs(value) > _FARTHEST:
-        raise ValueError(text)
-    return value
-
-
-_FARTHEST = 1e6
 
 
 def added(text: str, reading: ReadOptions, tell: Tell = silent) -> Add:

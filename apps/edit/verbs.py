@@ -19,7 +19,6 @@ from kerfwise.commands.shared_options import (
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file
 from kerfwise.encoder.text import escape_text
-from kerfwise.postproc.report.legend import counted
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
@@ -66,7 +65,7 @@ def command(
     """
     from kerfwise.encoder.nest import Sheet
 
-    from .edited_nest import editing
+    from .edited_nest import contours_cut, editing
     from .edits import Drop, Edit, Keep, Mirror, Move, NestAnew, OtherSheet, Turn, added
 
     if fix and not nest_anew:
@@ -80,7 +79,7 @@ def command(
     reading = reading_of(inputs, options)
     edits: list[Edit] = [Keep(keep)] if keep else []
     edits += [Drop(drop)] if drop else []
-    edits += [Turn(part, degrees % 360.0) for part, degrees in turn]
+    edits += [Turn(part, degrees) for part, degrees in turn]
     edits += [Mirror(part) for part in mirror]
     edits += [Move(part, dx, dy) for part, dx, dy in move]
     edits += [OtherSheet(Sheet.rectangle(*size_of(sheet)))] if sheet else []
@@ -92,23 +91,11 @@ def command(
         )
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     edge_mm = None if edge is None else length_or_zero("--edge", edge)
-    cut = _cut_by(inputs, options["nest"], lock_from, upto)
+    if upto is not None and lock_from is None:
+        raise click.UsageError("--upto is for --lock-from")
+    cut = contours_cut(inputs, options["nest"], lock_from, upto)
     edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=cut).do(*edits)
     return _write(edited, inputs, path)
-
-
-def _cut_by(inputs: Inputs, nest: str, old: str | None, upto: int | None) -> set[str]:
-    """The contours that a plan or program has cut, all of them where no number is given."""
-    from kerfwise.jobs.nest_job.request import last_plan
-
-    if old is None:
-        if upto is not None:
-            raise click.UsageError("--upto is for --lock-from")
-        return set()
-    cuts = last_plan(old, inputs.nest, nest, inputs.profile).cuts
-    if upto is not None and upto > len(cuts):
-        raise InputError(f"--upto {upto}: {old} has {len(cuts)} cuts only")
-    return {contour for number, contour in cuts.items() if upto is None or number <= upto}
 
 
 def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
@@ -126,10 +113,6 @@ def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
         except InputError as error:
             print_note(f"the job file {inputs.job.name} is not copied: {error.message}")
     write_files(files)
-    x0, y0, x1, y1 = edited.nest.sheet.bounds
-    count = counted(len(edited.nest.parts), "part")
-    click.echo(f"{count} of {len(edited.base.parts)} before, on a sheet of {x1 - x0:g} × {y1 - y0:g} mm")
-    if edited.off:
-        click.echo(f"off the sheet, left out: {escape_text(', '.join(edited.off))}")
+    click.echo(str(edited))
     click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
     return 1 if edited.off else 0

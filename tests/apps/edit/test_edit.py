@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import kerfwise as package
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 
@@ -56,6 +57,25 @@ def test_a_collision_is_named_and_nothing_is_written(plate: Path) -> None:
     assert edit("--drop", "P9")[0] == 2
     assert edit()[0] == 2
     assert edit("--fix", "P1", "--drop", "P2")[0] == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("--move", "P1", "nan", "0"), ("--move", "P1", "0", "1e7"), ("--turn", "P1", "inf"), ("--turn", "P1", "-1e400")],
+)
+def test_what_is_no_length_and_no_angle_is_refused(plate: Path, words: tuple[str, ...]) -> None:
+    code, _, err = edit(*words)
+    assert (code, "expected numbers from -1e+06 to 1e+06" in err) == (2, True), err
+
+
+def test_python_shows_a_line_and_refuses_cuts_that_were_not_made(plate: Path) -> None:
+    changed = package.edit("plate.json", None, "drop P3", job=False)
+    assert str(changed) == repr(changed) == "2 parts of 3 before, on a sheet of 320 × 140 mm"
+    with pytest.raises(package.InputError, match="expected numbers"):
+        changed.do("turn P1 nan")
+    package.solve("plate.json", work=0.2).save("plans")
+    with pytest.raises(package.InputError, match="has 3 cuts only"):
+        package.edit("plate.json", None, "drop P3", cut_by="plans/plate.plan.json", upto=9)
 
 
 def test_a_job_file_whose_lock_is_lost_is_not_copied(plate: Path) -> None:
