@@ -113,14 +113,14 @@ def plan_side(inputs: Inputs, plan: Plan, verdict: CheckResult) -> Data:
     """
     profile = inputs.profile.at_origin(plan.origin)
     nest = inputs.nest
-    side = side_data(nest, plan, profile.home_on(nest))
+    cuts = [cut for toolpath in toolpaths(plan, nest, profile) for cut in _cuts(nest, toolpath, profile)]
+    side = side_data(nest, plan, profile.home_on(nest), cuts)
     side |= {
         "profile": profile.name,
         "kerf_mm": short(profile.material.kerf_mm),
         "said": summary_lines(plan),
         "ok": verdict.ok,
         "state": state_data(verdict.state),
-        "cuts": [cut for toolpath in toolpaths(plan, nest, profile) for cut in _cuts(nest, toolpath, profile)],
         "rules": rules_data(verdict, profile),
         "warnings": list(verdict.warnings),
     }

@@ -278,8 +278,8 @@ def short(value: float, digits: int = 3) -> float:
     return int(rounded) if rounded == int(rounded) else rounded
 
 
-def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
-    """One plan: its cuts, its figures, and what it says of each rule. Paths are as drawn: no kerf is known.
+def side_data(nest: Nest, plan: Plan, home: Point, cuts: list[Data] | None = None) -> Data:
+    """One plan: its cuts, its figures, and what it says of each rule. With no `cuts` given paths are as drawn.
 
     Raises
     ------
@@ -306,7 +306,7 @@ def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
         "said": [],
         "ok": all(rule.holds for rule in plan.rules if rule.strength == "hard"),
         "state": state_data(plan.stated),
-        "cuts": [cut_data(nest, planned) for planned in plan.cuts],
+        "cuts": [cut_data(nest, planned) for planned in plan.cuts] if cuts is None else cuts,
         "pierces": [pierce_data(nest, pierce) for pierce in plan.pierces],
         "already": [nest.index[p.cut.contour] for p in plan.already_cut if p.cut.contour in nest.index],
         "rules": _rules_of(plan),
