@@ -174,18 +174,15 @@ export class App {
   /** @param {string} text */
   tell(text) { byId("live").textContent = text; }
 
-  /** The sheet as it moves while it is cut; a simulation that may take minutes makes it. */
+  /** The sheet as it moves while it is cut: simulated when it is asked for first. */
   /** @param {boolean} bent */
   async showBent(bent) {
-    const { stages } = this;
-    for (const stage of stages) {
-      if (!bent || stage.bent || !this.source.bent) continue;
-      const data = await this.source.bent(stage.side);
+    const { stages, source } = this;
+    for (const stage of bent ? stages : []) {
+      const data = stage.bent ? null : await source.bent?.(stage.side);
       if (data) stage.bent = new BentFrames(data, this.numbers);
     }
-    if (stages !== this.stages) return; // another plan is shown meanwhile
-    this.set({ bent: bent && stages.some(stage => stage.bent) });
-    this.draw();
+    if (stages === this.stages) this.set({ bent: bent && stages.some(stage => stage.bent) });
   }
 
   /** @param {boolean} heat */

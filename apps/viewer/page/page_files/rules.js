@@ -14,6 +14,11 @@ import { metres, stateClass, strengthText } from "./words.js";
 export function rulesPanel(app) {
   const panel = byId("rules-said");
   let open = "";
+  /** The places of the rule that is open, while this panel is seen. */
+  const mark = () => {
+    const rule = app.state.tab === "rules" ? app.side?.rules.find(one => one.id === open) : undefined;
+    app.mark(rule ? [...rule.breaches, ...rule.excused].flatMap(place => place.contours) : []);
+  };
   const show = () => {
     if (!app.side) {
       panel.replaceChildren(make("p", { class: "hint" }, tr("No plan, no verdict.")));
@@ -30,14 +35,17 @@ export function rulesPanel(app) {
         make("thead", {}, make("tr", {}, ...[tr("rule"), tr("strength"), tr("breaches"), tr("cost")].map(text => make("th", { scope: "col" }, text)))),
         make("tbody", {}, ...sorted(rules).flatMap(rule => lines(app, rule, open === rule.id, () => {
           open = open === rule.id ? "" : rule.id;
-          app.mark(open ? [...rule.breaches, ...rule.excused].flatMap(place => place.contours) : []);
+          mark();
           show();
           /** @type {HTMLElement | null} */ (panel.querySelector(`[data-rule="${CSS.escape(rule.id)}"] button`))?.focus();
         })))));
   };
   show();
   app.renewed(() => { open = ""; show(); }, true);
-  app.on((_, changes) => { if (changes.side !== undefined) { open = ""; show(); } });
+  app.on((_, changes) => {
+    if (changes.side !== undefined) { open = ""; show(); }
+    else if (changes.tab !== undefined && open) mark();
+  });
 }
 
 /** @type {(app: App) => HTMLElement} */

@@ -93,7 +93,7 @@ const PHASES = {
 
 /** @type {(solving: any, work: Work) => string} */
 function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { planner, state }) {
-  if (waits && planner) return tr("waits: {planner} is being planned", { planner });
+  if (waits && planner) return `${tr("waits: {planner} is being planned", { planner })} …`;
   const shown = state.alternatives.find((/** @type {any} */ one) => one.number === plan);
   const told = [
     shown && (shown.stage === "first" ? tr("first plan") : tr("better by {mm} m", { mm: figure(gained_mm / METRE_MM, 1) })),

@@ -1,4 +1,4 @@
-"""One browser for the tests of a file, and each page made once."""
+"""Each page made once, and opened in the browser."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from playwright.sync_api import Browser
 
 from kerfwise.tests.apps.viewer.page.made_pages import PAGES
 from kerfwise.tests.apps.viewer.page.seen import Seen
-from kerfwise.tests.tools.browser import launched
 
 Open = Callable[..., Seen]
 
@@ -27,13 +26,6 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
         return path
 
     return file
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    """One browser for the tests of a file."""
-    with launched() as made:
-        yield made
 
 
 @pytest.fixture

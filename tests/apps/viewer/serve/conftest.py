@@ -1,4 +1,4 @@
-"""One server for the tests of this folder, and a browser for those of a file; each test takes a folder of its own."""
+"""One server for the tests of this folder; each test takes a folder of its own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.apps.viewer.serve.at_page import AtPage
 from kerfwise.tests.apps.viewer.serve.served import SMALL, TOKEN, WAIT_S, Open, Served, Tab, serving
 from kerfwise.tests.tools.amount import few
-from kerfwise.tests.tools.browser import launched
 
 Look = Callable[..., AtPage]
 WIDTHS = pytest.mark.parametrize("wide", [1400, 390])
@@ -66,13 +65,6 @@ def opened(served: Served, client: httpx.Client, tmp_path: Path) -> Open:
 def plate(opened: Open) -> Tab:
     """A plate that is planned for minutes with 200 of work: without zones nothing is proven of it."""
     return opened(json.dumps(make_sheet(1, 60)), "plate.json", "set:\n  rules.zone-order: off\n")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    """One browser for the tests of a file: while it runs, no test of its thread may begin a loop of its own."""
-    with launched() as made:
-        yield made
 
 
 @pytest.fixture

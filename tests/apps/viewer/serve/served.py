@@ -8,10 +8,11 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import httpx
 import pytest
@@ -27,6 +28,7 @@ from kerfwise.cli import main
 TOKEN, COOKIE = "the-token-of-the-tests", "the-cookie-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
 WAIT_S = 120.0
+T = TypeVar("T")
 SMALL = """{"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 120}, "parts": [
  {"id": "A", "outer": [[20, 20], [100, 20], [100, 100], [20, 100]],
   "holes": [[[50, 50], [70, 50], [70, 70], [50, 70]]]},
@@ -151,6 +153,12 @@ def saved_files(tab: Tab) -> dict[str, bytes]:
     tab.post("save")
     stem = tab.nest.stem
     return {p.name.removeprefix(f"{stem}."): p.read_bytes() for p in tab.nest.parent.iterdir() if p != tab.nest}
+
+
+def in_a_loop(work: Coroutine[Any, Any, T]) -> T:
+    """What a coroutine comes to, in a thread of its own: that of the tests has the loop of the browser."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()
 
 
 def wait_for(what: Callable[[], Any]) -> None:

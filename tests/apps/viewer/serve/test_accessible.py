@@ -109,7 +109,7 @@ def refusal(at: AtPage) -> str:
     return str(at.page.locator("#hands-said.warn").inner_text())
 
 
-def test_a_drag_that_is_not_taken_says_why(look: Look, planned: Tab) -> None:
+def test_a_drag_that_is_not_taken_says_why_and_a_lock_what_gives_way_to_it(look: Look, planned: Tab) -> None:
     at = look(planned)
     planned.edit({"lock": "C.outer last"})
     at.page.wait_for_selector("#hands-locks li", state="attached")
@@ -121,16 +121,11 @@ def test_a_drag_that_is_not_taken_says_why(look: Look, planned: Tab) -> None:
     at.let_go()
     at.page.keyboard.up("Shift")
     assert "not planned yet" in refusal(at)
-
-
-def test_a_lock_that_takes_the_place_of_another_says_so(look: Look, planned: Tab) -> None:
-    at = look(planned)
     at.panel("locks")
-    for line in ("C.outer first", "C.outer last"):
-        at.page.fill("#hands-lock-line", line)
-        at.page.press("#hands-lock-line", "Enter")
-        at.page.wait_for_selector(f"#hands-locks li:has-text('{line}')")
-    assert "takes the place of the lock: C.outer first" in refusal(at)
+    at.page.fill("#hands-lock-line", "C.outer first")
+    at.page.press("#hands-lock-line", "Enter")
+    at.page.wait_for_selector("#hands-locks li:has-text('C.outer first')")
+    assert "takes the place of the lock: C.outer last" in refusal(at)
 
 
 def test_what_a_drop_comes_to_is_told_apart(planned: Tab) -> None:

@@ -16,16 +16,6 @@ from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 
-def test_another_tab_is_seen_at_once(look: Look, opened: Open) -> None:
-    tab = opened()
-    at = look(tab)
-    at.panel("locks")
-    tab.edit({"lock": "C.outer last"})
-    at.page.wait_for_selector("#hands-locks li:has-text('C.outer last')")
-    tab.solved()
-    at.page.wait_for_selector("#row-3[data-contour='C.outer']")
-
-
 def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served, planned: Tab) -> None:
     """A browser opens six connections to a server, and each of these tabs wants news for as long as it is there."""
     before = served.server.news.listeners
@@ -47,6 +37,9 @@ def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served
     pages[7].fill("#hands-lock-line", "A.outer cw")
     pages[7].press("#hands-lock-line", "Enter")
     pages[3].wait_for_selector("#hands-locks li:has-text('A.outer cw')")
+    planned.state()
+    planned.solved()
+    pages[2].wait_for_selector("#row-3[data-contour='B.outer']")
 
 
 @pytest.mark.full

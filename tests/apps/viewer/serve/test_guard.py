@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import http.client
 import json
@@ -17,7 +16,7 @@ from kerfwise.apps.viewer.serve.guard import MOST_BODY_BYTES, Keys
 from kerfwise.apps.viewer.serve.nest_folder import Folder, is_readable
 from kerfwise.apps.viewer.serve.run_server import make_app
 from kerfwise.apps.viewer.serve.server import Server
-from kerfwise.tests.apps.viewer.serve.served import COOKIE, SMALL, TOKEN, Open, Served
+from kerfwise.tests.apps.viewer.serve.served import COOKIE, SMALL, TOKEN, Open, Served, in_a_loop
 
 OWN = {"x-kerfwise-token": TOKEN}
 
@@ -125,7 +124,7 @@ def test_who_sends_too_much_is_told_so(tmp_path: Path) -> None:
         async with httpx.AsyncClient(transport=way, base_url="http://127.0.0.1:8000", headers=OWN) as client:
             return await client.post("/api/drop?name=a.json", content=endless())
 
-    answer = asyncio.run(ask())
+    answer = in_a_loop(ask())
     assert (answer.status_code, answer.json()["kind"]) == (413, "refused")
     assert "at most 32 MB" in answer.json()["message"]
 

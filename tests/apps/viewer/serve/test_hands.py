@@ -46,16 +46,11 @@ def test_a_row_is_dragged_and_the_nest_planned_again(look: Look, opened: Open, w
 
 
 @TOUCH_FIRST
-def test_a_page_that_begins_with_a_plan_has_grips(look: Look, planned: Tab, wide: int) -> None:
-    """They are what a finger drags a row by."""
+def test_a_drag_is_given_up_with_escape(look: Look, planned: Tab, wide: int) -> None:
+    """A page that begins with a plan has grips: they are what a finger drags a row by."""
     at = look(planned, wide)
     rows = "[...document.querySelectorAll('#orders .row')]"
     assert at.ask(f"{rows}.map(row => row.querySelectorAll('.grip').length)") == [1] * len(FIRST)
-
-
-@TOUCH_FIRST
-def test_a_drag_is_given_up_with_escape(look: Look, planned: Tab, wide: int) -> None:
-    at = look(planned, wide)
     at.panel("order")
     at.drag_row("C.outer", "B.outer")
     at.page.keyboard.press("Escape")
@@ -110,22 +105,12 @@ def test_a_part_is_dragged_onto_another_on_the_drawing(look: Look, planned: Tab,
     at.let_go()
     at.planned(2)
     assert planned.state()["locked"] == ["C.outer position 3"]
+    scale = at.ask("app.stages[0].camera.scale")
     x, y = at.inside("B.outer")
     at.drag([(x, y), (x + 40, y + 30)])  # without Shift, without staying: the view moves
     at.let_go()
     assert at.ask("[app.stages[0].camera.x, app.stages[0].camera.y]") != before
     assert at.page.locator("#hands-verdict").is_hidden()
-
-
-def test_two_fingers_zoom_after_a_part_was_dragged(look: Look, planned: Tab) -> None:
-    at = look(planned, 390)
-    at.drag_part("C.outer", "B.outer")
-    at.let_go()
-    at.planned(2)
-    scale = at.ask("app.stages[0].camera.scale")
-    x, y = at.inside("B.outer")
-    at.drag([(x, y), (x + 30, y)])
-    at.let_go()
     assert at.ask("app.stages[0].camera.scale") == pytest.approx(scale)  # one finger is one finger
 
 

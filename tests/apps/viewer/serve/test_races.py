@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from kerfwise.apps.viewer.serve import profile_writing
 from kerfwise.apps.viewer.serve.nest_folder import Folder
 from kerfwise.apps.viewer.serve.server import Server
 from kerfwise.apps.viewer.serve.session import Session
-from kerfwise.tests.apps.viewer.serve.served import SMALL
+from kerfwise.tests.apps.viewer.serve.served import SMALL, in_a_loop
 
 LOCK = "locks: [A first]\n"
 Answer = Callable[[str, dict[str, Any]], Any]
@@ -67,7 +66,7 @@ def test_an_edit_that_is_made_while_a_changed_nest_is_read(server: Answered, nes
         server.answer = answer
         return await server.open_nest(nest)
 
-    session = asyncio.run(run())
+    session = in_a_loop(run())
     assert session.wanted.job_text == LOCK
     assert session.opened["job"] == LOCK
 
@@ -88,7 +87,7 @@ def test_a_lock_that_is_made_while_a_new_profile_is_written(server: Answered, ne
         await profile_writing._want_anew(server, session, nest.with_name("ours.yaml"))
         return session
 
-    assert asyncio.run(run()).wanted.job_text == f"profile: ours.yaml\n{LOCK}"
+    assert in_a_loop(run()).wanted.job_text == f"profile: ours.yaml\n{LOCK}"
 
 
 def test_a_lock_that_is_made_while_a_written_profile_is_read_again(server: Answered, nest: Path) -> None:
@@ -110,6 +109,6 @@ def test_a_lock_that_is_made_while_a_written_profile_is_read_again(server: Answe
         await profile_writing._read_again(server, profile)
         return session
 
-    session = asyncio.run(run())
+    session = in_a_loop(run())
     assert session.wanted.job_text == LOCK
     assert session.wanted.profile_now

@@ -6,12 +6,11 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
 import kerfwise
 from kerfwise.tests.apps.viewer.serve.served import Served
 from kerfwise.tests.apps.viewer.serve.walk_through import PICTURES, STEPS, picture, walk
-from kerfwise.tests.tools.browser import launched
 
 TEXT = (Path(kerfwise.__file__).parent / "docs" / "walk-through.md").read_text(encoding="utf-8")
 MOST_BYTES = 100_000
@@ -43,7 +42,7 @@ def test_every_step_has_its_section_and_a_small_picture() -> None:
 
 @pytest.mark.slow
 @pytest.mark.browser
-def test_the_page_says_what_the_walk_through_quotes(served: Served) -> None:
+def test_the_page_says_what_the_walk_through_quotes(browser: Browser, served: Served) -> None:
     seen: list[str] = []
 
     def see(name: str, page: Page) -> None:
@@ -56,7 +55,6 @@ def test_the_page_says_what_the_walk_through_quotes(served: Served) -> None:
         assert len(picture(page)) <= MOST_BYTES
         seen.append(name)
 
-    with launched() as browser:
-        walk(browser, served, see)
+    walk(browser, served, see)
     assert seen == list(STEPS)
     assert (served.server.folder.path / "e1x_6.nc").is_file()
