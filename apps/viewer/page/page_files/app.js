@@ -54,7 +54,7 @@ export class App {
     });
   }
 
-  /** @type {State} */
+  /** @returns {State} */
   get state() { return this.store.state; }
 
   /** The side whose order and reasons are shown; null where there is no plan. */
@@ -76,8 +76,7 @@ export class App {
     if (judged) this.rejudgers.push(fn);
   }
 
-  /** The plan that is shown was judged once more, with its program: nothing of the drawing changes. */
-  /** @param {SideData} side */
+  /** @param {SideData} side of the plan that is shown, judged once more, with its program: nothing of the drawing changes */
   judged(side) {
     Object.assign(this.data.sides[0], side);
     this.rejudgers.forEach(fn => fn());
@@ -187,10 +186,9 @@ export class App {
 
   /** @param {boolean} heat */
   async showHeat(heat) {
-    const { stages } = this;
-    for (const stage of stages) {
-      if (!heat || stage.heat) continue;
-      const data = await this.source.heat(stage.side);
+    const { stages, source } = this;
+    for (const stage of heat ? stages : []) {
+      const data = stage.heat ? null : await source.heat(stage.side);
       if (data) stage.heat = await HeatFrames.of(data);
     }
     if (stages !== this.stages) return; // another plan has come meanwhile, and its heat is asked for

@@ -137,11 +137,12 @@ export class Stage {
     const { context, camera, size } = this, { state } = this.store;
     context.setTransform(size.ratio, 0, 0, size.ratio, 0, 0);
     const { done } = momentAt(this.timeline, state.time_s);
-    const look = { done, travel: state.travel, numbers: state.numbers, drawn: state.drawn };
+    const bent = state.bent && this.bent; // what is drawn many times as far away needs the room of numbers and ways
+    const look = { done, travel: state.travel && !bent, numbers: state.numbers && !bent, drawn: state.drawn };
     this.sharp = this.ground.draw(context, camera, this.palette, look, size);
     if (state.heat && this.heat) this.heat.paint(context, camera, state.time_s);
     paintOver(context, camera, this.palette, this.scenery, this.timeline, state);
-    if (state.bent && this.bent) this.bent.paint(context, camera, this.palette, this.scenery, state.time_s);
+    if (bent) bent.paint(context, camera, this.palette, this.scenery, state.time_s);
     if (this.cross) this.#crosshair(this.cross);
     for (const fn of this.layers) fn(context, this);
     this.frames++;
