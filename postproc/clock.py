@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from kerfwise.encoder.bevels.tilted_path import one_after_another
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Pierce
 from kerfwise.encoder.geometry.curve import Curve
@@ -78,10 +79,10 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
         for pierce in pierced.pop(order, ()):
             runs.append(Run(_stands(pierce.at), travels_mm=(math.dist(at, pierce.at),)))
             at = pierce.at
-        for one in toolpath.passes:
-            path = one.curve if one.tilt_deg else toolpath.path
-            last = toolpath.passes[-1]
-            share = one.feed_share * toolpath.feed_share / (last.feed_share if last.steady else 1.0)
+        for one in one_after_another(toolpath.passes):
+            path = one.curve if one.tilt_deg or one.aside_mm is not None else toolpath.path
+            share = one.feed_share if one.aside_mm is None else min(torch.feed_share for torch in toolpath.passes)
+            share *= toolpath.small_hole_share
             runs.append(Run(path, travels_mm=(math.dist(at, _start(path)),), feed_share=share))
             at = _end(path)
         if toolpath.passes:
@@ -160,7 +161,7 @@ def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
             begin, end = next(spans)
             pierces.append(replace(pierce, start_s=begin, end_s=end))
         begin, end = next(spans) if planned.cut.torch == 1 else (begin, end)
-        for _ in planned.passes[1:]:
+        for _ in one_after_another(planned.passes)[1:]:
             end = next(spans)[1]
         timed_cut = replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end))
         if planned.cut.way:

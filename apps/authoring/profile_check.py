@@ -136,6 +136,10 @@ WITHOUT_EFFECT: dict[str, Reason] = {
         (f"cuts.bevel.{key}" for key in ("tilt", "turn", "most_turn", "kerfs", "corner", "run", "lies_still")),
         _NO_BEVEL,
     ),
+    **dict.fromkeys(
+        ("cuts.bevel.apart", "cuts.bevel.left"),
+        _unless(lambda p: p.cuts.bevel.head == "block", "no block of torches cuts bevels (cuts.bevel.head)"),
+    ),
     "small_holes.full_feed_hole": _unless(
         lambda p: p.small_holes.small_hole_feed < 1,
         "small holes are cut at the full feed (small_holes.small_hole_feed: 1)",

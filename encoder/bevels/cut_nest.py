@@ -14,6 +14,7 @@ from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
 
 from .bevel import BevelPass
+from .block import Block
 from .round import SHARP_RAD, Corner, Round
 from .tilted_path import Lean
 
@@ -28,7 +29,8 @@ class BevelOptions:
 
     `kerfs` are rows of an angle and the kerf there, square to the jet, in order of angles, the first that of a torch
     that stands upright. `run_mm` is how far past a sharp corner a loop goes at the least, `most_turn_deg` how far the
-    head turns either way. Parts of `lies_still_kg` or more stay where they are when they have come loose.
+    head turns either way; a `block` of torches may stand in the place of one head that tilts. Parts of `lies_still_kg`
+    or more stay where they are when they have come loose.
     """
 
     thickness_mm: float
@@ -38,6 +40,7 @@ class BevelOptions:
     most_turn_deg: float = 360.0
     lies_still_kg: float | None = None
     density_kg_m3: float = 7850.0
+    block: Block | None = None
 
     def kerf_mm(self, tilt_deg: float) -> float:
         """The kerf at an angle, square to the jet: straight between two rows, that of the last one beyond it."""
@@ -58,12 +61,18 @@ class BevelOptions:
             return self.kerfs[0][1] / 2
         return self.half_mm(drawn.bevel.passes(self.thickness_mm)[-1])
 
+    def leans(self, drawn: Contour) -> tuple[Lean, ...]:
+        """How each pass of a contour with one bevel leans."""
+        return () if drawn.bevel is None else tuple(map(self.lean, drawn.bevel.passes(self.thickness_mm)))
+
     def rounds(self, drawn: Contour, ccw: bool) -> tuple[Round, ...]:
         """The passes of a contour as drawn, in order; the last goes all the way round.
 
         Where single edges have bevels their passes but the last are each a run along these edges, while the part is
         still held by the others; the last round cuts all edges, each as its own last pass wants.
         """
+        if self.block is not None:
+            return (Round(drawn, self.lean(BevelPass(0.0, 0.0)), ccw, apart_mm=self.block.apart_mm),)
         if drawn.bevel is not None:
             return tuple(Round(drawn, self.lean(one), ccw) for one in drawn.bevel.passes(self.thickness_mm))
         upright, each = self.lean(BevelPass(0.0, 0.0)), drawn.bevel_of_edge
@@ -160,4 +169,6 @@ def _contour(contour: Contour, options: BevelOptions) -> Contour:
         curve = offset_curve(contour.curve, outwards) if abs(by_mm) > _LEAST_GROWTH_MM else contour.curve
     except (InputError, ValueError) as error:
         raise InputError(f"{contour.id}, bevel {contour.bevel}: {error}") from None
-    return replace(contour, curve=curve, feed_share=contour.feed_share * math.cos(math.radians(last.tilt_deg)))
+    slowest = max((one.tilt_deg for one in contour.bevel.passes(options.thickness_mm)), key=abs)
+    tilt_deg = last.tilt_deg if options.block is None else slowest
+    return replace(contour, curve=curve, feed_share=contour.feed_share * math.cos(math.radians(tilt_deg)))

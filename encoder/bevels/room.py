@@ -16,6 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
 from kerfwise.encoder.text import join_names
 
+from .bevel import BevelPass
 from .cut_nest import BevelOptions, bevelled
 from .round import SHARP_RAD, Loops, Round, pass_along, round_alone, run_along
 from .tilted_path import Step, TiltedPath, within_turns
@@ -99,8 +100,12 @@ class Bevelling:
         for drawn in bevelled(nest):
             rounds = self.options.rounds(drawn, ccw=True)
             tilts = [max((one.tilt_deg for one in (r.lean, *r.leans)), key=abs) for r in rounds]
+            if self.options.block is not None:
+                tilts = [one.tilt_deg for one in self.options.leans(drawn)]
             count, loops = len(tilts), sum(map(len, self.loops[drawn.id]))
             passes = "in one pass" if count == 1 else f"in {count} passes, one after the other,"
+            if self.options.block is not None:
+                passes = f"by {'one torch' if count == 1 else f'{count} torches'} of the block together,"
             angles = ", ".join(f"{tilt:g} degrees" if tilt else "upright" for tilt in tilts)
             sharp = sum(len(list(r.sharp_corners())) for r in rounds if r.tilted)
             corners = f"; loops at {loops} of {sharp} sharp corners" if sharp else ""
@@ -138,7 +143,8 @@ def tilted_paths(drawn: Contour, cut: Cut, loops: Sequence[Loops], options: Beve
         raise InputError(
             f"{drawn.id}: the head would turn more than cuts.bevel.most_turn, {options.most_turn_deg:g} degrees"
         )
-    return tuple(replace(path, thickness_mm=options.thickness_mm) for path in turned)
+    ways = tuple(replace(path, thickness_mm=options.thickness_mm) for path in turned)
+    return ways if options.block is None else options.block.torches(ways[0], options.leans(drawn), rounds[0].lean)
 
 
 class _Metal:
@@ -155,7 +161,7 @@ class _Metal:
     def _section(self, part: str, depth_mm: float) -> shapely.Geometry:
         return shapely.buffer(section(self.parts[part], depth_mm, self.options.thickness_mm), -_SLACK_MM)
 
-    def hit(self, path: TiltedPath, own: str, along: bool, apart_mm: float) -> str | None:
+    def hit(self, path: TiltedPath, own: str, along: bool | None, apart_mm: float) -> str | None:
         """What a path burns that it may not, and where; None where it has room.
 
         Ways that do not cut the contour keep `apart_mm` from other parts, whose kerfs lie beside them.
@@ -229,6 +235,9 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
     several = sum(not r.run for r in rounds)
     if {k for r in rounds for k in r.run} == {*range(len(drawn.bevel_of_edge))}:
         several = len(rounds)  # the last of them cuts loose what runs have cut out
+    if options.block is not None:
+        options.block.expect_fit(drawn)
+        several = len(options.leans(drawn))  # those behind the first cut its last piece loose
     mass_kg, least_kg = options.mass_kg(part), options.lies_still_kg
     if several > 1 and (least_kg is None or mass_kg < least_kg):
         less = "and nobody says" if least_kg is None else f"less than {least_kg:g} kg, which is"
@@ -242,29 +251,33 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
             yield ()
             continue
         loops: list[tuple[tuple[float, float], float]] = []
-        for corner in way.sharp_corners() if options.corner != "turn" else ():
+        for corner in way.sharp_corners() if way.apart_mm or options.corner != "turn" else ():
             why = "no loop has room"
             for times in _RUNS:
+                run_mm = way.apart_mm + times * options.run_mm
                 try:
-                    path = round_alone(replace(way, loops=((corner, times * options.run_mm),), run=()))
+                    ways = _torches(round_alone(replace(way, loops=((corner, run_mm),), run=())), drawn, options)
                 except ValueError as error:  # too short a run
                     why = str(error)
                     continue
-                hit = metal.no_room(path, drawn, others)
+                hit = next(filter(None, (metal.no_room(path, drawn, others) for path in ways)), None)
                 if hit is None:
-                    loops.append((corner, times * options.run_mm))
-                    found.taken[drawn.id] = shapely.union(found.taken[drawn.id], _swept(path, options))
+                    loops.append((corner, run_mm))
+                    swept = [found.taken[drawn.id], *(_swept(path, options) for path in ways)]
+                    found.taken[drawn.id] = shapely.union_all(swept)
                     break
                 why = hit if times == _RUNS[0] else why
             else:
+                x, y = corner
+                if way.apart_mm:
+                    raise InputError(f"no loop of the block has room at the corner ({x:.1f}, {y:.1f}): {why}")
                 if options.corner == "loop":
-                    x, y = corner
                     raise InputError(
                         f"no loop has room at the corner ({x:.1f}, {y:.1f}): {why}; leave more web, shorten "
                         "cuts.bevel.run, or say cuts.bevel.corner: either"
                     )
-        for path in _alone(replace(way, loops=tuple(loops)), options):
-            hit = metal.hit(path, drawn.part, along=True, apart_mm=0.0)
+        for path in _alone(replace(way, loops=tuple(loops)), drawn, options):
+            hit = metal.hit(path, drawn.part, along=None if way.apart_mm else True, apart_mm=0.0)
             if hit is None and way.run:
                 hit = metal.no_room(path, drawn, others)
                 found.taken[drawn.id] = shapely.union(found.taken[drawn.id], _swept(path, options))
@@ -273,10 +286,17 @@ def _loops_and_room(drawn: Contour, metal: _Metal, found: Bevelling) -> Iterator
         yield tuple(loops)
 
 
-def _alone(way: Round, options: BevelOptions) -> Iterator[TiltedPath]:
+def _torches(path: TiltedPath, drawn: Contour, options: BevelOptions) -> tuple[TiltedPath, ...]:
+    """The path, or those of the torches of a block that goes along it."""
+    if options.block is None:
+        return (path,)
+    return options.block.torches(path, options.leans(drawn), options.lean(BevelPass(0.0, 0.0)))
+
+
+def _alone(way: Round, drawn: Contour, options: BevelOptions) -> Iterator[TiltedPath]:
     """The pass whatever the cut's leads are: of a run both ways along it, since it begins and ends otherwise."""
     if not way.run:
-        yield round_alone(way)
+        yield from _torches(round_alone(way), drawn, options)
         return
     for ccw in (True, False):
         yield run_along(replace(way, ccw=ccw), options.run_mm)
@@ -365,7 +385,8 @@ def _no_room(
     except InputError as error:
         return error.message
     apart_mm = bevelling.options.kerfs[0][1] + _SLACK_MM
-    for path, way in zip(paths, bevelling.options.rounds(drawn, ccw=True), strict=True):
+    rounds = bevelling.options.rounds(drawn, ccw=True) * (len(paths) if bevelling.options.block is not None else 1)
+    for path, way in zip(paths, rounds, strict=True):
         if way.run:
             continue
         leads = replace(path, steps=tuple(_leads(path)))

@@ -58,11 +58,12 @@ class Round:
     leans: tuple[Lean, ...] = ()
     run: tuple[int, ...] = ()
     thickness_mm: float = 0.0
+    apart_mm: float = 0.0
 
     @property
     def tilted(self) -> bool:
-        """Whether the torch leans anywhere."""
-        return any(one.tilt_deg for one in (self.lean, *self.leans))
+        """Whether a torch leans anywhere: along it, or in a block whose torches stand `apart_mm`."""
+        return self.apart_mm > 0 or any(one.tilt_deg for one in (self.lean, *self.leans))
 
     @property
     def ring(self) -> Curve:
@@ -126,11 +127,12 @@ class Round:
         for before, segment, after in zip(
             (segments[-1], *segments), segments, (*segments[1:], segments[0]), strict=False
         ):
-            if abs(segment.sweep_rad) >= SHARP_RAD and (corner := self.corner_of(segment)) is not None:
+            least = _SAME_RAD if self.apart_mm else SHARP_RAD
+            if abs(segment.sweep_rad) >= least and (corner := self.corner_of(segment)) is not None:
                 leans = [self.lean_of(before), self.lean_of(after)]
                 if self.run and {self.edge_of(before), self.edge_of(after)} - {*self.run}:
                     continue
-                if any(one.tilt_deg for one in leans):
+                if self.apart_mm or any(one.tilt_deg for one in leans):
                     yield corner
 
     def turn_between(self, before: Segment, after: Segment) -> float:

@@ -77,7 +77,7 @@ class TiltedPath:
 
     steps: tuple[Step, ...]
     thickness_mm: float = 0.0
-    aside_mm: Point = (0.0, 0.0)
+    aside_mm: Point | None = None
 
     @property
     def tilt_deg(self) -> float:
@@ -134,7 +134,7 @@ class TiltedPath:
         told = {"tilt": self.tilt_deg, "kerf": round(2 * self.half_mm, 6), "thickness": self.thickness_mm, "top": top}
         if not self.steady:
             told["tilts"] = [row[5] for row in rows]
-        if self.aside_mm != (0.0, 0.0):
+        if self.aside_mm is not None:
             told["aside"] = [round(v, 6) for v in self.aside_mm]
         return told
 
@@ -147,8 +147,8 @@ class TiltedPath:
             Step(Segment((a[0], a[1]), (b[0], b[1]), a[2]), a[3], b[3], a[4], tilt, end, half_mm)
             for (a, b), (tilt, end) in zip(pairwise(rows), pairwise(tilts), strict=True)
         )
-        left, out = data.get("aside", (0.0, 0.0))
-        return TiltedPath(steps, data["thickness"], (left, out))
+        aside = data.get("aside")
+        return TiltedPath(steps, data["thickness"], None if aside is None else (aside[0], aside[1]))
 
     def lines(self, depth_mm: float, along: bool | None = None) -> list[shapely.LineString]:
         """Its way at a depth: all of it in one line, or only the stretches that are, or are not, along the contour."""
@@ -166,7 +166,7 @@ class TiltedPath:
         """Its stretches at a depth, each with half its width; `apart` where that changes."""
         points: list[tuple[float, float]] = []
         half_mm = self.steps[0].half_mm
-        left_mm, out_mm = self.aside_mm
+        left_mm, out_mm = self.aside_mm or (0.0, 0.0)
         for step, rows in zip(self.steps, self._sampled(), strict=True):
             taken = along is None or step.along == along
             if points and (not taken or (apart and step.half_mm != half_mm)):
@@ -191,6 +191,11 @@ class TiltedPath:
             points = np.array([segment.point_at(f) for f in share.tolist()])
             angle, tilt = math.radians(step.begin_deg) + turn * share, math.radians(step.tilt_deg) + leant * share
             yield np.column_stack([points, np.cos(angle), np.sin(angle), np.tan(tilt)])
+
+
+def one_after_another(passes: Sequence[TiltedPath]) -> Sequence[TiltedPath]:
+    """The passes that a torch goes along in turns: torches of a block go along the first of theirs together."""
+    return passes[:1] if passes and passes[0].aside_mm is not None else passes
 
 
 def within_turns(paths: Sequence[TiltedPath], most_deg: float) -> tuple[TiltedPath, ...] | None:

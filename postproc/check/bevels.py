@@ -28,7 +28,8 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
 from .bevel_edges import sides_of
-from .bevel_faces import Slope, cut_away_mm, face_area, section_of, slopes_of
+from .bevel_faces import Slope, cut_away_mm, face_area, half_width_mm, section_of, slopes_of
+from .block import torch_burns
 from .jets import ANGLE_DEG, Jet, Root, jet_of, root_ring, roots_of
 from .torch_run import tolerance_mm
 
@@ -66,16 +67,26 @@ def judge_bevels(
     """
     drawn = nest.drawn or nest
     bevelled = [c for c in drawn.contours if c.bevelled]
+    found: list[tuple[tuple[str, ...], str]] = []
+    together: dict[int, Burn] = {}  # the burns of a block's torches, each with that of the block
+    if profile.cuts.bevel.head == "block":
+        each = list(torch_burns(program, profile, found))
+        program = replace(program, burns=tuple(burn for burn, _ in each))
+        together = {k: block for k, (_, block) in enumerate(each) if block is not None}
     tilted = [k for k, burn in enumerate(program.burns) if burn.tilted]
     if not bevelled and not tilted:
         return BevelsJudged(program)
     jets = {k: jet_of(program.burns[k], profile) for k in tilted}
-    found: list[tuple[tuple[str, ...], str]] = []
     passes = _passes(bevelled, jets, profile, found)
     for k, jet in jets.items():
         if not any(k in of for of in passes.values()):
             found.append(((), f"line {jet.burn.line}: a tilted burn follows no bevel of the nest"))
     share_of = {k: shares.get(name, (1.0, 1.0)) for name, of in passes.items() for k in of}
+    for k in share_of.keys() & together.keys():  # they go as fast as the one that leans most
+        slowest = min(jets[j].burn.lean_share for j in jets if together.get(j) is together[k])
+        low, high = share_of[k]
+        by = slowest / jets[k].burn.lean_share
+        share_of[k] = low * by, high * by
     changes = {k for contour in bevelled if contour.edge_bevels for k in passes[contour.id]}
     found += _unsteady(jets, share_of, changes, profile)
     uprights, upright_line = _upright_of(bevelled, program, profile)
@@ -86,7 +97,11 @@ def judge_bevels(
     contours = {c.id: c for c in bevelled}
     last = {max(of) if contours[name].edge_bevels else of[-1]: (name, of) for name, of in passes.items() if of}
     for k, burn in enumerate(program.burns):
-        if k not in jets:
+        if k in last and k in together:
+            slowest = min(jets[j].burn.lean_share for j in jets if together.get(j) is together[k])
+            made = _made_upright(jet_of(together[k], profile), contours[last[k][0]], profile)
+            burns.append(replace(made, step_feeds_mm_s=tuple(feed / slowest for feed in made.step_feeds_mm_s)))
+        elif k not in jets and k not in together:
             burns.append(burn)
         elif k in last:
             contour = contours[last[k][0]]
@@ -378,11 +393,17 @@ def _off(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) ->
 def _made_upright(jet: Jet, contour: Contour, profile: Profile) -> Burn:
     """The burn as an upright one at its root, without its loops: they are judged above."""
     roots = list(roots_of(contour, profile))
-    slope = Slope(0.0, 0.0) if contour.edge_bevels else roots[-1].slope
+    square = slopes_of(contour.bevel, profile.material.thickness_mm)[1]
+    slope = Slope(0.0, 0.0) if contour.edge_bevels or (square and not jet.burn.tilted) else roots[-1].slope
     ring = root_ring(contour, slope, profile)
     assert ring is not None
     points = jet.at + slope.root_mm * jet.aside
-    near = _on(jet, contour, [roots[-1]] if not contour.edge_bevels else roots, profile)
+    if not jet.burn.tilted:  # the upright torch of a block: its plain cut would be as wide as that of the last slope
+        turn, wider_mm = np.radians(jet.turns_deg), half_width_mm(slope.lean_deg, profile) - half_width_mm(0, profile)
+        points = jet.at + wider_mm * np.column_stack([np.cos(turn), np.sin(turn)])
+        near = shapely.distance(ring, shapely.points(points)) <= _NEAR_MM
+    else:
+        near = _on(jet, contour, roots if contour.edge_bevels else roots[-1:], profile)
     on = np.flatnonzero(near)
     if contour.edge_bevels:  # beside its edges, as an upright torch would be
         points = _at_roots(jet, roots)
@@ -398,7 +419,7 @@ def _made_upright(jet: Jet, contour: Contour, profile: Profile) -> Burn:
     path = Curve.of(kept, closed=False)
     lean_deg, feed = max(_paces(jet.burn), key=lambda pace: pace[1])
     feed /= math.cos(math.radians(lean_deg))
-    return replace(jet.burn, path=path, axes=(), step_feeds_mm_s=(feed,) * len(path.segments))
+    return replace(jet.burn, path=path, axes=(), torches=(), torch=1, step_feeds_mm_s=(feed,) * len(path.segments))
 
 
 def _at_roots(jet: Jet, roots: Sequence[Root]) -> Floats:

@@ -35,6 +35,7 @@ class Jet:
     at: Floats
     aside: Floats
     leans_deg: Floats
+    turns_deg: Floats
     halves_mm: Floats
 
     @property
@@ -78,7 +79,7 @@ class Jet:
 
 
 def jet_of(burn: Burn, profile: Profile) -> Jet:
-    at, aside, leans = [], [], []
+    at, aside, leans, turns = [], [], [], []
     rows = burn.path.vertices.tolist()
     for k, ((x, y, bulge), after) in enumerate(zip(rows, [*rows[1:], rows[-1]], strict=True)):
         (tilt, turn), (tilt_to, turn_to) = burn.axes[k], burn.axes[min(k + 1, len(rows) - 1)]
@@ -92,9 +93,10 @@ def jet_of(burn: Burn, profile: Profile) -> Jet:
             lean, way = (math.radians(a + (b - a) * share) for a, b in ((tilt, tilt_to), (turn, turn_to)))
             aside.append((math.tan(lean) * math.cos(way), math.tan(lean) * math.sin(way)))
             leans.append(tilt + (tilt_to - tilt) * share)
+            turns.append(turn + (turn_to - turn) * share)
     half_of = {lean: half_width_mm(lean, profile) for lean in {*leans}}
     halves = np.array([half_of[lean] for lean in leans])
-    return Jet(burn, np.array(at), np.array(aside), np.array(leans), halves)
+    return Jet(burn, np.array(at), np.array(aside), np.array(leans), np.array(turns), halves)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -150,7 +150,7 @@ class Dialect:
     )
     assumes: Mapping[str, tuple[str, ...]] = field(
         metadata=option(
-            Assumptions((*PROCESSES, "marks", "torches", "bevels")),
+            Assumptions((*PROCESSES, "marks", "torches", "bevels", "block")),
             "what each program assumes of the machine, a comment each",
         )
     )

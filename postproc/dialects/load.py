@@ -260,6 +260,12 @@ def fitting_dialect(profile: Profile) -> Dialect:
             "from one to the next with the torch on: say links: off, or leave kerf out of the dialect",
         )
     bevel = profile.cuts.bevel
+    if bevel.head == "block" and not (dialect.torch_select and dialect.torch_deselect):
+        raise wrong_at(
+            _said_at(profile, ("cuts", "bevel"), ("machine", "dialect")),
+            f"cuts.bevel.head: the dialect '{dialect.name}' has no words for several torches (torch_select, "
+            "torch_deselect), as a block has: take linuxcnc, give a copy of it these words, or say head: tilting",
+        )
     if bevel.head is not None and not {bevel.tilt, bevel.turn} <= {*dialect.rotary}:
         others = [name for name in dialect_names() if {bevel.tilt, bevel.turn} <= {*load_dialect(name).rotary}]
         raise wrong_at(

@@ -39,7 +39,7 @@ from .gcode import (
 )
 from .head_comments import name_comments, program_names, reading_comments, setting_comments
 from .kerf_by_control import keeps_left
-from .tilted import bevel_passes
+from .tilted import BLOCK_TORCHES, UPRIGHT, bevel_passes
 from .toolpaths import SHA_DIGITS, Toolpath, expect_same_nest, toolpaths
 
 ARCS_REFITTED = "ARCS REFITTED WITHIN"
@@ -180,7 +180,7 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, "ASSUMES", f"THE CONTROL ADDS A KERF OF {number(profile.material.kerf_mm, 3)} MM")
     of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
     of += ["torches"] if machine.torches.several else []
-    of += ["bevels"] if any(planned.passes for planned in plan.cuts) else []
+    of += ["block" if profile.cuts.bevel.head == "block" else "bevels"] if any(c.passes for c in plan.cuts) else []
     for assumption in (text for key in of for text in dialect.assumes.get(key, ())):
         yield comment(dialect, "ASSUMES", assumption.format(**powers_of(dialect, profile)))
 
@@ -295,7 +295,8 @@ def _body(
     due: dict[int, list[tuple[int, Pierce]]] = {}
     for count, pierce in enumerate(pierces, 1):
         due.setdefault(pierce.before, []).append((count, pierce))
-    pen.torches, pen.kerf_mm = profile.machine.torches.count, profile.material.kerf_mm
+    bevel, several = profile.cuts.bevel, profile.machine.torches.count
+    pen.torches, pen.kerf_mm = max(BLOCK_TORCHES) if bevel.head == "block" else several, profile.material.kerf_mm
     order = first
     if dialect.subprogram is not None:
         paths = list(paths)
@@ -316,7 +317,7 @@ def _body(
     yield comment(dialect, "HOME")
     yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
     if pen.upright:
-        pen.upright = f"{profile.cuts.bevel.tilt}0 {profile.cuts.bevel.turn}0"
+        pen.upright = f"{bevel.turn}0" if bevel.head == "block" else f"{bevel.tilt}0 {bevel.turn}0"
     yield pen.rapid(profile.machine.home)
     yield from dialect.footer
 
@@ -378,6 +379,7 @@ def _cut(
     if not toolpath.linked:
         yield from pen.select(mark)
         lit = {planned.cut.torch for planned in toolpath.together}
+        lit = {UPRIGHT} if profile.cuts.bevel.head == "block" and not mark else lit
         yield from pen.leave(lit)
         yield from [pen.rapid(toolpath.path.point_at(0.0))] if left is None else pen.beside(toolpath.path, left)
         yield from pen.add(lit)
@@ -463,11 +465,8 @@ def _cut_out(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: 
     place = " ".join(number(v, DECIMALS) for v in cut.pierce)
     told = f"ZONE {cut.zone} {cut.direction.upper()} PIERCE {place}"
     yield comment(dialect, head, names.get(cut.contour, cut.contour), told)
-    for name, lead in (("IN", cut.lead_in), ("OUT", cut.lead_out)):
-        if lead is not None:
-            what = "LINK" if cut.linked and name == "IN" else "LEAD"
-            for words in _lines(lead, room_for(dialect, f"{head} {what} {name}")):
-                yield comment(dialect, f"{head} {what} {name}", " ".join(words))
+    yield from _lead(f"{head} {'LINK' if cut.linked else 'LEAD'} IN", cut.lead_in, dialect)
+    yield from _lead(f"{head} LEAD OUT", cut.lead_out, dialect)
     for tab in cut.tabs:
         yield comment(dialect, f"{head} TAB", " ".join(number(v, DECIMALS) for v in (*tab.at, tab.width_mm)))
 
@@ -482,19 +481,17 @@ def _begun_out(
     ends = " TO ".join(" ".join(number(v, DECIMALS) for v in at) for at in (span.begin, span.end))
     told = f"ZONE {cut.zone} {cut.direction.upper()} FROM {ends}"
     yield comment(dialect, f"BEGUN {count} BEFORE {before}", names.get(cut.contour, cut.contour), told)
-    if cut.lead_in is not None:
-        what = "LINK" if cut.linked else "LEAD"
-        for words in _lines(cut.lead_in, room_for(dialect, f"BEGUN {count} {what} IN")):
-            yield comment(dialect, f"BEGUN {count} {what} IN", " ".join(words))
+    yield from _lead(f"BEGUN {count} {'LINK' if cut.linked else 'LEAD'} IN", cut.lead_in, dialect)
 
 
-def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:
-    """The vertices as words, as many whole ones at a time as there is room for."""
-    line: list[str] = []
-    for row in lead.as_rows():
+def _lead(head: str, lead: Curve | None, dialect: Dialect) -> Iterator[str]:
+    """Comments with the vertices of a lead, as many whole ones at a time as there is room for."""
+    room, line = room_for(dialect, head), list[str]()
+    for row in () if lead is None else lead.as_rows():
         vertex = [number(v, DECIMALS) for v in (*row, 0.0)[:3]]
         if line and len(" ".join([*line, *vertex])) > room:
-            yield line
+            yield comment(dialect, head, " ".join(line))
             line = []
         line += vertex
-    yield line
+    if line:
+        yield comment(dialect, head, " ".join(line))

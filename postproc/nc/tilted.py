@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.geometry.segment import Point
@@ -25,8 +26,10 @@ def bevel_passes(
     An upright pass follows the path of the cut itself. Between two passes the torch is off.
     """
     machine, words, cut = profile.machine, profile.cuts.bevel, toolpath.planned.cut
-    last = toolpath.passes[-1]
-    small_hole = toolpath.feed_share / (last.feed_share if last.steady else 1.0)
+    if toolpath.passes[0].aside_mm is not None:
+        yield from _by_block(order, name, toolpath, corner, profile, pen)
+        return
+    small_hole = toolpath.small_hole_share
     waits = pierce_dwell_of(profile, pen.dialect) == "program"
     for count, one in enumerate(toolpath.passes, 1):
         lean = f"TILT {number(one.tilt_deg, 3)}" if one.tilt_deg else "UPRIGHT"
@@ -49,6 +52,41 @@ def bevel_passes(
             yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
             yield from pen.path(toolpath.path, feed_mm_s)
             yield from pen.stop(False)
+
+
+UPRIGHT, OPEN_TO_TOP, OPEN_TO_BOTTOM = 2, 3, 4
+"""The torches of a block, as programs name them: the first is that of a machine without one."""
+BLOCK_TORCHES = {UPRIGHT: "UPRIGHT", OPEN_TO_TOP: "OPEN TO THE TOP", OPEN_TO_BOTTOM: "OPEN TO THE BOTTOM"}
+
+
+def _by_block(
+    order: int, name: str, toolpath: Toolpath, corner: Point, profile: Profile, pen: GcodeWriter
+) -> Iterator[str]:
+    """The blocks of a contour that a block of torches cuts at once; how these are set by hand stands before."""
+    machine, words, cut = profile.machine, profile.cuts.bevel, toolpath.planned.cut
+    lit = set()
+    for one in toolpath.passes:
+        torch = UPRIGHT if not one.tilt_deg else OPEN_TO_TOP if one.tilt_deg > 0 else OPEN_TO_BOTTOM
+        lit.add(torch)
+        left, out = one.aside_mm or (0.0, 0.0)
+        stands = f"TILT {number(one.tilt_deg, 3)} LEFT {number(left, 3)} OUT {number(out, 3)}"
+        yield comment(pen.dialect, f"BLOCK TORCH {torch} {BLOCK_TORCHES[torch]}", "", stands)
+    text = f"ZONE {cut.zone} {cut.direction.upper()} BLOCK OF {len(toolpath.passes)}"
+    yield comment(pen.dialect, f"CUT {order}", name, text)
+    share = toolpath.small_hole_share * min(one.feed_share for one in toolpath.passes)
+    feed_mm_s = machine.cut_feed_mm_s * share
+    waits = pierce_dwell_of(profile, pen.dialect) == "program"
+    path = toolpath.passes[0].moved(-corner[0], -corner[1])
+    path = replace(path, steps=tuple(replace(step, tilt_deg=0.0, end_tilt_deg=0.0) for step in path.steps))
+    yield from pen.select(False)
+    yield from pen.leave(lit)
+    pen.upright = f"{words.turn}{_degrees(path.steps[0].begin_deg)}"
+    yield pen.rapid(path.start)
+    yield from pen.add(lit)
+    yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
+    yield from _followed(path, feed_mm_s, (words.tilt, words.turn), profile.material.thickness_mm, pen)
+    yield from pen.stop(False)
+    pen.upright = f"{words.turn}0"
 
 
 def _followed(

@@ -45,6 +45,14 @@ class Toolpath:
     passes: tuple[TiltedPath, ...] = ()
 
     @property
+    def small_hole_share(self) -> float:
+        """The share of the cut feed that its contour's size alone allows, where it is cut in passes."""
+        if self.passes[0].aside_mm is not None:
+            return self.feed_share / min(one.feed_share for one in self.passes)
+        last = self.passes[-1]
+        return self.feed_share / (last.feed_share if last.steady else 1.0)
+
+    @property
     def pieces(self) -> tuple[Curve, ...]:
         """The path taken apart where the torch goes off and on again over tabs: lit and unlit pieces, in turn."""
         if not self.unlit:

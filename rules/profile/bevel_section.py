@@ -7,14 +7,14 @@ from typing import Any, Literal
 
 import yaml
 
-from kerfwise.encoder.bevels.bevel import Bevel
+from kerfwise.encoder.bevels.bevel import Bevel, Face
 from kerfwise.encoder.bevels.round import Corner
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Text, Unfit
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import KERF, LENGTH, MASS, OrWord, likely, positive
 
-Head = Literal["tilting"]
+Head = Literal["tilting", "block"]
 Axis = Literal["A", "B", "C"]
 _AXES = Choice(("A", "B", "C"))
 _ANGLE = Number(0, 60)
@@ -78,7 +78,9 @@ class BevelSection:
     head: Head | None = field(
         default=None,
         metadata=option(
-            Choice(("off", "tilting"), none="off"), "what cuts bevels: one torch that tilts", named=("tilting",)
+            Choice(("off", "tilting", "block"), none="off"),
+            "what cuts bevels: one torch that tilts, or a block of three that turns",
+            named=("tilting",),
         ),
     )
     tilt: Axis = field(default="A", metadata=option(_AXES, "the axis that tilts the torch from the vertical"))
@@ -92,6 +94,21 @@ class BevelSection:
     kerfs: tuple[tuple[float, float], ...] = field(
         default=(),
         metadata=option(KerfByAngle(), "the kerf square to the jet by its angle; material.kerf at 0, straight between"),
+    )
+    apart_mm: float = field(
+        default=45.0,
+        metadata=option(
+            likely(positive(LENGTH), 10.0, 500.0),
+            "how far the tilted torches of a block stand from its upright one, along the contour",
+        ),
+    )
+    left: Face = field(
+        default="top",
+        metadata=option(
+            Choice(("top", "bottom")),
+            "which face the torch opens to that stands on the left, as one looks from the part to the waste: it leads "
+            "where a contour is cut counter-clockwise",
+        ),
     )
     corner: Corner = field(
         default="either",

@@ -9,6 +9,7 @@ from typing import cast
 
 import shapely
 
+from kerfwise.encoder.bevels.block import Block
 from kerfwise.encoder.bevels.cut_nest import BevelOptions, bevelled, with_bevels
 from kerfwise.encoder.bevels.room import Bevelling, plan_bevels
 from kerfwise.encoder.bridges import expect_wider
@@ -257,6 +258,7 @@ class Profile(ProfileSections):
             bevel.most_turn,
             bevel.lies_still,
             self.plant.plate.density_kg_m3,
+            Block(bevel.apart_mm, bevel.left) if bevel.head == "block" else None,
         )
 
     def bevelling_of(self, nest: Nest) -> Bevelling | None:

@@ -92,6 +92,12 @@ def expect_bevels(profile: Profile, nest: Nest | None = None, resumed: bool = Fa
             "{head: tilting}}, or take the bevel out of the nest",
             file=(nest.file if nest is not None else "") or None,
         )
+    if section.head == "block" and len(kinds := {str(b) for c in contours for b in c.bevel_of_edge if b}) > 1:
+        raise InputError(
+            f"the block of torches is set by hand to one bevel, and the nest has {' and '.join(sorted(kinds))}: cut it "
+            "as two nests, or take a head that tilts",
+            file=(nest.file if nest is not None else "") or None,
+        )
     if (why := next(_no_bevels(profile, nest, resumed), None)) is not None:
         raise InputError(f"{contours[0].id} has a bevel: {why}", file=profile.file or None)
 

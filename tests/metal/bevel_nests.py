@@ -16,6 +16,27 @@ from kerfwise.rules.profile.profile import Profile
 Rows = list[tuple[float, ...]]
 
 
+def made_for_block(seed: int) -> tuple[Nest, Profile]:
+    """Polygons with one bevel, for a block of torches, with room for its loops."""
+    dice = random.Random(f"block {seed}")
+    nest, profile = made_nest(seed)
+    thickness = profile.material.thickness_mm
+    bevel = _bevel(dice, thickness)
+    parts = []
+    for k in range(dice.choice([1, 2])):
+        count, x, y = dice.randint(3, 6), 450.0 + 700 * k, 450.0
+        turn, radius = dice.uniform(0, math.tau), dice.uniform(90, 140)
+        at = [turn + math.tau * (j + dice.uniform(0.0, 0.25)) / count for j in range(count)]
+        rows = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in at]
+        parts.append(Part(f"P{k}", Contour(f"P{k}.outer", f"P{k}", "outer", Curve.of(rows), bevel=bevel)))
+    plain = Contour("Q.outer", "Q", "outer", Curve.of([(60, 60), (160, 60), (160, 120), (60, 120)]))
+    parts.append(Part("Q", plain))
+    left = dice.choice(["top", "bottom"])
+    section = replace(profile.cuts.bevel, head="block", left=left, apart_mm=dice.choice([30.0, 45.0]))  # type: ignore
+    nest = Nest(Sheet.rectangle(1700.0, 900.0), tuple(parts), file=f"block-{seed}.json")
+    return nest, replace(profile, cuts=replace(profile.cuts, bevel=section))
+
+
 def made_nest(seed: int, edges: bool = False) -> tuple[Nest, Profile]:
     """The nest of a seed, and the profile that it is cut by; with `edges` single edges have bevels of their own."""
     dice = random.Random(seed)

@@ -47,16 +47,45 @@ class LayerFinding:
 
 
 def jets_of(program: str, tilt: str = "A", turn: str = "C") -> list[Floats]:
-    """Each stretch with the torch on, as rows of x, y, tilt and turn, close together."""
+    """Each stretch with the torch on, as rows of x, y, tilt and turn, close together.
+
+    Of a block, told by its settings, each torch whose output is set has such a stretch.
+    """
+    settings = {int(found[0]): tuple(map(float, found[1:])) for found in _BLOCK.findall(program)}
+    jets = []
+    for rows, outputs in _runs(program, tilt, turn):
+        if outputs <= {1} and np.ptp(rows[:, 3]) < 1e-6:
+            jets.append(rows)
+            continue
+        along = np.radians(rows[:, 3])
+        out, left = (np.column_stack([np.cos(along + a), np.sin(along + a)]) for a in (0.0, math.pi / 2))
+        for output in sorted(outputs) if settings else ():
+            lean, to_left, outwards = settings[output + 1]
+            at = rows[:, :2] + to_left * left + outwards * out
+            jets.append(np.column_stack([at, np.full(len(at), lean), rows[:, 3]]))
+        if not settings:
+            jets.append(rows)
+    return jets
+
+
+_BLOCK = re.compile(r"\(BLOCK TORCH (\d)[^)]*? TILT (-?[\d.]+) LEFT (-?[\d.]+) OUT (-?[\d.]+)\)")
+
+
+def _runs(program: str, tilt: str, turn: str) -> list[tuple[Floats, set[int]]]:
+    """Each stretch with the torch on as the program has it, with the outputs that are set meanwhile."""
+    outputs, lit_by = set[int](), list[set[int]]()
     state = {"X": 0.0, "Y": 0.0, tilt: 0.0, turn: 0.0}
     motion, lit, jets = 0, False, list[list[Floats]]()
     for raw in program.splitlines():
         line = re.sub(r"\([^)]*\)", "", raw).strip()
         words = {letter: float(number) for letter, number in _WORDS.findall(line) if letter != "N"}
         codes = {float(n) for letter, n in _WORDS.findall(line) if letter == "G"}
+        if words.get("M") in (64, 65):
+            outputs = outputs - {int(words["P"])} | ({int(words["P"])} if words["M"] == 64 else set())
         if words.get("M") == 3:
             lit = True
             jets.append([])
+            lit_by.append(outputs)
         elif words.get("M") == 5:
             lit = False
         motion = next((int(code) for code in codes if code in (0, 1, 2, 3)), motion)
@@ -67,7 +96,7 @@ def jets_of(program: str, tilt: str = "A", turn: str = "C") -> list[Floats]:
             assert motion, f"a rapid with the torch on: {raw}"
             jets[-1].append(_moved(state, after, motion, words.get("I", 0.0), words.get("J", 0.0), tilt, turn))
         state = after
-    return [np.concatenate(rows) for rows in jets if rows]
+    return [(np.concatenate(rows), by) for rows, by in zip(jets, lit_by, strict=True) if rows]
 
 
 def _moved(a: dict[str, float], b: dict[str, float], motion: int, i: float, j: float, tilt: str, turn: str) -> Floats:

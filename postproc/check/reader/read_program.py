@@ -49,7 +49,7 @@ def read_on_machine(
     machine = profile.machine
     if trusted is None:
         control, held_s = control_of(profile)
-        unlit_mm, torches = _unlit_mm(profile), machine.torches.count
+        unlit_mm, torches = _unlit_mm(profile), _torches(profile)
         program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, unlit_mm, torches)
     else:
         program = old_on_machine(text, profile, trusted, file).program
@@ -68,10 +68,15 @@ def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = ""
         As `read_old` does; for a dialect that does not fit the profile's process.
     """
     machine, (control, held_s) = profile.machine, control_of(profile)
-    unlit_mm, torches = _unlit_mm(profile), machine.torches.count
+    unlit_mm, torches = _unlit_mm(profile), _torches(profile)
     return read_old(
         text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s, unlit_mm, torches
     )
+
+
+def _torches(profile: Profile) -> int:
+    """How many torches words select: with a block the first is that of a machine without one, and never burns."""
+    return 4 if profile.cuts.bevel.head == "block" else profile.machine.torches.count
 
 
 def _unlit_mm(profile: Profile) -> float:

@@ -70,7 +70,7 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
         (
             "  marks:",
             "  mark:",
-            "assumes: expected lists of comments under plasma, oxyfuel, laser, water-jet, marks, torches or bevels",
+            "assumes: expected lists of comments under plasma, oxyfuel, laser, water-jet, marks, torches, bevels or b",
         ),
         (
             "mark_off: M5 $1",
