@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -42,13 +43,14 @@ from .dxf_entities import (
     Looks,
     Placed,
     Unread,
-    check_numbers,
     curve,
     entities,
+    is_tilted,
     layer_of,
     width_of,
 )
 from .dxf_text import DXF_ERRORS, cross, is_written, middle_of_point, name_of, written
+from .layers import counted
 from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
 
 # its remarks on handles and such are nothing that a planner can act on; without a handler they go to the terminal
@@ -74,7 +76,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     """
     asking = Asking(dict(options.answers)) if asking is None else asking
     notes = _whole(data, options)
-    check_numbers(data)
+    _check_numbers(data)
     document = document_of(path)
     hidden, looks = hidden_layers(document), Looks(document)
     unread = Unread()
@@ -95,6 +97,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     texts, hidden_notes = texts_seen(read.texts)
     near, texts, far_notes = brought_near(pieces, texts)
     notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes)
+    notes = (*notes, *_doubts(document, shown))
     if document.modelspace() or not near:
         notes = (*notes, *_paper(document))
     if not near:
@@ -162,6 +165,15 @@ def _paper(document: Document) -> tuple[Note, ...]:
     )
     which = "1 entity is" if count == 1 else f"{count} entities are"
     return (Note("warning", f"left out: {which} in paper space, where a drawing is printed from"),) if count else ()
+
+
+def _doubts(document: Document, shown: Sequence[Placed]) -> Iterator[Note]:
+    """A word on what is read as it is seen from above, and on what no print shows."""
+    if tilted := [placed.layer for placed in shown if is_tilted(placed.entity)]:
+        yield Note("warning", f"drawn on a tilted plane, and read as it is seen from above: {counted(tilted)}")
+    unprinted = {name_of(str(x.dxf.name)).lower() for x in document.layers if not x.dxf.get("plot", 1)} - {"defpoints"}
+    if drawn := [placed.layer for placed in shown if placed.layer.lower() in unprinted]:
+        yield Note("warning", f"on layers that are never printed, and read like all others: {counted(drawn)}")
 
 
 def _on_paper(document: Document, hidden: Hidden, unread: Unread, asking: Asking) -> list[Placed]:
@@ -277,3 +289,58 @@ def _units(
     per_unit = mm_of(guess) or 1.0
     points = np.concatenate([piece.curve.vertices[:, :2] for piece, _ in read.pieces]) / per_unit
     return dxf_units(*_header(document, data), max(x1 - x0, y1 - y0) / per_unit, asking, are_inches(points))
+
+
+# The text of a DXF file before its library reads it: numbers that are none.
+
+_NUMBER = re.compile(rb"[ \t]*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[ \t]*")
+_READ = (b"ENTITIES", b"BLOCKS")
+"""Sections that hold what is drawn; headers and objects are full of other things."""
+_MOST_DIGITS = 9
+"""Of a group code: Python refuses to read a number of thousands of digits."""
+
+
+def _is_real(code: int) -> bool:
+    """Whether the values of a group code are real numbers."""
+    return 10 <= code <= 59 or 110 <= code <= 149 or 210 <= code <= 239 or 1010 <= code <= 1059
+
+
+def _check_numbers(data: bytes) -> None:
+    """Refuse a file with a coordinate that is no number: libraries read as far as it looks like one.
+
+    `120,75` would be 120, and a contour a little smaller than it is drawn. Binary files hold no text.
+
+    Raises
+    ------
+    InputError
+        With the line of the first one, the layer, and what was expected.
+    """
+    if data.startswith(b"AutoCAD Binary DXF"):
+        return
+    lines = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
+    section, layer, after_section = b"", b"0", False
+    for k in range(0, len(lines) - 1, 2):
+        code, value = lines[k].strip(), lines[k + 1]
+        if not code.lstrip(b"-").isdigit() or len(code) > _MOST_DIGITS:
+            return  # pairs of lines are out of step: the library says what it makes of that
+        number = int(code)
+        if number == 0:
+            after_section, layer = value.strip() == b"SECTION", b"0"
+        elif number == 2 and after_section:
+            section, after_section = value.strip(), False
+        elif number == 8:
+            layer = value.strip()
+        elif section in _READ and _is_real(number) and not _NUMBER.fullmatch(value):
+            text = value.strip().decode("utf-8", "replace")
+            on = name_of(layer.decode("utf-8", "surrogateescape"))
+            raise InputError(
+                f"{text!r} is no number (group code {number}, on layer '{on}'): expected one such as {_meant(text)}, "
+                "with a point and without spaces; export the drawing again with such numbers",
+                line=k + 2,
+            )
+
+
+def _meant(value: str) -> str:
+    """The number as it should have been written, where that is plain."""
+    tried = re.sub(r"[dD](?=[-+]?\d+$)", "E", value.replace(",", ".").replace("#", ""))
+    return tried if _NUMBER.fullmatch(tried.encode("utf-8", "replace")) else "120.75"

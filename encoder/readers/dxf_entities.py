@@ -4,7 +4,6 @@ read."""
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -232,23 +231,37 @@ def curve(entity: DXFGraphic, scale: float) -> Curve | None:
             pass
         case _:
             return None
-    tilt = Vec3(entity.dxf.extrusion).normalize().z
-    if abs(abs(tilt) - 1) > ROUND:  # drawn on a tilted plane, seen from above
+    if is_tilted(entity):
         path = make_path(entity)
         return _flattened(path, path.control_vertices(), scale)
     match entity:
         case Arc():
             a0, a1 = math.radians(entity.dxf.start_angle), math.radians(entity.dxf.end_angle)
-            return _arc(entity, a0, (a1 - a0) % math.tau or math.tau, tilt, scale)
+            return _arc(entity, a0, (a1 - a0) % math.tau or math.tau, _tilt(entity), scale)
         case Circle():
-            return _arc(entity, 0.0, math.tau, tilt, scale)
+            return _arc(entity, 0.0, math.tau, _tilt(entity), scale)
         case LWPolyline():
             points = [(x, y, 0.0, b) for x, y, b in entity.get_points("xyb")]
-            return _polyline(entity.ocs(), points, entity.closed, tilt, scale)
+            return _polyline(entity.ocs(), points, entity.closed, _tilt(entity), scale)
         case _:  # the control points (16) of a smoothed POLYLINE are no part of the line
             vertices = [v.dxf for v in entity.vertices if not v.dxf.get("flags", 0) & 16]
             points = [(*v.location, float(v.get("bulge", 0.0))) for v in vertices]
-            return _polyline(entity.ocs(), points, entity.is_closed, tilt, scale)
+            return _polyline(entity.ocs(), points, entity.is_closed, _tilt(entity), scale)
+
+
+FLAT = (Arc, Circle, Ellipse, LWPolyline)
+"""Types that are drawn on a plane of their own."""
+
+
+def _tilt(entity: DXFGraphic) -> float:
+    """How far the plane of an entity is seen from its front: 1, from behind -1, from its edge 0."""
+    return float(Vec3(entity.dxf.get("extrusion", (0, 0, 1))).normalize().z)
+
+
+def is_tilted(entity: DXFGraphic) -> bool:
+    """Whether the plane that an entity is drawn on is seen at an angle from above."""
+    is_flat = entity.is_2d_polyline if isinstance(entity, Polyline) else isinstance(entity, FLAT)
+    return is_flat and abs(abs(_tilt(entity)) - 1) > ROUND
 
 
 def _arc(circle: Circle, start_rad: float, sweep_rad: float, tilt: float, scale: float) -> Curve:
@@ -387,61 +400,6 @@ def layer_of(entity: DXFEntity) -> str:
     if isinstance(entity, DXFTagStorage):
         return name_of(next((str(tag.value) for part in entity.xtags.subclasses for tag in part if tag.code == 8), "0"))
     return name_of(str(entity.dxf.get("layer", "0"))) if entity.dxf.is_supported("layer") else "0"
-
-
-# The text of a DXF file before its library reads it: numbers that are none, and names that were written otherwise.
-
-_NUMBER = re.compile(rb"[ \t]*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[ \t]*")
-_READ = (b"ENTITIES", b"BLOCKS")
-"""Sections that hold what is drawn; headers and objects are full of other things."""
-_MOST_DIGITS = 9
-"""Of a group code: Python refuses to read a number of thousands of digits."""
-
-
-def _is_real(code: int) -> bool:
-    """Whether the values of a group code are real numbers."""
-    return 10 <= code <= 59 or 110 <= code <= 149 or 210 <= code <= 239 or 1010 <= code <= 1059
-
-
-def check_numbers(data: bytes) -> None:
-    """Refuse a file with a coordinate that is no number: libraries read as far as it looks like one.
-
-    `120,75` would be 120, and a contour a little smaller than it is drawn. Binary files hold no text.
-
-    Raises
-    ------
-    InputError
-        With the line of the first one, the layer, and what was expected.
-    """
-    if data.startswith(b"AutoCAD Binary DXF"):
-        return
-    lines = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
-    section, layer, after_section = b"", b"0", False
-    for k in range(0, len(lines) - 1, 2):
-        code, value = lines[k].strip(), lines[k + 1]
-        if not code.lstrip(b"-").isdigit() or len(code) > _MOST_DIGITS:
-            return  # pairs of lines are out of step: the library says what it makes of that
-        number = int(code)
-        if number == 0:
-            after_section, layer = value.strip() == b"SECTION", b"0"
-        elif number == 2 and after_section:
-            section, after_section = value.strip(), False
-        elif number == 8:
-            layer = value.strip()
-        elif section in _READ and _is_real(number) and not _NUMBER.fullmatch(value):
-            text = value.strip().decode("utf-8", "replace")
-            on = name_of(layer.decode("utf-8", "surrogateescape"))
-            raise InputError(
-                f"{text!r} is no number (group code {number}, on layer '{on}'): expected one such as {_meant(text)}, "
-                "with a point and without spaces; export the drawing again with such numbers",
-                line=k + 2,
-            )
-
-
-def _meant(value: str) -> str:
-    """The number as it should have been written, where that is plain."""
-    tried = re.sub(r"[dD](?=[-+]?\d+$)", "E", value.replace(",", ".").replace("#", ""))
-    return tried if _NUMBER.fullmatch(tried.encode("utf-8", "replace")) else "120.75"
 
 
 # How an entity of a DXF file looks: its colour and its line type, its own or those of its layer.

@@ -80,19 +80,24 @@ DOUBTFUL: tuple[tuple[tuple[Purpose, ...], str], ...] = (
         ("ignore", "mark", "cut"),
         _words(
             "f[üu]hrungslinie hulplijn hintergrund passermark registration feature.?profile gewinde senkung"
-            " countersink counter.?bore konstruk[ct] koordinat nullpunkt 背景 ねじ",
+            " countersink counter.?bore konstruk[ct] koordinat nullpunkt 背景 ねじ ansenk knicklinie falzlinie"
+            " parts.?list st(ü|ue)ckliste (zeichnungs|zeichen|drawing|title).?(rahmen|frame) schutzfolie"
+            " schwei(ß|ss)n[aä]h сварк",
             "hilfs background reference thread tapp silhouett",
             "folds? folding folded falt(en|ung|linien?)? biegung creas(e|es|ed|ing) guides? gu[ií]as? guida"
             " ref csk fond sfondo tło фон print(s|ed|ing)? druck bleed artboard unused old backup trash temp origin"
-            " coordinates? revision резьба gwint filet(age|ti)",
+            " coordinates? revision резьба gwint filet(age|ti) bom grids? isometric(s|h)? views? ansicht(en)?"
+            " weld(s|ing)? soudure saldatur[ae] soldadura spaw(y|anie)? folie films? mask(e|en|s|ing)?",
         ),
     ),
     (
         ("mark", "cut", "ignore"),
         _words(
-            "perforation rycin kiss.?cut half.?cut halb.?schnitt half.?tone",
+            "perforation rycin v.?groove k[oö]rn(en|ung) data.?matrix"
+            " part.?(no|nr|numbers?)(?![^\\W\\d_]) kiss.?cut half.?cut halb.?schnitt half.?tone",
             "",
-            "scor(e|es|ed|ing) raster logos? stamp(s|ed|ing)? punch(es|ed|ing)? drill(s|ed|ing)?(.?cent(er|re)s?)?",
+            "scor(e|es|ed|ing) raster logos? stamp(s|ed|ing)? punch(es|ed|ing)? drill(s|ed|ing)?(.?cent(er|re)s?)?"
+            " perf ritz stanz(en|ung|ungen)? nr nummern? numbers? ids? bar.?codes? qr",
         ),
     ),
 )

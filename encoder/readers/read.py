@@ -194,7 +194,7 @@ def _as_made(rows: Sequence[tuple[str, DrawnCurve]], nest: Nest | None) -> tuple
 
 
 _KINDS = {"mark": "mark", "scrap": "scrap"}
-_SHARES = (0.1, 0.35, 0.5, 0.8)
+_SHARES = (0.02, 0.1, 0.35, 0.5, 0.8, 0.98)
 """Where along a line it is asked whether it is a piece of a contour."""
 _OFF_MM = 0.2
 """How far a line may lie off the contour that it has become a piece of."""

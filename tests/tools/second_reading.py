@@ -29,6 +29,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Bools
 from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
@@ -310,17 +311,13 @@ def _off(lines: Sequence[shapely.Geometry], others: Sequence[shapely.Geometry], 
 
 def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Curve]) -> tuple[float, float]:
     """What resvg shows and is not known, and what is cut and resvg does not show, mm."""
-    import resvg_py
-    from PIL import Image
     from scipy import ndimage
 
     text = _sized(_with_box(file.read_text(encoding="utf-8", errors="replace"), found, known))
-    png = resvg_py.svg_to_bytes(svg_string=text, width=PIXELS, dpi=96, skip_system_fonts=True)
-    picture = np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA"), dtype=np.float64)
-    ink = picture[:, :, 3] > 60
+    ink = _inked(text)
     assert found.nest is not None
     page = _page(file, found, known)
-    mm = page[2] / picture.shape[1]
+    mm = page[2] / ink.shape[1]
     edges = ink & ~ndimage.binary_erosion(ink, iterations=2, border_value=1)
     pen = ink & ~ndimage.binary_opening(ink, iterations=4)
     drawn = edges | pen
@@ -330,6 +327,8 @@ def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Cur
     points = shapely.points(xs + 0.5, ys + 0.5)
     near = np.unique(tree.query(points, predicate="dwithin", distance=NEAR_PX + 3.0 + _pen_px(text, mm))[0])
     unseen = (len(points) - len(near)) * mm
+    if found.reading is not None and found.reading.answers.get("clip") == "clipped":  # closed along what clips
+        ink = ink | _inked(_with_clips(text))
     away = ndimage.distance_transform_edt(~ink)
     unshown = 0.0
     for curve in cut:
@@ -340,6 +339,22 @@ def by_raster(file: Path, found: Seen, known: Sequence[Curve], cut: Sequence[Cur
         x, y = at[inside].astype(int).T
         unshown += curve.length_mm * float((away[y, x] > NEAR_PX + 1.0).sum()) / count
     return unseen, unshown
+
+
+def _inked(text: str) -> Bools:
+    """Where resvg shows anything."""
+    import resvg_py
+    from PIL import Image
+
+    png = resvg_py.svg_to_bytes(svg_string=text, width=PIXELS, dpi=96, skip_system_fonts=True)
+    picture = np.asarray(Image.open(io.BytesIO(bytes(png))).convert("RGBA"), dtype=np.float64)
+    return np.asarray(picture[:, :, 3] > 60)
+
+
+def _with_clips(text: str) -> str:
+    """The file with its clipping paths drawn as lines, and nothing clipped."""
+    drawn = re.sub(r"<(/?)defs\b", r"<\1g", text).replace("<clipPath", '<g fill="none" stroke="black"')
+    return re.sub(r"clip-path", "no-clip", drawn.replace("</clipPath", "</g"))
 
 
 def _sized(text: str) -> str:

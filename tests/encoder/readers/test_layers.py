@@ -3,7 +3,7 @@
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers.layers import DEFAULT, Layers, Use, counted, setting, surely_sheet
+from kerfwise.encoder.readers.layers import DEFAULT, Layers, Use, counted, doubtful, setting, surely_sheet
 
 NAMES = {
     "mark": "Engraving SCRIBE ETCH Part_Text Gravur Körnerpunkte Beschriftung Anriss Gravure Marquage Grabado Marcado"
@@ -31,6 +31,26 @@ NAMES = {
 def test_names_as_shops_write_them(purpose: str, name: str) -> None:
     for written in (name, name.lower(), name.upper()):
         assert DEFAULT.use([written]) == Use(purpose, False), written  # type: ignore[arg-type]
+
+
+ASKED = {
+    "mark": "Score Scoring Punch Drill Stanzen PERF Perforation Ritz Körnen V-groove Nummern Nr ID Barcode QR"
+    " part_number",
+    "ignore": "Gewinde Senkung Ansenken Knicklinie Falzlinie Fold Stückliste BOM Zeichnungsrahmen Grid VIEW Ansicht"
+    " Schweißnaht Weld Soudure Schutzfolie Folie Mask",
+}
+
+
+@pytest.mark.parametrize(("first", "name"), [(first, n) for first, names in ASKED.items() for n in names.split()])
+def test_names_of_lines_that_may_not_be_cut_are_doubtful(first: str, name: str) -> None:
+    for written in (name, name.lower(), name.upper()):
+        assert doubtful([written])[:1] == (first,), written
+        assert doubtful([written, "Kontur"]) == ()
+
+
+@pytest.mark.parametrize("name", ["Idler", "Viewer", "Gridley", "Punchline", "Nrs", "Welder"])
+def test_names_of_parts_are_not_doubtful(name: str) -> None:
+    assert doubtful([name]) == ()
 
 
 @pytest.mark.parametrize("name", ["EtchLines", "PartText", "myDIM", "TopEtch2"])

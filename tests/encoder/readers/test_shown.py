@@ -7,13 +7,14 @@ from typing import Any
 
 import ezdxf
 import pytest
+from ezdxf.math import OCS, Vec3
 from ezdxf.xclip import XClip
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.tests.encoder.readers.drawings import areas, lines, square, texts
+from kerfwise.tests.encoder.readers.drawings import areas, lines, save_dxf, square, texts
 
 SEEN = 'fill="none" stroke="black"'
 PART = f'<rect x="10" y="10" width="40" height="40" {SEEN}/>'
@@ -293,6 +294,19 @@ def test_layers_off_and_frozen_of_blocks_and_paper_space(tmp_path: Path) -> None
     said = " ".join(texts(nest.notes))
     assert "left out: 4 entities are in paper space" in said
     assert "1 on 'FROZEN', 1 on 'OFF'" in said
+
+
+def test_tilted_planes_and_layers_without_print_are_said(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        lines(space, square(0, 0, 100))
+        centre = OCS((0, -1, 1)).from_wcs(Vec3(50, 50, 0))
+        space.add_circle(centre, 10, dxfattribs={"extrusion": (0, -1, 1), "layer": "3D"})
+        space.doc.layers.add("Holes").dxf.plot = 0
+        space.add_circle((20, 20), 5, dxfattribs={"layer": "Holes"})
+
+    notes = texts(read_nest(save_dxf(tmp_path, draw), ReadOptions(frame="part")).notes)
+    assert "drawn on a tilted plane, and read as it is seen from above: 1 on '3D'" in notes
+    assert "on layers that are never printed, and read like all others: 1 on 'Holes'" in notes
 
 
 @pytest.mark.parametrize("wrong", ["120,75", "12#0.75", "1.207D+02", "1_0", "nan", ""])
