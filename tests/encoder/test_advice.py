@@ -78,7 +78,7 @@ FACTS = {
     "does not meet the outline of": "the same of one that is too short",
     "each but the last would cost a pierce": "tried in tests/commands/test_tabs.py",
     "draw each part by a closed line": "only where lines were closed that nobody asked to",
-    "a bevel of some edges alone": "tried in tests/commands/test_bevels.py",
+    "any more: draw it anew": "an edge with a bevel of its own is gone; such bevels are tried in tests/commands",
     "is damaged ({error})": "libraries' own errors on damaged files",
     "close the line in CAD": "the first of several remedies, tried with them",
 }
