@@ -13,6 +13,7 @@ from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.errors import naming_the_rule
 from kerfwise.encoder.nest import Nest
 
+from .expression.over_cuts import out_of_order
 from .lock import Lock
 from .statements import About, Precede, Statement
 
@@ -244,16 +245,10 @@ class OrderRule(Rule[OptionsT]):
     def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
         """Every pair that is cut the wrong way round."""
         at = cuts.positions()
+        found = (out_of_order(*pair, at) for pair in self.pairs(nest, cuts, options))
         return [
-            Violation(
-                self.id,
-                (first, then),
-                f"{first} (cut {at[first]}) must be cut before {then} (cut {at[then]}): "
-                + self.reason(first, then, cuts.start_side),
-                (at[then], at[first]),
-            )
-            for first, then in self.pairs(nest, cuts, options)
-            if first in at and then in at and at[first] > at[then]
+            Violation(self.id, ids, f"{text}: {self.reason(ids[0], ids[1], cuts.start_side)}", positions)
+            for ids, text, positions in filter(None, found)
         ]
 
 

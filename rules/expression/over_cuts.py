@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from kerfwise.encoder.cut import Cut, CutSequence
@@ -38,9 +38,33 @@ def breaches(conditions: Iterable[Condition], nest: Nest, cuts: CutSequence) -> 
         yield from judged.moves(moves)
 
 
+def out_of_order(first: str, then: str, at: Mapping[str, int]) -> Breach | None:
+    """That one contour is not cut before another, where both are cut; `at` are the positions of contours."""
+    if first not in at or then not in at or at[first] < at[then]:
+        return None
+    return (first, then), f"{first} (cut {at[first]}) must be cut before {then} (cut {at[then]})", (at[then], at[first])
+
+
+def interrupted(run: Iterable[str], cuts: CutSequence, at: Mapping[str, int], when: Mapping[str, int]) -> Breach | None:
+    """Where another cut comes between those of a run that are still to be made; not what other torches cut with them.
+
+    `at` are the positions of contours, `when` their moments.
+    """
+    places = sorted(at[name] for name in run if at.get(name, 0) > cuts.made)
+    moment = {k: when[cuts[k - 1].contour] for k in places}
+    for a, b in pairwise(places):
+        if moment[b] > moment[a] + 1:
+            strangers = (k for k in range(a + 1, b) if moment[a] < when[cuts[k - 1].contour] < moment[b])
+            k = next(strangers, a + 1)
+            before, stranger, after = (cuts[place - 1].contour for place in (a, k, b))
+            text = f"{stranger} (cut {k}) comes between {before} (cut {a}) and {after} (cut {b})"
+            return (before, stranger, after), text, (a, k, b)
+    return None
+
+
 class _Judged:
     def __init__(self, nest: Nest, cuts: CutSequence) -> None:
-        self.nest, self.cuts, self.at = nest, cuts, cuts.positions()
+        self.nest, self.cuts, self.at, self.when = nest, cuts, cuts.positions(), cuts.moments()
 
     def ids(self, contours: Iterable[int]) -> tuple[str, ...]:
         return tuple(self.nest.contours[k].id for k in contours)
@@ -50,11 +74,12 @@ class _Judged:
             case bool():
                 return None if condition.asked else (self.ids(condition.contours), condition.sentence, ())
             case Run(contours):
-                return self._run(self.ids(contours))
+                return interrupted(self.ids(contours), self.cuts, self.at, self.when)
             case Stays(out, left):
                 return self._stays(self.ids(out), self.ids(left))
             case Lit(Before()) as asked:
-                return self._order(*self.ids(asked.ends))
+                first, then = self.ids(asked.ends)
+                return out_of_order(first, then, self.at)
             case Lit(Apart() as apart):
                 return self._apart(apart)
             case Lit(Pick(c), holds):
@@ -62,22 +87,6 @@ class _Judged:
             case Gate():
                 return self._gate(condition, condition.asked)
         raise AssertionError(f"no cuts are judged by {condition}")
-
-    def _order(self, first: str, then: str) -> Breach | None:
-        at = self.at
-        if first not in at or then not in at or at[first] < at[then]:
-            return None
-        text = f"{first} (cut {at[first]}) must be cut before {then} (cut {at[then]})"
-        return (first, then), text, (at[then], at[first])
-
-    def _run(self, ids: Sequence[str]) -> Breach | None:
-        places = sorted(self.at[name] for name in ids if self.at.get(name, 0) > self.cuts.made)
-        for a, b in pairwise(places):
-            if b > a + 1:
-                before, stranger, after = (self.cuts[k - 1].contour for k in (a, a + 1, b))
-                text = f"{stranger} (cut {a + 1}) comes between {before} (cut {a}) and {after} (cut {b})"
-                return (before, stranger, after), text, (a, a + 1, b)
-        return None
 
     def _stays(self, out: tuple[str, ...], left: tuple[str, ...]) -> Breach | None:
         never = len(self.cuts) + 1
@@ -92,7 +101,7 @@ class _Judged:
         if any(name not in at for name in ids):
             return None
         first, then = sorted(ids, key=at.__getitem__)
-        between = at[then] - at[first] - 1
+        between = max(abs(self.when[then] - self.when[first]) - 1, 0)
         waited_s = self.cuts[at[then] - 1].start_s - self.cuts[at[first] - 1].end_s
         if between >= asked.cuts and waited_s >= asked.seconds - CLOCK_S:
             return None

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.catalogue.marks_first import MarksFirst, MarksFirstOptions
+from kerfwise.rules.expression.over_cuts import interrupted
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
 from kerfwise.rules.rule import Ids, Plant, Rule, RuleSetting, Strength, Violation
@@ -108,21 +108,13 @@ class PartContiguous(Rule[PartContiguousOptions]):
         at, when = cuts.positions(), cuts.moments()
         found = []
         for part in nest.parts:
-            own = sorted(at[c.id] for c in _run(part, options) if at.get(c.id, 0) > cuts.made)
+            run = [c.id for c in _run(part, options)]
+            own = sorted(at[name] for name in run if at.get(name, 0) > cuts.made)
             if len(own) < 2:
                 continue
-            moment = {k: when[cuts[k - 1].contour] for k in own}
-            broken = next(((a, b) for a, b in pairwise(own) if moment[b] > moment[a] + 1), None)
-            if broken is not None:
-                a, b = broken
-                between = (k for k in range(a + 1, b) if moment[a] < when[cuts[k - 1].contour] < moment[b])
-                k = next(between, a + 1)
-                stranger = cuts[k - 1].contour
-                text = (
-                    f"{part.id} is not cut in one go: {stranger} (cut {k}) comes between "
-                    f"{cuts[a - 1].contour} (cut {a}) and {cuts[b - 1].contour} (cut {b})"
-                )
-                found.append(Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, k, b)))
+            if (breach := interrupted(run, cuts, at, when)) is not None:
+                ids, text, positions = breach
+                found.append(Violation(self.id, ids, f"{part.id} is not cut in one go: {text}", positions))
             last = cuts[own[-1] - 1].contour
             if at.get(part.outer.id, 0) > cuts.made and last != part.outer.id:
                 outer_at = at[part.outer.id]

@@ -189,3 +189,21 @@ def test_a_rule_for_one_thickness_is_judged_on_that_sheet() -> None:
     assert rule.unjudged(ROW, order, thick) is None
     assert [violation.contours for violation in rule.violations(ROW, order, thick)] == [("P2.outer", "P0.outer")]
     assert "none has the thickness_mm '> 10'; there is '6.0'" in str(rule.unjudged(ROW, order, Thresholds()))
+
+
+def test_what_two_torches_cut_at_one_time_comes_between_nothing() -> None:
+    together, apart = rules_of(
+        "- {name: t, select: {part: [P0, P1]}, together: true}\n- {name: a, select: {part: [P0, P1]}, apart: {cuts: 1}}"
+    )
+    pairs = (("P0", "P2"), ("P1", "P3"))
+    cuts = CutSequence(
+        tuple(
+            cut(ROW, f"{part}.outer", torch=torch, together="" if torch == 1 else f"{first}.outer")
+            for first, second in pairs
+            for torch, part in ((1, first), (2, second))
+        )
+    )
+    assert as_rule(together).violations(ROW, cuts, Thresholds()) == []
+    assert [v.text for v in as_rule(apart).violations(ROW, cuts, Thresholds())] == [
+        "between P0.outer (cut 1) and P1.outer (cut 3) lie 0 cuts, not at least 1 cuts: a rule of the plant's own"
+    ]
