@@ -277,7 +277,7 @@ class LengthSpan(OptionKind):
 
 # Lengths that go with the thickness of the sheet: one number, so many thicknesses, or a small table.
 
-_THICKNESS = positive(LENGTH)
+MOST_THICKNESSES = 100.0
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)"
 _PATTERN = rf"\s*({_NUMBER})\s*(?:[×x*]\s*)?(?:thickness|thicknesses)\s*"
 
@@ -347,12 +347,17 @@ class LengthByThickness(Quantity):
         if isinstance(node, yaml.MappingNode):
             return self._table(node)
         found = re.fullmatch(_PATTERN, node.value) if isinstance(node, yaml.ScalarNode) else None
-        return Quantity.read(self, node) if found is None else Thicknesses(float(found[1]))
+        if found is None:
+            return Quantity.read(self, node)
+        if (count := float(found[1])) > MOST_THICKNESSES:
+            text = f"{count:g} × thickness is not likely, expected {MOST_THICKNESSES:g} × thickness at most"
+            raise Unfit(text, node)
+        return Thicknesses(count)
 
     def _table(self, node: yaml.MappingNode) -> ThicknessTable:
         if not node.value:
             raise self.refuse(node)
-        rows = sorted((_THICKNESS.read(key), Quantity.read(self, value)) for key, value in node.value)
+        rows = sorted((THICKNESS.read(key), Quantity.read(self, value)) for key, value in node.value)
         if len({thickness for thickness, _ in rows}) < len(rows):
             raise Unfit("the same thickness is given twice", node)
         return ThicknessTable(tuple(rows))
@@ -362,7 +367,7 @@ class LengthByThickness(Quantity):
             case Thicknesses():
                 return f"{value.count:.12g} × thickness"
             case ThicknessTable():
-                rows = (f"{_THICKNESS.write(t)}: {Quantity.write(self, length)}" for t, length in value.rows)
+                rows = (f"{THICKNESS.write(t)}: {Quantity.write(self, length)}" for t, length in value.rows)
                 return "{" + ", ".join(rows) + "}"
         return Quantity.write(self, value)
 

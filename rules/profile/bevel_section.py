@@ -124,7 +124,7 @@ class BevelSection:
     lies_still: float | None = field(
         default=None,
         metadata=option(
-            OrWord(MASS, "unknown"),
+            OrWord(likely(MASS, 0.0, 50_000.0), "unknown"),
             "from which mass on a part that has come loose stays where it is while it is cut again",
         ),
     )

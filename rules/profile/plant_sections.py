@@ -93,7 +93,8 @@ class Torches:
     up_to_mm: float | None = field(
         default=None,
         metadata=option(
-            OrWord(positive(LENGTH), "spacing"), "where torches can be moved: the greatest spacing, spacing the least"
+            OrWord(likely(positive(LENGTH), 1.0, 20_000.0), "spacing"),
+            "where torches can be moved: the greatest spacing, spacing the least",
         ),
     )
 
@@ -356,18 +357,24 @@ class Heat:
         default="carbon-steel", metadata=option(Choice(tuple(MATERIALS)), "thermal data, of the shipped table")
     )
     absorbed_power_w: float = field(
-        default=1300.0, metadata=option(Number(0), "W that stay in the sheet while the torch is on, piercing included")
+        default=1300.0,
+        metadata=option(Number(0, 1e6), "W that stay in the sheet while the torch is on, piercing included"),
     )
     ambient_c: float = field(default=20.0, metadata=option(Number(-50, 200), "temperature of the air and sheet, °C"))
-    limit_c: float = field(default=115.0, metadata=option(Number(-50), "a point hotter than this is an overheat, °C"))
+    limit_c: float = field(
+        default=115.0, metadata=option(Number(-50, 3000), "a point hotter than this is an overheat, °C")
+    )
     kerf_band_mm: float = field(
         default=10.0,
         metadata=option(likely(LENGTH, 0.0, 1000.0), "metal this near to the cut is hot anyway and not counted"),
     )
     loss_w_m2k: float = field(
-        default=15.0, metadata=option(Number(0), "W per m² and kelvin that each face of the sheet gives to the air")
+        default=15.0,
+        metadata=option(Number(0, 1e5), "W per m² and kelvin that each face of the sheet gives to the air"),
     )
-    grid_mm: float = field(default=5.0, metadata=option(positive(LENGTH), "distance between points of the grid"))
+    grid_mm: float = field(
+        default=5.0, metadata=option(likely(positive(LENGTH), 0.05, 1000.0), "distance between points of the grid")
+    )
     logical_conduction: float = field(
         default=0.1, metadata=option(Number(0, 1), "share that each of 8 neighbours is given a step, scheme logical")
     )
@@ -375,7 +382,8 @@ class Heat:
         default=0.9998, metadata=option(Number(0, 1), "share that the air leaves, scheme logical")
     )
     logical_step_s: float = field(
-        default=1.0, metadata=option(positive(DURATION), "time between two steps of the scheme logical")
+        default=1.0,
+        metadata=option(likely(positive(DURATION), 1e-3, 3600.0), "time between two steps of the scheme logical"),
     )
 
 

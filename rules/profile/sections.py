@@ -210,11 +210,14 @@ class Corners:
     )
     corner_reach: ByThickness = field(
         default=Thicknesses(0.5),
-        metadata=option(LENGTH_BY_THICKNESS, "how far before and behind a corner it goes slower"),
+        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "how far before and behind a corner it goes slower"),
     )
     leave_mm: float | None = field(
         default=None,
-        metadata=option(OrWord(LENGTH, "any"), "how much of an inner corner the round kerf may leave; more is refused"),
+        metadata=option(
+            OrWord(likely(LENGTH, 0.0, 100.0), "any"),
+            "how much of an inner corner the round kerf may leave; more is refused",
+        ),
     )
 
     def law(self, thickness_mm: float) -> CornerFeed | None:
@@ -234,7 +237,7 @@ class SmallHoles:
 
     min_hole: ByThickness = field(
         default=Thicknesses(1.0),
-        metadata=option(LENGTH_BY_THICKNESS, "least diameter, or width, of a hole that is cut"),
+        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "least diameter, or width, of a hole that is cut"),
     )
     under: Under = field(
         default="ask",
@@ -245,7 +248,9 @@ class SmallHoles:
     )
     full_feed_hole: ByThickness = field(
         default=Thicknesses(5.0),
-        metadata=option(LENGTH_BY_THICKNESS, "diameter from which on a hole is cut at the full cut feed"),
+        metadata=option(
+            likely(LENGTH_BY_THICKNESS, 0.0, 5000.0), "diameter from which on a hole is cut at the full cut feed"
+        ),
     )
     small_hole_feed: float = field(
         default=1.0,
@@ -277,10 +282,11 @@ class Nesting:
 
     web_mm: ByThickness = field(
         default=Thicknesses(1.0),
-        metadata=option(LENGTH_BY_THICKNESS, "metal left between two parts; a kerf comes to it"),
+        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 1000.0), "metal left between two parts; a kerf comes to it"),
     )
     edge_mm: ByThickness = field(
-        default=10.0, metadata=option(LENGTH_BY_THICKNESS, "least distance of parts from the edge of the sheet")
+        default=10.0,
+        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 5000.0), "least distance of parts from the edge of the sheet"),
     )
 
 
@@ -294,13 +300,14 @@ class LeadsSection:
     entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
     lead: LeadKind = field(default="line", metadata=option(_LEADS, "shape of the lead-in"))
     lead_in_mm: ByThickness = field(
-        default=6.0, metadata=option(LENGTH_BY_THICKNESS, "length of the lead-in where there is room")
+        default=6.0,
+        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "length of the lead-in where there is room"),
     )
     lead_in_min_mm: float = field(default=1.0, metadata=option(LEAD, "shortest lead-in where there is not"))
     lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
     lead_out_length_mm: float = field(default=2.0, metadata=option(LEAD, "length of the lead-out"))
     hole_overcut_mm: ByThickness = field(
-        default=1.0, metadata=option(LENGTH_BY_THICKNESS, "how far a hole is cut past its entry")
+        default=1.0, metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 50.0), "how far a hole is cut past its entry")
     )
     edge_start: bool = field(
         default=False, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
@@ -380,7 +387,8 @@ class DrawingSection:
         ),
     )
     margin_mm: float = field(
-        default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")
+        default=10.0,
+        metadata=option(likely(LENGTH, 0.0, 10_000.0), "room around the parts where the drawing has no sheet"),
     )
     join_tolerance_mm: float = field(
         default=0.1, metadata=option(likely(positive(LENGTH), 1e-5, 50.0), "loose ends this near are joined")
@@ -388,7 +396,8 @@ class DrawingSection:
     refit_arcs_mm: float | None = field(
         default=None,
         metadata=option(
-            OrWord(positive(LENGTH), none="off"), "flattened outlines become arcs again that stay this near to them"
+            OrWord(likely(positive(LENGTH), 1e-5, 10.0), none="off"),
+            "flattened outlines become arcs again that stay this near to them",
         ),
     )
 
@@ -403,7 +412,7 @@ class Distortion:
     tolerance_mm: float | None = field(
         default=None,
         metadata=option(
-            OrWord(positive(LENGTH), none="off"),
+            OrWord(likely(positive(LENGTH), 1e-3, 500.0), none="off"),
             "most that a part may be off; a part's key `tolerance` in the nest goes before it",
         ),
     )

@@ -11,10 +11,13 @@ import kerfwise as package
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.plan_without_zones import searched
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.resume import lock_broken_cut_first, stopped_plan
 from kerfwise.models.plan.plan import Plan
-from kerfwise.pipeline import solve_and_verify
+from kerfwise.pipeline import plan_of, solve_and_verify
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -46,9 +49,13 @@ def expect_redone(nest: Nest, old: Plan, plant: Profile, upto: int) -> None:
     found = solve_and_verify(
         make_request(facts_of(nest, locked, already), locked), locked, options_for(nest, locked, work=0.1)
     )
-    assert found.verdict.ok, (upto, found.verdict.broken())
-    assert found.plan.cuts[0].cut.contour == old.cuts[upto - 1].cut.contour
-    zones = [cut.cut.zone for cut in found.plan.cuts]
+    expect_in_step(found.plan, found.verdict, old, upto)
+
+
+def expect_in_step(rest: Plan, verdict: CheckResult, old: Plan, upto: int) -> None:
+    assert verdict.ok, (upto, verdict.broken())
+    assert rest.cuts[0].cut.contour == old.cuts[upto - 1].cut.contour
+    zones = [cut.cut.zone for cut in rest.cuts]
     assert zones == sorted(zones), upto
 
 
@@ -63,14 +70,26 @@ def test_every_stop_of_a_plan_that_had_other_zones(tmp_path: Path) -> None:
 @pytest.mark.full
 @pytest.mark.slow
 def test_every_stop_of_300_contours_whose_zones_have_moved(tmp_path: Path) -> None:
+    """The rest is planned by a short search that pays for no crossing; every 70th is planned and judged whole."""
     path = tmp_path / "g300.json"
     path.write_text(json.dumps(make_sheet(11, 280, (6000.0, 2500.0), 12.0)), encoding="utf-8")
     nest, plant = read_nest(path), load_profile()
     asked = make_request(facts_of(nest, plant), plant)
-    old = solve_and_verify(asked, plant, options_for(nest, plant, work=6), move_zones=True).plan
-    assert max(planned.cut.zone for planned in old.cuts) > 3
+    old = solve_and_verify(asked, plant, options_for(nest, plant, work=1), move_zones=True).plan
+    zones = [asked.facts.zone[nest.index[row.cut.contour]] for row in old.cuts]
+    assert zones != sorted(zones)  # they have moved
     for upto in range(1, len(old.cuts) + 1):
-        expect_redone(nest, old, plant, upto)
+        already = stopped_plan(old, nest, upto, redo_last=True)
+        locked = lock_broken_cut_first(plant, already)
+        request = make_request(facts_of(nest, locked, already), locked)
+        limits = options_for(nest, locked, work=0.01)
+        found = searched(request.facts, request.stated, locked, (), limits, moves=False)
+        assert found is not None, upto
+        plan = plan_of(request, locked, found.solution, limits, (), reasons=False)
+        verdict = check_plan(nest, plan, locked)
+        expect_in_step(plan, verdict, old, upto)
+        if upto % 70 == 1:
+            expect_redone(nest, old, plant, upto)
 
 
 def test_an_operator_is_told_without_names_of_rules(tmp_path: Path) -> None:

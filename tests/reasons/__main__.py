@@ -1,21 +1,24 @@
 """Plans the golden corpus and proves the reasons of its plans: what each sentence names is taken away.
 
-Usage: python -m kerfwise.tests.reasons [--most N] [--seconds S] [CASE…]
+Usage: python -m kerfwise.tests.reasons [--most N] [--counts FILE] [CASE…]
 
 Each sentence of a plan about where a contour is cut is judged by arithmetic that shares nothing with what made it
-(`judge.py`). Prints how many of which kind there were, and every false one; exit code 1 if there is one.
+(`judge.py`). Prints after each case how many there were, every false one, and at the end how many of which kind; exit
+code 1 if one is false.
 """
 
 from __future__ import annotations
 
 import argparse
 import fnmatch
+import json
 import sys
 import time
 from collections import Counter
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 from kerfwise import pipeline
 from kerfwise.encoder.facts.facts import Facts
@@ -28,6 +31,7 @@ from kerfwise.tests.golden.run import cases, run
 from kerfwise.tests.reasons.entries import entry_verdicts
 from kerfwise.tests.reasons.judge import Judge, Verdict, kind
 
+SUMS = ("plans", "reasons", "false")
 ENTRIES_OF = 8
 """Of so many contours of a plan the other entries are judged."""
 
@@ -37,26 +41,55 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m kerfwise.tests.reasons", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("cases", nargs="*", metavar="CASE", help="a case of the golden corpus, or a pattern; else all")
-    parser.add_argument("--most", type=int, default=1000, help="reasons that are judged (default 1000)")
+    parser.add_argument(
+        "--most", type=int, default=1000, help="once so many are judged no further case is planned (default 1000)"
+    )
     parser.add_argument("--contours", type=int, default=60, help="of the largest plan that is judged (default 60)")
+    parser.add_argument(
+        "--counts", type=Path, metavar="FILE", help="where counts by case are kept: cases in it are not run again"
+    )
     given = parser.parse_args(argv)
     chosen = [n for n in cases() if not given.cases or any(fnmatch.fnmatch(n, p) for p in given.cases)]
-    count, false, plans, began = Counter[str](), list[Verdict](), 0, time.perf_counter()
+    kept: dict[str, dict[str, int]] = {}
+    if given.counts and given.counts.exists():
+        kept = json.loads(given.counts.read_text(encoding="utf-8"))
     for name in chosen:
-        with recorded() as made:
-            run(name, cases()[name])
-        for plan, setting in made:
-            if count.total() >= given.most or len(plan.cuts) > given.contours:
-                continue
-            plans += 1
-            for verdict in judged(plan, setting):
-                count[kind(verdict.sentence)] += 1
-                if verdict.wrong:
-                    false.append(verdict)
-                    print(f"{name}: {verdict.contour}: {verdict.sentence}\n    FALSE: {verdict.wrong}", flush=True)
-    told = ", ".join(f"{number} {what}" for what, number in sorted(count.items()))
-    print(f"{plans} plans, {count.total()} reasons: {told}; {len(false)} false ({time.perf_counter() - began:.0f} s)")
-    return 1 if false else 0
+        if name in kept or _all_of(kept)["reasons"] >= given.most:
+            continue
+        kept[name] = _case(name, given.contours)
+        if given.counts:
+            given.counts.write_text(json.dumps(kept, indent=1), encoding="utf-8")
+    count = _all_of(kept)
+    told = ", ".join(f"{n} {what}" for what, n in sorted(count.items()) if what not in SUMS)
+    print(f"{count['plans']} plans, {count['reasons']} reasons: {told}; {count['false']} false")
+    return 1 if count["false"] else 0
+
+
+def _all_of(kept: dict[str, dict[str, int]]) -> Counter[str]:
+    return sum(map(Counter, kept.values()), Counter[str]())
+
+
+def _case(name: str, contours: int) -> dict[str, int]:
+    """What there is of each kind in the plans of a case, told as soon as it is known."""
+    count, began = Counter[str](), time.perf_counter()
+    with recorded() as made:
+        run(name, cases()[name])
+    for plan, setting in made:
+        if len(plan.cuts) > contours:
+            continue
+        count["plans"] += 1
+        for verdict in judged(plan, setting):
+            count["reasons"] += 1
+            count[kind(verdict.sentence)] += 1
+            if verdict.wrong:
+                count["false"] += 1
+                print(f"{name}: {verdict.contour}: {verdict.sentence}\n    FALSE: {verdict.wrong}", flush=True)
+    seconds = time.perf_counter() - began
+    print(
+        f"{name}: {count['plans']} plans, {count['reasons']} reasons, {count['false']} false ({seconds:.0f} s)",
+        flush=True,
+    )
+    return dict(count)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import DURATION, LENGTH
+from kerfwise.rules.options.quantities import DURATION, LENGTH, likely
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Lag
 
@@ -29,9 +29,13 @@ ROUNDING_MM = 1e-6
 class HeatLagOptions:
     """How far heat reaches, and how long the metal takes to cool."""
 
-    heat_radius_mm: float = field(default=50.0, metadata=option(LENGTH, "contours nearer than this heat each other"))
+    heat_radius_mm: float = field(
+        default=50.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "contours nearer than this heat each other")
+    )
     lag_cuts: int = field(default=1, metadata=option(Number(0, whole=True), "cuts between two such contours"))
-    lag_s: float = field(default=0.0, metadata=option(DURATION, "time between two such contours"))
+    lag_s: float = field(
+        default=0.0, metadata=option(likely(DURATION, 0.0, 7200.0), "time between two such contours")
+    )
 
 
 class HeatLag(Rule[HeatLagOptions]):

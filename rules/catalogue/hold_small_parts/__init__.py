@@ -17,7 +17,7 @@ from kerfwise.encoder.torch_path import LONGEST_MM, Axis, TabChoice, TabOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH, positive
+from kerfwise.rules.options.quantities import LENGTH, likely, positive
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Forbid
 
@@ -46,7 +46,8 @@ class HoldSmallPartsOptions:
         ),
     )
     width_mm: float = field(
-        default=1.0, metadata=option(positive(LENGTH), "metal that a tab leaves, between the ends of the kerf")
+        default=1.0,
+        metadata=option(likely(positive(LENGTH), 0.01, 100.0), "metal that a tab leaves, between the ends of the kerf"),
     )
     count: int = field(
         default=2,
@@ -55,9 +56,14 @@ class HoldSmallPartsOptions:
         ),
     )
     corner_mm: float = field(
-        default=3.0, metadata=option(LENGTH, "how far from a tab its contour is straight, beyond the kerf's ends")
+        default=3.0,
+        metadata=option(
+            likely(LENGTH, 0.0, 500.0), "how far from a tab its contour is straight, beyond the kerf's ends"
+        ),
     )
-    slat_pitch_mm: float = field(default=60.0, metadata=option(positive(LENGTH), "from one slat to the next"))
+    slat_pitch_mm: float = field(
+        default=60.0, metadata=option(likely(positive(LENGTH), 1.0, 5000.0), "from one slat to the next")
+    )
     slats: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis that the slats run along"))
     kerf_mm: float = 1.5
     process: str = "plasma"

@@ -12,7 +12,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.lock import Lock, check_locks
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.rule import Ids, Plant, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import AtLeast, Before, Forbid, Precede, Statement
@@ -26,7 +26,7 @@ class LocksOptions:
     """`locks` come from the profile's own key of that name."""
 
     entry_tolerance_mm: float = field(
-        default=0.5, metadata=option(LENGTH, "an entry this near to the locked one is it")
+        default=0.5, metadata=option(likely(LENGTH, 0.0, 1000.0), "an entry this near to the locked one is it")
     )
     locks: tuple[Lock, ...] = ()
 

@@ -12,7 +12,7 @@ from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.judging.strips_and_islands import Cutting, strips_and_islands
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.rule import Forced, NoGoodIds, Rule, Violation
 from kerfwise.rules.statements import Statement
 
@@ -24,9 +24,12 @@ if TYPE_CHECKING:
 class NoNarrowStripsOptions:
     """What is narrow; `web_mm` is that of part-rigidity, `thickness_mm` the sheet's."""
 
-    strip_mm: float = field(default=60.0, metadata=option(LENGTH, "metal narrower than this is a strip"))
+    strip_mm: float = field(
+        default=60.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "metal narrower than this is a strip")
+    )
     strip_thicknesses: float = field(
-        default=3.0, metadata=option(Number(0), "and so is metal narrower than this many thicknesses of the sheet")
+        default=3.0,
+        metadata=option(Number(0, 1000), "and so is metal narrower than this many thicknesses of the sheet"),
     )
     web_mm: float = 25.0
     thickness_mm: float = 6.0

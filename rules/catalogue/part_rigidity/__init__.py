@@ -14,7 +14,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.facing import rigid_at_best, rigid_at_the_end
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import LENGTH, WEIGHT, likely
 from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, AtLeast, Before
 
@@ -42,9 +42,11 @@ class PartRigidityOptions:
     )
     head_weight_mm: float = field(
         default=25.0,
-        metadata=option(LENGTH, "cost of a first stretch that faces more, in idle travel (0: it may face any)"),
+        metadata=option(WEIGHT, "cost of a first stretch that faces more, in idle travel (0: it may face any)"),
     )
-    web_mm: float = field(default=25.0, metadata=option(LENGTH, "a part this near is a neighbour"))
+    web_mm: float = field(
+        default=25.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "a part this near is a neighbour")
+    )
     edge_band_mm: float = 25.0
 
 

@@ -14,7 +14,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.pierces import PiercePlaces, leads_over_holes, leads_over_older_kerfs, starts_in_older_kerfs
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH_BY_THICKNESS
+from kerfwise.rules.options.quantities import LENGTH_BY_THICKNESS, likely
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Pick
 
@@ -32,11 +32,16 @@ class PierceOptions:
 
     clearance_mm: float = field(
         default=1.5,
-        metadata=option(LENGTH_BY_THICKNESS, "least distance from a pierce to every contour, more than half the kerf"),
+        metadata=option(
+            likely(LENGTH_BY_THICKNESS, 0.0, 200.0),
+            "least distance from a pierce to every contour, more than half the kerf",
+        ),
     )
     splash_mm: float = field(
         default=0.5,
-        metadata=option(LENGTH_BY_THICKNESS, "metal between the hole of a pierce and the kerf of an older cut"),
+        metadata=option(
+            likely(LENGTH_BY_THICKNESS, 0.0, 100.0), "metal between the hole of a pierce and the kerf of an older cut"
+        ),
     )
     kerf_mm: float = 1.5
     common_cuts: bool = False

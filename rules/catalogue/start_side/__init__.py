@@ -15,7 +15,7 @@ from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
@@ -39,7 +39,8 @@ class StartSideOptions:
         ),
     )
     edge_band_mm: float = field(
-        default=25.0, metadata=option(LENGTH, "a long part this near to a narrow side lies at it")
+        default=25.0,
+        metadata=option(likely(LENGTH, 0.0, 10_000.0), "a long part this near to a narrow side lies at it"),
     )
     long_ratio: float = field(
         default=4.0, metadata=option(Number(1), "a part is long when one side is this many times the other")

@@ -10,7 +10,7 @@ from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import Flag
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import DURATION, TEMPERATURE, OrWord
+from kerfwise.rules.options.quantities import DURATION, TEMPERATURE, OrWord, likely
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, TemperatureLimit, Violation
 from kerfwise.rules.statements import Statement
 
@@ -23,12 +23,15 @@ class TMaxOptions:
     """How hot metal may become, and whether the torch may wait for it to cool; `heat_limit_c` is `heat.limit_c`."""
 
     limit_c: float | None = field(
-        default=None, metadata=option(OrWord(TEMPERATURE, "auto"), "no metal becomes hotter (auto: `heat.limit_c`)")
+        default=None,
+        metadata=option(
+            OrWord(likely(TEMPERATURE, -50.0, 3000.0), "auto"), "no metal becomes hotter (auto: `heat.limit_c`)"
+        ),
     )
     dwells: bool = field(
         default=False, metadata=option(Flag(), "whether the torch may wait over a pierce for metal to cool")
     )
-    longest_dwell_s: float = field(default=60.0, metadata=option(DURATION, "longest such wait"))
+    longest_dwell_s: float = field(default=60.0, metadata=option(likely(DURATION, 0.0, 3600.0), "longest such wait"))
     heat_limit_c: float = 115.0
 
     @property

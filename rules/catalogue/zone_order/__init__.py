@@ -14,7 +14,7 @@ from kerfwise.rules.judging.metal import host_holes
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.quantities import ENERGY, OrWord, positive
+from kerfwise.rules.options.quantities import ENERGY, OrWord, likely, positive
 from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Precede
 
@@ -40,7 +40,8 @@ class ZoneOrderOptions:
         ),
     )
     zone_heat_kj: float | None = field(
-        default=None, metadata=option(OrWord(positive(ENERGY), "off"), "how much heat may go into one zone")
+        default=None,
+        metadata=option(OrWord(likely(positive(ENERGY), 1e-3, 1e7), "off"), "how much heat may go into one zone"),
     )
     absorbed_power_w: float = 1300.0
     locks: tuple[Lock, ...] = ()

@@ -43,7 +43,7 @@ def test_refuses(text: str, why: str) -> None:
     assert why in str(caught.value)
 
 
-lengths = st.floats(0.01, 500)
+lengths = st.floats(0.05, 500)
 
 
 @given(st.dictionaries(lengths, lengths, min_size=1, max_size=5), st.floats(0.01, 600))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,9 +13,12 @@ from kerfwise.encoder.scrap import MOST_PIECES, with_scrap
 from kerfwise.jobs.nest_job.job import job_of
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.charts.read_chart import read_chart
+from kerfwise.rules.options.option import Members, options_of
+from kerfwise.rules.options.quantities import LengthSpan, OrWord, PointXY, Quantity
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.overrides import read_setting, with_settings
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import SECTIONS, default_settings
 
 
 def profile(folder: Path, text: str) -> Profile:
@@ -69,6 +74,14 @@ UNLIKELY = {
     "leads: {lead_out_length: 5 m}": "did you mean 5 mm, cm or in?",
     "cuts: {scrap: {grid: 1.5}}": "1.5 mm is not likely, expected 20 mm to 100000 mm: did you mean 1.5 m or in?",
     "cuts: {links: {longest: 30 m}}": "did you mean 30 mm, cm or in?",
+    "leads: {lead_in: 6 m}": "6000 mm is not likely, expected 0 mm to 500 mm: did you mean 6 mm, cm or in?",
+    "leads: {hole_overcut: {6 mm: 1 mm, 25 mm: 2 m}}": "expected 0 mm to 50 mm: did you mean 2 mm or cm?",
+    "small_holes: {min_hole: 150 × thickness}": ("150 × thickness is not likely, expected 100 × thickness at most"),
+    "nesting: {edge: 10 m}": "10000 mm is not likely, expected 0 mm to 5000 mm: did you mean 10 mm, cm or in?",
+    "rules: {hold-small-parts: {strength: hard, width: 1 m}}": "did you mean 1 mm, cm or in?",
+    "rules: {pierce: {clearance: 3 m}}": "expected 0 mm to 200 mm: did you mean 3 mm, cm or in?",
+    "rules: {heat-lag: {lag: 500 min}}": "did you mean 500 s or ms?",
+    "heat: {grid: 5 m}": "did you mean 5 mm, cm or in?",
     "time: {model: acceleration, acceleration: 1 mm/s2, corner_deviation: 5 m}": "did you mean 5 mm or cm?",
 }
 
@@ -76,6 +89,27 @@ UNLIKELY = {
 @pytest.mark.parametrize("text", UNLIKELY)
 def test_numbers_that_no_plant_has_are_in_another_unit(text: str, tmp_path: Path) -> None:
     assert told(tmp_path, text).endswith(UNLIKELY[text])
+
+
+NO_RANGE = {
+    "home", "travel_x", "travel_y",  # places on a machine
+    "amps", "volts", "power", "pierce_power", "mark_power", "gas_flow",  # their ends are those of any plant
+    "head_weight",  # mm of travel, as the weights of rules
+}  # fmt: skip
+
+
+def test_every_quantity_of_a_profile_has_a_range() -> None:
+    def bare(group: Any) -> Iterator[str]:
+        for one in options_of(group):
+            if isinstance(one.kind, Members):
+                yield from bare(getattr(group, one.name))
+            kind = one.kind.quantity if isinstance(one.kind, OrWord) else one.kind
+            if isinstance(kind, PointXY | LengthSpan) or (isinstance(kind, Quantity) and kind.likely is None):
+                yield one.key
+
+    sections = [section() for section in SECTIONS.values()]
+    rules = [setting.options for setting in default_settings().values()]
+    assert {key for group in (*sections, *rules) for key in bare(group)} == NO_RANGE
 
 
 def test_profiles_and_charts_have_the_same_limits(tmp_path: Path) -> None:
