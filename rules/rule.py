@@ -135,6 +135,11 @@ class Rule(ABC, Generic[OptionsT]):
     stands_in: RuleFile | None = None
     pairs_are: ClassVar[str] = ""
 
+    @property
+    def may_be_relaxed(self) -> bool:
+        """Whether `--relax` may let single statements go, hard as they are: never what is promised of metal."""
+        return not self.of_fallen_metal and ("soft" in self.strengths or self.relaxable or self.relaxed_last)
+
     def __init_subclass__(cls, **options: Any) -> None:
         """What a rule raises that nobody foresaw names the rule."""
         super().__init_subclass__(**options)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.resources import files
 from itertools import islice
@@ -79,6 +79,7 @@ def plan_in(text: str, path: str | Path = "the plan") -> Plan:
     _check_schema(data, text, path)
     _check_order(data, path)
     _check_proof(data["solve"], path)
+    _check_sums(data, path)
     try:
         return _plan_of(data)
     except InputError as error:
@@ -329,7 +330,23 @@ def _check_proof(solve: dict[str, Any], path: str | Path) -> None:
         raise InputError(f"the plan is damaged: {says}", file=path)
 
 
-_SAME_COST, _SAME_GAP = 1e-4, 1e-3
+def _check_sums(data: dict[str, Any], path: str | Path) -> None:
+    """Times come to the total, and what travel and breaches cost to the objective."""
+    time, prices = data.get("time", {}), data.get("prices")
+    parts_s = [time[key] for key in ("cut_s", "idle_s", "pierce_s", "dwell_s") if key in time]
+    for total_s in (time.get("total_s"), data["totals"]["time_s"]) if len(parts_s) > 2 else ():
+        if total_s is not None and abs(sum(parts_s) - total_s) > _SAME_S + _SAME_COST * total_s:
+            says = f"its times come to {sum(parts_s):.3f} s, and it says {total_s:.3f} s"
+            raise InputError(f"the plan is damaged: {says}", file=path)
+    if prices is None:
+        return
+    sum_mm, cost = prices["travel"] + sum(row["mm"] for row in prices["breaches"]), data["solve"]["objective"]
+    if cost is not None and abs(sum_mm - cost) > _SAME_MM + _SAME_COST * abs(cost):
+        says = f"its prices come to {sum_mm:.3f} mm, and its objective is {cost:.3f} mm"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+
+
+_SAME_COST, _SAME_GAP, _SAME_MM, _SAME_S = 1e-4, 1e-3, 0.1, 0.01
 """Shares by which costs, and gaps, may differ: they are rounded in the file."""
 
 
@@ -359,17 +376,48 @@ def expect_plan_of(plan: Plan, nest: Nest, once: bool = True) -> None:
 
 
 def expect_named_alike(plan: Plan, nest: Nest) -> None:
-    """Refuse a plan that has a contour of this nest as another part or kind; what else is wrong with it is judged.
+    """Refuse a plan that has a contour of this nest as another part or kind, or says something of one that it has not.
+
+    What else is wrong with it is judged.
 
     Raises
     ------
     InputError
-        With the number of the cut.
+        With the number of the cut, or what the plan says.
     """
-    for number, planned in enumerate((*plan.already_cut, *plan.cuts), 1):
-        if planned.cut.contour in nest.index and (says := _named_otherwise(planned, nest, number)):
-            text = f"the plan is not one of {nest.file or 'the nest'}: {says}; give the nest that it was made from"
-            raise InputError(text, file=nest.file or None)
+    rows = [row for row in enumerate((*plan.already_cut, *plan.cuts), 1) if row[1].cut.contour in nest.index]
+    wrong = (says for number, row in rows if (says := _named_otherwise(row, nest, number)))
+    if says := next(wrong, None) or next(_said_of_others(plan, nest), None):
+        text = f"the plan is not one of {nest.file or 'the nest'}: {says}; give the nest that it was made from"
+        raise InputError(text, file=nest.file or None)
+
+
+def _said_of_others(plan: Plan, nest: Nest) -> Iterator[str]:
+    """What a plan says of contours that neither the nest has nor the plan cuts, or left out."""
+    left = {one.contour for one in plan.left_out}
+    for what, names in _sayings(plan):
+        for name in names:
+            if name not in nest.index and name not in left and not any(name == row.cut.contour for row in plan.cuts):
+                yield f"it says of {name!r}, which is no contour of it, {what}"
+
+
+def _sayings(plan: Plan) -> Iterator[tuple[str, Iterable[str]]]:
+    """What a plan says of contours beside their cuts, and of which."""
+    for rule in plan.rules:
+        for names, _ in rule.exceptions:
+            yield f"that {rule.id} does not hold there", names
+        for names, _ in rule.breaches:
+            yield f"that {rule.id} is broken there", names
+    for dropped in plan.dropped:
+        yield f"that {dropped.rule} was dropped there", dropped.contours
+    for place in () if plan.state is None else plan.state.places:
+        yield f"that {place.rule} is {place.how} there", place.contours
+    for rule_id, names, _, _ in () if plan.prices is None else plan.prices.breaches:
+        yield f"what {rule_id} costs there", names
+    for loss in plan.losses:
+        yield "how much of its part is lost", (loss.contour, *loss.others)
+    for name, rule_id in () if plan.zones_cost is None else plan.zones_cost.avoided:
+        yield f"that zones break {rule_id} there", (name,)
 
 
 def _named_otherwise(planned: PlannedCut, nest: Nest, number: int) -> str:
@@ -399,6 +447,7 @@ def _not_of(plan: Plan, nest: Nest, once: bool) -> Iterator[str]:
     for pierce in plan.pierces:
         if pierce.contour and pierce.contour not in nest.index:
             yield f"a hole is pierced for {pierce.contour!r}, which is no contour of it"
+    yield from _said_of_others(plan, nest)
 
 
 def _kind_of(kind: str, part: str) -> str:

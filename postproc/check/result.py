@@ -273,7 +273,7 @@ def _near(one: Sequence[float], other: Sequence[float], by: float = SAME) -> boo
 # P2.outer`; where one comment has no room for all contours the next goes on with the same number.
 
 WHY = "relaxed: the hard rules cannot all hold"
-_RELAXED = re.compile(r"RELAXED (?P<number>\d+) (?P<rule>\S+) (?P<contours>.+)", re.IGNORECASE)
+_RELAXED = re.compile(r"RELAXED (?P<number>\d+) (?P<rule>\S+)(?: (?P<contours>.+))?", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,7 +290,7 @@ def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[RelaxedStatement,
     ids = ids_by_name(nest, comments)
     found: dict[tuple[int, str], list[str]] = {}
     for words in filter(None, map(_RELAXED.fullmatch, comments)):
-        names = (ids.get(normalize_name(name)) for name in words["contours"].split())
+        names = (ids.get(normalize_name(name)) for name in (words["contours"] or "").split())
         found.setdefault((int(words["number"]), words["rule"].lower()), []).extend(n for n in names if n)
     return tuple(RelaxedStatement(rule, tuple(names)) for (_, rule), names in found.items())
 
@@ -298,10 +298,15 @@ def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[RelaxedStatement,
 def excuse_relaxed(
     nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement], relaxed: Sequence[RelaxedStatement]
 ) -> list[Judgement]:
-    """The judgements, with violations of hard rules excused where a relaxed statement is all that asked for more."""
+    """The judgements, with violations of hard rules excused where a relaxed statement is all that asked for more.
+
+    Nobody can relax what a rule promises of metal, whatever a plan or a program says.
+    """
+    book = profile.rulebook()
     of_rule: dict[str, list[tuple[str, ...]]] = {}
     for statement in relaxed:
-        of_rule.setdefault(statement.rule, []).append(statement.contours)
+        if statement.rule in book and book[statement.rule].may_be_relaxed:
+            of_rule.setdefault(statement.rule, []).append(statement.contours)
     return [
         _excuse_relaxed(nest, cuts, profile, judgement, of_rule[judgement.id])
         if judgement.strength == "hard" and judgement.violations and judgement.id in of_rule
@@ -321,6 +326,13 @@ def _excuse_relaxed(
         for k, v in enumerate(judgement.violations)
         if (why := _why(v, statements, orders, runs))
     }
+    broken = [set(violation.contours) for violation in judgement.violations]
+    open_for = [set(contours) for contours in statements if set(contours) not in broken]
+    for k, violation in enumerate(judgement.violations) if judgement.id in profile.rule_files() else ():
+        about = next((one for one in open_for if k not in excused and broken[k] < one), None)
+        if about is not None:  # of a sum over ways to cut the check names those alone that the cuts have
+            open_for.remove(about)
+            excused[k] = Excused(violation, WHY, "relaxed")
     return replace(
         judgement,
         violations=tuple(v for k, v in enumerate(judgement.violations) if k not in excused),
@@ -362,7 +374,8 @@ def _is_order_relaxed(contours: tuple[str, ...], orders: Sequence[Ids], gone: se
 
 def relaxed_warnings(relaxed: Sequence[RelaxedStatement]) -> Iterator[str]:
     """A line for every statement that is relaxed: a check never passes over them in silence."""
-    yield from (f"relaxed: {statement.rule} about {', '.join(statement.contours)}" for statement in relaxed)
+    for statement in relaxed:
+        yield f"relaxed: {statement.rule} about {', '.join(statement.contours) or 'the whole sheet'}"
 
 
 # Names of contours as they survive in a program's comments.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -33,6 +34,7 @@ from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import SHA_DIGITS
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_sections import changed_since
 from kerfwise.rules.rule import RuleFile, Violation
@@ -67,7 +69,43 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     relaxed = _relaxed_of(plan)
     thermometer = thermometer_of(nest, profile)
     profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
-    return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
+    result = check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
+    told = _told_otherwise(plan, result, profile) if claims.of_all else ()
+    return replace(result, warnings=(*result.warnings, *told))
+
+
+def _told_otherwise(plan: Plan, result: CheckResult, profile: Profile) -> Iterator[str]:
+    """What a plan says of rules and of its state, where the check of it under the same profile finds otherwise."""
+    found = {rule.id: rule for rule in report_of(result, profile)}
+    for said in plan.rules:
+        if (rule := found.get(said.id)) is None:
+            yield f"the plan says something of the rule {said.id}, which the profile does not have"
+        elif rule.strength != said.strength:
+            yield f"the plan says that the rule {said.id} is {said.strength}, and it is {rule.strength}"
+        elif places := _unlike(_at(said.exceptions), _at(rule.exceptions)) or _unlike(
+            _at(said.breaches), _at(rule.breaches)
+        ):
+            yield f"what the plan says of where the rule {said.id} does not hold is not what is found: {places}"
+    if plan.state is not None and _unlike(_places_of(plan.state), _places_of(result.state)):
+        yield f"the plan says of itself: {plan.state.words()}; the check finds: {result.state.words()}"
+
+
+Places = list[tuple[tuple[str, ...], str]]
+
+
+def _at(places: Iterable[tuple[tuple[str, ...], str]]) -> Places:
+    return [(tuple(sorted(names)), "") for names, _ in places]
+
+
+def _places_of(state: PlanState) -> Places:
+    return [(tuple(sorted(place.contours)), f"{place.how} {place.rule}") for place in state.places]
+
+
+def _unlike(said: Places, found: Places) -> str:
+    """The contours of the first place that is only said, or only found; "" where there is none."""
+    counts = Counter(said)
+    counts.subtract(found)
+    return next((" and ".join(names) or "the sheet" for (names, _), count in counts.items() if count), "")
 
 
 def check_program(

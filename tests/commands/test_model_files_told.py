@@ -94,6 +94,9 @@ def test_what_can_hold_in_no_order_is_relaxed(text: str, tmp_path: Path) -> None
         ("position[i] <= 1 | i in CONTOUR where attribute_order[i] = 17", ""),
         ("position[i] > n_contours | i in CONTOUR where attribute_lot[i] = 2", "B.outer; E.outer"),
         ("cuts_between(i, j) >= 9 | i in CONTOUR, j in CONTOUR where i < j", "A.outer and B.outer"),
+        ("position[1] div 0 <= 3", "1 relaxed (never: the sheet)"),
+        ("sum(c in CANDIDATE where cand_y[c] < 0)(bool2int(picked(c))) >= 2", "1 relaxed (never: the sheet)"),
+        ("sum(c in CANDIDATE where cand_y[c] > 0)(bool2int(picked(c))) <= 2", "1 relaxed (never: "),
     ],
 )
 def test_siblings_of_it(condition: str, relaxed: str, tmp_path: Path) -> None:
@@ -104,11 +107,12 @@ def test_siblings_of_it(condition: str, relaxed: str, tmp_path: Path) -> None:
     assert refused.code == 1
     assert "never" in refused.err
     assert "Traceback" not in refused.err
-    done = kerfwise("solve", nest, "-p", profile, "--work", "1", "--relax")
+    done = kerfwise("solve", nest, "-p", profile, "--work", "1", "--relax", "-o", "nest.nc")
     assert done.code == 0, done.err
     assert "relaxed" in done.out
     assert relaxed in done.out
     assert "about \n" not in done.out
+    assert kerfwise("check", nest, "nest.nc", "-p", profile).out.endswith(done.out.splitlines()[-2] + "\n")
 
 
 def test_a_contour_that_stands_for_both_is_named(tmp_path: Path) -> None:

@@ -95,6 +95,48 @@ def test_the_check_refuses_another_part_or_kind_and_judges_the_rest(
         assert (WRONG[change] in ended.err) == (code == 2)
 
 
+SAID = {
+    "rules": [{"id": "level-ahead", "strength": "hard", "holds": True,
+               "exceptions": [{"contours": ["Q.outer"], "why": ""}]}],
+    "dropped": [{"rule": "level-ahead", "contours": ["A.outer", "Q.outer"], "why": "cycle"}],
+    "state": {"kind": "kept but for", "count": 1, "places": [
+        {"how": "excused", "rule": "part-rigidity", "contours": ["Q.outer"], "why": "thin"}]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", SAID)
+def test_what_a_plan_says_of_contours_that_there_are_not(what: str, plan: dict[str, Any], tmp_path: Path) -> None:
+    nest, file = tmp_path / "plate.json", tmp_path / "plate.plan.json"
+    nest.write_bytes(seeds.nest_bytes("rich"))
+    file.write_text(json.dumps({**plan, what: SAID[what]}))
+    for verb in (("time", nest, file), ("plot", nest, file, "-o", tmp_path / "out.svg"), ("check", nest, file)):
+        ended = kerfwise(*verb)
+        assert ended.code == 2, ended.err
+        assert "the plan is not one of " in ended.err
+        assert "it says of 'Q.outer', which is no contour of it, that " in ended.err
+
+
+def test_what_a_plan_says_of_rules_is_held_against_the_check(plan: dict[str, Any], tmp_path: Path) -> None:
+    nest, file = tmp_path / "plate.json", tmp_path / "plate.plan.json"
+    nest.write_bytes(seeds.nest_bytes("rich"))
+
+    def told(**other: Any) -> str:
+        file.write_text(json.dumps({**plan, **other}))
+        return "".join(
+            line for line in kerfwise("check", nest, file).out.splitlines(True) if line.startswith("warning: ")
+        )
+
+    assert told() == ""
+    rules = [dict(rule) for rule in plan["rules"]]
+    first = rules[0]
+    first["strength"] = "soft" if first["strength"] == "hard" else "hard"
+    assert f"that the rule {first['id']} is {first['strength']}, and it is " in told(rules=rules)
+    first.update(plan["rules"][0], breaches=[{"contours": [plan["cuts"][0]["contour"]], "why": "so"}])
+    assert f"of where the rule {first['id']} does not hold is not what is found: " in told(rules=rules)
+    place = {"how": "excused", "rule": "part-rigidity", "contours": [plan["cuts"][0]["contour"]], "why": "thin"}
+    assert "says of itself: ok, but " in told(state={"kind": "kept but for", "count": 1, "places": [place]})
+
+
 def test_explain_says_that_the_nest_is_another(
     plan: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -116,6 +158,8 @@ NUMBERS = {
     "pierces under 0": (("totals", "pierces"), -3, "totals, pierces"),
     "pierces past all counting": (("totals", "pierces"), 10**40, "totals, pierces"),
     "a gap under 0": (("solve", "gap"), -0.5, "solve, gap"),
+    "times that come to another total": (("time", "cut_s"), 4000.0, "its times come to "),
+    "prices that come to another objective": (("prices", "travel"), 9e6, "its prices come to "),
     "no number": (("totals", "idle_mm"), float("nan"), "totals, idle_mm"),
     "an infinite bound": (("solve", "bound"), float("inf"), "solve, bound"),
 }

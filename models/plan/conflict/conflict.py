@@ -223,7 +223,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     """What must give way: first where even rules that give way do not help."""
     book = profile.rulebook()
     out = list(hopeless(statements))
-    if not all(about.rule in book and may_give_way(book[about.rule]) for about in out):
+    if not all(about.rule in book and book[about.rule].may_be_relaxed for about in out):
         raise RulesConflict(NO_HELP)
     clashes: list[frozenset[About]] = []
     more = 0
@@ -353,11 +353,6 @@ def find_relaxation(
             return Relaxation(tuple(groups[k] for k in sorted(out)), hit)
 
 
-def may_give_way(rule: Rule[Any]) -> bool:
-    """Whether single statements of a rule, hard as they are, may be relaxed."""
-    return not rule.of_fallen_metal and ("soft" in rule.strengths or rule.relaxable)
-
-
 def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], deadline: Deadline) -> set[int]:
     """The groups of least total weight that hit every clash."""
     model = CpModel()
@@ -378,7 +373,7 @@ def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int
     weights: list[int | None] = []
     for group in groups:
         rule = book.get(group.about.rule)  # what is of no rule, such as which ways common cuts leave, stays
-        weights.append(1 if rule is not None and may_give_way(rule) else None)
+        weights.append(1 if rule is not None and rule.may_be_relaxed else None)
     heavy = 1 + sum(w for w in weights if w is not None)
     return [heavy if group.about.rule in LAST else w for group, w in zip(groups, weights, strict=True)]
 

@@ -33,9 +33,7 @@ class HeatLagOptions:
         default=50.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "contours nearer than this heat each other")
     )
     lag_cuts: int = field(default=1, metadata=option(Number(0, whole=True), "cuts between two such contours"))
-    lag_s: float = field(
-        default=0.0, metadata=option(likely(DURATION, 0.0, 7200.0), "time between two such contours")
-    )
+    lag_s: float = field(default=0.0, metadata=option(likely(DURATION, 0.0, 7200.0), "time between two such contours"))
 
 
 class HeatLag(Rule[HeatLagOptions]):

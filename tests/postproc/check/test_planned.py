@@ -14,6 +14,7 @@ from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.check.plan_conformance import _differences
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_program
+from kerfwise.rules.profile.overrides import read_setting, with_settings
 from kerfwise.tests.postproc.chains import cuts_of
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 
@@ -44,6 +45,19 @@ def test_a_program_that_says_nothing_is_judged_with_what_the_plan_says() -> None
 def test_zones_of_the_plan_count() -> None:
     late = replace(PLAN, cuts=tuple(replace(p, cut=replace(p.cut, zone=3 - p.cut.zone)) for p in PLAN.cuts))
     assert judged(bare(PLAN), late).broken() == ("zone-order",)
+
+
+def test_nobody_relaxes_what_is_promised_of_metal() -> None:
+    far = with_settings(PROFILE, [read_setting("rules.pierce.clearance=40")])
+    said = [f"(RELAXED {k} pierce {cut.cut.contour})" for k, cut in enumerate(PLAN.cuts, 1)]
+    for name in (*(c.id for c in PLATE.contours), ""):
+        said.append(f"(RELAXED {len(said) + 1} start-side {name})".replace(" )", ")"))
+    head, _, rest = write_program(PLAN, PLATE, PROFILE).partition("\n")
+    result = check_program(PLATE, "\n".join((head, *said, rest)), far)
+    assert "pierce" in result.broken()
+    wrong = {v.contours for v in check_program(PLATE, "\n".join((head, rest)), far).rule("pierce").violations}
+    assert {v.contours for v in result.rule("pierce").violations} == wrong
+    assert any(len(names) == 1 for names in wrong)
 
 
 def other(**changes: object) -> Plan:

@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.conflict.conflict import may_give_way, soften
+from kerfwise.models.plan.conflict.conflict import soften
 from kerfwise.models.plan.conflict.groups import LAST, hard_groups
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.problem.compile import make_problem
@@ -64,7 +64,7 @@ def least_um(facts: Facts, profile: Profile) -> int:
     gives_way = {name: rule.gives_way for name, rule in book.items()}
     groups = [g.about for g in hard_groups(statements) if not gives_way[g.about.rule]]
     locks = [about for about in groups if about.rule in LAST]
-    others = [about for about in groups if about.rule not in LAST and may_give_way(book[about.rule])]
+    others = [about for about in groups if about.rule not in LAST and book[about.rule].may_be_relaxed]
     for of_locks, of_others in product(range(len(locks) + 1), range(3)):
         costs = []
         for some in product(combinations(locks, of_locks), combinations(others, of_others)):
