@@ -386,8 +386,8 @@ def expect_named_alike(plan: Plan, nest: Nest) -> None:
         With the number of the cut, or what the plan says.
     """
     rows = [row for row in enumerate((*plan.already_cut, *plan.cuts), 1) if row[1].cut.contour in nest.index]
-    wrong = (says for number, row in rows if (says := _named_otherwise(row, nest, number)))
-    if says := next(wrong, None) or next(_said_of_others(plan, nest), None):
+    wrong = [text for number, row in rows if (text := _named_otherwise(row, nest, number))]
+    for says in (*wrong, *_said_of_others(plan, nest)):
         text = f"the plan is not one of {nest.file or 'the nest'}: {says}; give the nest that it was made from"
         raise InputError(text, file=nest.file or None)
 
