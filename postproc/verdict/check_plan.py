@@ -87,7 +87,7 @@ def _told_otherwise(plan: Plan, result: CheckResult, profile: Profile) -> Iterat
         ):
             yield f"what the plan says of where the rule {said.id} does not hold is not what is found: {places}"
     if plan.state is not None and _unlike(_places_of(plan.state), _places_of(result.state)):
-        yield f"the plan says of itself: {plan.state.words()}; the check finds: {result.state.words()}"
+        yield f"the plan says of itself that it is {plan.state.short()}, and the check finds: {result.state.words()}"
 
 
 Places = list[tuple[tuple[str, ...], str]]
