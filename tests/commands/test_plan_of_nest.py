@@ -134,7 +134,8 @@ def test_what_a_plan_says_of_rules_is_held_against_the_check(plan: dict[str, Any
     first.update(plan["rules"][0], breaches=[{"contours": [plan["cuts"][0]["contour"]], "why": "so"}])
     assert f"of where the rule {first['id']} does not hold is not what is found: " in told(rules=rules)
     place = {"how": "excused", "rule": "part-rigidity", "contours": [plan["cuts"][0]["contour"]], "why": "thin"}
-    assert "says of itself that it is kept but for 1 place, and the check finds: " in told(state={"kind": "kept but for", "count": 1, "places": [place]})
+    state = {"kind": "kept but for", "count": 1, "places": [place]}
+    assert "says of itself that it is kept but for 1 place, and the check finds: " in told(state=state)
 
 
 def test_explain_says_that_the_nest_is_another(
