@@ -18,8 +18,8 @@ PAGES = [*sorted(ROOT.glob("*.md")), *sorted(DOCS.glob("**/*.md")), ROOT / "exam
 SITE = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
 AT_ROOT = {"contributing.md", "changelog.md"}
 """Pages that the site takes from the root."""
-MADE_ON_THE_WAY = "/long_parts_last"
-"""In the names of the files that the reader of docs/writing-a-rule.md makes."""
+MADE_ON_THE_WAY = ("/long_parts_last", "hull_before/model_data")
+"""In the names of the files that the readers of docs/writing-a-rule.md and docs/first-changes.md make."""
 
 
 def in_nav(entries: list[dict[str, Any]]) -> Iterator[str]:
@@ -32,7 +32,7 @@ def in_nav(entries: list[dict[str, Any]]) -> Iterator[str]:
 def test_every_link_and_path_leads_somewhere(path: Path) -> None:
     page = Page(ROOT, path)
     assert page.broken_links() == []
-    assert [name for name in page.missing_files() if MADE_ON_THE_WAY not in name] == []
+    assert [name for name in page.missing_files() if not any(made in name for made in MADE_ON_THE_WAY)] == []
 
 
 def test_every_page_is_in_the_nav_once() -> None:
