@@ -90,13 +90,17 @@ class Paper:
         self.put(move_item(item, left, self.y, scale) for layer in scene for item in layer.items)
         self.skip(scale * scene.height)
 
-    def table(
-        self, head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[float], blocks: int = 1
-    ) -> None:
-        """A table under its head, in so many blocks side by side; `widths` are shares of a block."""
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[str]], blocks: int = 1) -> None:
+        """A table under its head, in up to so many blocks side by side, each column as wide as what stands in it."""
         size, high, gap = 7.5, 11.0, 18.0
+        needed = [
+            _APART + max(size * 1.1 if text == BOX else text_width(text, size) for text in column)
+            for column in zip(head, *rows, strict=True)
+        ]
+        while blocks > 1 and sum(needed) > (ROOM - gap * (blocks - 1)) / blocks:
+            blocks -= 1
         wide = (ROOM - gap * (blocks - 1)) / blocks
-        columns = [wide * share / sum(widths) for share in widths]
+        columns = _fitted(needed, wide)
         left_rows = list(rows)
         while left_rows:
             self.room_for(3 * high)
@@ -138,6 +142,30 @@ class Paper:
         yield TextLine(
             WIDTH - MARGIN, y, self._say.tr("page {page} of {count}").format(page=page, count=count), 7.0, FAINT, "end"
         )
+
+
+_APART = 4.0
+
+
+def _fitted(needed: Sequence[float], wide: float) -> list[float]:
+    """Widths of columns, `wide` in all: where they need more, the widest become narrower, all alike.
+
+    Examples
+    --------
+    >>> _fitted([10, 40, 90], 100), _fitted([10, 20], 60)
+    ([10, 40, 50.0], [22.0, 38.0])
+    """
+    spare = min((wide - sum(needed)) / len(needed), 3 * _APART)
+    if spare >= 0:
+        columns = [one + spare for one in needed]
+        columns[-1] += wide - sum(columns)
+        return columns
+    most, ordered = 0.0, sorted(needed)
+    for k, one in enumerate(ordered):  # as many as need less than an equal share of what is left have all
+        most = (wide - sum(ordered[:k])) / (len(ordered) - k)
+        if one > most:
+            break
+    return [min(one, most) for one in needed]
 
 
 def _cell(text: str, x: float, middle: float, size: float, width: float, colour: str = INK) -> Iterator[Item]:

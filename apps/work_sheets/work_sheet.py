@@ -289,8 +289,6 @@ _QR = 78.0
 _MANY = 60
 """Cuts from which on the picture gets more of the first page, so that its numbers can be read."""
 _HIGH = {False: 290.0, True: 470.0}
-_PARTS_WIDTHS = (11, 120, 30, 70, 60, 70, 40, 40)
-_WIDTHS = (11, 19, 78, 22, 30, 36, 58)
 
 
 def sheets_pdf(sheets: Sequence[WorkSheet], date: str = "") -> bytes:
@@ -320,10 +318,10 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     kinds = part_kinds(sheet.nest, sheet.profile)
     if any(row.order or row.due or row.count > 1 for row in kinds):
         head = ("", tr("part"), tr("count"), tr("order"), tr("due"), tr("size, mm"), tr("kg each"), tr("kg"))
-        paper.table(head, [_part_row(row) for row in kinds], _PARTS_WIDTHS)
+        paper.table(head, [_part_row(row) for row in kinds])
     else:
         bare = [(BOX, escape_text(row.name), *_part_row(row)[-3:-1]) for row in kinds]
-        paper.table(("", tr("part"), tr("size, mm"), tr("kg")), bare, (11, 120, 50, 30), blocks=3)
+        paper.table(("", tr("part"), tr("size, mm"), tr("kg")), bare, blocks=3)
     paper.skip(6.0)
     for heading, lines in (
         (tr("Not as it was when the plan was made"), [escape_text(text) for text in sheet.changed]),
@@ -339,7 +337,7 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     paper.heading(sheet.say.trn("{n} cut, in order", "{n} cuts, in order", cuts).format(n=cuts))
     rows = [_row(k, planned, sheet.say) for k, planned in enumerate(sheet.plan.cuts, sheet.plan.resumed_after + 1)]
     cut_head = ("", "#", tr("contour"), tr("way"), "mm", tr("begins"), tr("note"))
-    paper.table(cut_head, rows, _WIDTHS, blocks=2)
+    paper.table(cut_head, rows, blocks=2)
     return paper.scenes()
 
 

@@ -28,6 +28,7 @@ from .words import Block, block_of
 
 _KERF_MM = 0.001
 """By how much a kerf may differ that a program tells the control: it is written with so many digits."""
+_NAMES_CUT = re.compile(r"(?:CUT|MARK|PIERCE) \d+ |STRETCH ", re.IGNORECASE)
 
 
 def read_nc(
@@ -124,6 +125,7 @@ class Machine:
         self.blocks = 0
         """How many rows so far were more than comments."""
         self._without_conflicts: set[tuple[object, ...]] = set()
+        self._named = -1
         self._left: bool | None = None
         self._waiting: list[Block] = []
 
@@ -176,8 +178,7 @@ class Machine:
         self.line = block.line
         self.blocks += bool(block.g or block.m or block.words)
         for text in block.comments:
-            self.track.comment = text
-            self.comments.append(text)
+            self._remember(text)
         if self._names_program(block):
             return
         motion = self.moves.of(block)
@@ -191,6 +192,15 @@ class Machine:
         self.moves.move(block, motion)
         if block.m:
             self.tools.halt(block)
+
+    def _remember(self, text: str) -> None:
+        """Keep a comment; one that names the next cut stays that burn's, whatever is said to the operator behind it."""
+        self.comments.append(text)
+        burn, names = len(self.track.burns) + (self.track.open is not None), bool(_NAMES_CUT.match(text))
+        if names or self._named != burn:
+            self.track.comment = text
+        if names:
+            self._named = burn
 
     def _refuse_conflicts(self, block: Block, motion: float | None) -> None:
         """See `refuse_conflicts`: whether there are any hangs on words, not on the numbers of those by letter."""

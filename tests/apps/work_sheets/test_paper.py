@@ -49,7 +49,7 @@ def test_a_shortened_text_fits_and_begins_and_ends_alike(text: str, width: float
 def test_every_row_of_a_table_stands_once_in_reading_order(blocks: int, count: int) -> None:
     paper = Paper("a table")
     paper.heading("rows")
-    paper.table(("", "number"), [(BOX, f"row {k}") for k in range(count)], (1, 5), blocks)
+    paper.table(("", "number"), [(BOX, f"row {k}") for k in range(count)], blocks)
     paper.lines(["after it"])
     told = [text.text for page in texts(paper) for text in page if text.text.startswith("row ")]
     assert told == [f"row {k}" for k in range(count)]
@@ -57,6 +57,16 @@ def test_every_row_of_a_table_stands_once_in_reading_order(blocks: int, count: i
         item for scene in paper.scenes() for item in scene.layers[0].items if isinstance(item, Shape) and item.closed
     ]
     assert len(boxes) == count
+    expect_inside(paper)
+
+
+def test_no_name_and_no_number_of_a_long_table_is_cut_where_there_is_room() -> None:
+    rows = [(BOX, f"Bracket-left-of-the-frame-{k:03d}-1", "120 × 80", f"{k / 7:.3g}") for k in range(120)]
+    paper = Paper("parts")
+    paper.table(("", "part", "size, mm", "kg"), rows, 3)
+    told = [text.text for page in texts(paper) for text in page]
+    assert not [text for text in told if "…" in text]
+    assert {cell for row in rows for cell in row[1:]} <= set(told)
     expect_inside(paper)
 
 
@@ -69,7 +79,7 @@ def test_pages_are_numbered_and_nothing_is_beyond_the_margins(blocks: list[tuple
         elif kind == "heading":
             paper.heading("heading")
         else:
-            paper.table(("a", "b"), [(word, str(k)) for k in range(count)], (3, 1), 2)
+            paper.table(("a", "b"), [(word, str(k)) for k in range(count)], 2)
     pages = texts(paper)
     assert [page[-1].text for page in pages] == [f"page {k} of {len(pages)}" for k in range(1, len(pages) + 1)]
     expect_inside(paper)

@@ -82,6 +82,11 @@ CASES: dict[str, tuple[str, dict[str, str]]] = {
             "also": "['M64 P5', 'M65 P5', M66 P1 L0, M190 P2]",
         },
     ),
+    "messages and halts": (
+        "linuxcnc",
+        {"around": "{outer: {before: ['(MSG, NOW THE OUTLINES)', M0]}, hole: {before: '(MSG, A HOLE)', after: M1}}"},
+    ),
+    "chords for arcs": ("linuxcnc", {"arc_centre": "none", "chord": "0.005 mm"}),
     "whole numbers with a point": ("eia", {"whole_point": "true"}),
     "all their decimals": ("eia", {"trailing_zeros": "true", "decimals": "3"}),
     "padded digits": ("eia", {"whole_digits": "4"}),
@@ -137,7 +142,7 @@ def in_words_of_linuxcnc(text: str, like: str, changes: dict[str, str]) -> str:
     for own, known in (("M70", "M07"), ("M71", "M08"), ("M07 HS", "M07")):
         rows = rows.replace(f" {own}\n", f" {known}\n")
     rows = re.sub(
-        r"^N\d+ (?:G59 V.*|M02 T1|M14|M6[236] P.*|M6[45] P5|M1[09]0 P.*|M66 .*|M0|M00|M01)$",
+        r"^N\d+ (?:G59 V.*|M02 T1|M14|M6[236] P.*|M6[45] P5|M1[09]0 P.*|M66 .*|M0|M1|M00|M01)$",
         "",
         rows,
         flags=re.MULTILINE,
