@@ -87,6 +87,21 @@ class Reads:
 
 
 @dataclass(frozen=True, slots=True)
+class Turning:
+    """How a control has the head of a tilted torch turn, where that is not simply an axis with X and Y.
+
+    With the torch off it turns in a block of its own, behind the one that travels; it does not tilt while it turns.
+    """
+
+    before: tuple[str, ...] = field(
+        default=(), metadata=option(Blocks(none=True), "leaves the turning to the program, before the first such cut")
+    )
+    feed: Literal["rpm", "deg_min"] = field(
+        default="rpm", metadata=option(Choice(("rpm", "deg_min")), "what F counts where the head moves on the spot")
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class Subprogram:
     """How a path that comes again and again is written once, counting from where it begins, and called."""
 
@@ -341,6 +356,12 @@ class Dialect:
     no_marking: str | None = field(
         default=None,
         metadata=option(TextOrWord("unsaid"), "why there are no words for marking, and how a plant states its own"),
+    )
+    turning: Turning | None = field(
+        default=None,
+        metadata=option(
+            Group(Turning), "the head turns by blocks of its own while the torch is off; null: with X and Y"
+        ),
     )
     greatest_radius_mm: float | None = field(
         default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")

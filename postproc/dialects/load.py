@@ -310,6 +310,14 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
     """
     marks = [contour.id for contour in profile.as_cut(nest).contours if contour.kind == "mark"]
     place = _said_at(profile, ("machine", "dialect"))
+    edged = next((contour.id for contour in (nest.drawn or nest).contours if contour.edge_bevels), None)
+    if edged is not None and dialect.turning is not None:
+        others = [name for name in dialect_names() if (d := load_dialect(name)).rotary and d.turning is None]
+        raise wrong_at(
+            place,
+            f"machine.dialect: '{dialect.name}' does not tilt a torch while it turns, and {edged} has bevels on single "
+            f"edges: take {' or '.join(others)}, or bevel the whole contour",
+        )
     if marks and not dialect.marks:
         shown = ", ".join(marks[:3]) + (", …" if len(marks) > 3 else "")
         writings = () if nest.reading is None else nest.reading.writings

@@ -74,6 +74,8 @@ class GcodeWriter:
         self._lit: set[int] | None = None
         self.upright = ""
         """Words that bring a tilted head upright: they stand in the next rapid."""
+        self.turned = False
+        """Whether a head has turned by blocks of its own."""
 
     def select(self, marks: bool) -> tuple[str, ...]:
         """Select the torch, or what marks, where the other was in use."""

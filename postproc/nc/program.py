@@ -316,7 +316,7 @@ def _body(
         order += (not toolpath.planned.cut.way) + len(toolpath.together)
     yield comment(dialect, "HOME")
     yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
-    if pen.upright:
+    if pen.upright and not pen.turned:
         pen.upright = f"{bevel.turn}0" if bevel.head == "block" else f"{bevel.tilt}0 {bevel.turn}0"
     yield pen.rapid(profile.machine.home)
     yield from dialect.footer

@@ -41,8 +41,8 @@ def bevel_passes(
         if one.tilt_deg:
             path = one.moved(-corner[0], -corner[1])
             first = path.steps[0]
-            pen.upright = f"{words.tilt}{number(first.tilt_deg, 3)} {words.turn}{_degrees(first.begin_deg)}"
-            yield pen.rapid(path.start)
+            pen.upright = f"{words.tilt}{number(first.tilt_deg, 3)}"
+            yield from _there(path, words.turn, pen)
             yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s * first.feed_share)
             yield from _followed(path, feed_mm_s, (words.tilt, words.turn), profile.material.thickness_mm, pen)
             yield from pen.stop(False)
@@ -52,6 +52,20 @@ def bevel_passes(
             yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
             yield from pen.path(toolpath.path, feed_mm_s)
             yield from pen.stop(False)
+
+
+def _there(path: TiltedPath, turn: str, pen: GcodeWriter) -> Iterator[str]:
+    """Travel to where a path begins, and turn the head as it begins there."""
+    word = f"{turn}{_degrees(path.steps[0].begin_deg)}"
+    if pen.dialect.turning is None:
+        pen.upright = f"{pen.upright} {word}".lstrip()
+        yield pen.rapid(path.start)
+        return
+    if not pen.turned:
+        yield from pen.dialect.turning.before
+    pen.turned = True
+    yield pen.rapid(path.start)
+    yield f"{pen.dialect.rapid} {word}"
 
 
 UPRIGHT, OPEN_TO_TOP, OPEN_TO_BOTTOM = 2, 3, 4
@@ -80,13 +94,12 @@ def _by_block(
     path = replace(path, steps=tuple(replace(step, tilt_deg=0.0, end_tilt_deg=0.0) for step in path.steps))
     yield from pen.select(False)
     yield from pen.leave(lit)
-    pen.upright = f"{words.turn}{_degrees(path.steps[0].begin_deg)}"
-    yield pen.rapid(path.start)
+    yield from _there(path, words.turn, pen)
     yield from pen.add(lit)
     yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
     yield from _followed(path, feed_mm_s, (words.tilt, words.turn), profile.material.thickness_mm, pen)
     yield from pen.stop(False)
-    pen.upright = f"{words.turn}0"
+    pen.upright = f"{words.turn}0" if pen.dialect.turning is None else ""
 
 
 def _followed(
@@ -109,7 +122,8 @@ def _followed(
         if step.segment.length_mm == 0:
             swept_deg = math.hypot(step.end_deg - step.begin_deg, step.end_tilt_deg - step.tilt_deg)
             deg_min = swept_deg * step_mm_s / step.swing_mm(thickness_mm) * 60  # no point of the jet moves faster
-            yield f"{pen.dialect.line}{turned(step.end_tilt_deg, step.end_deg)} F{number(deg_min, 3)}"
+            speed = deg_min / 360 if pen.dialect.turning is not None and pen.dialect.turning.feed == "rpm" else deg_min
+            yield f"{pen.dialect.line}{turned(step.end_tilt_deg, step.end_deg)} F{number(speed, 3)}"
             in_force = ""
             continue
         for block, share in pen.shares_of(step.segment):

@@ -19,6 +19,8 @@ from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.read import read_nest
 from kerfwise.postproc.check.check import check_program
+from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.canon import run
@@ -231,14 +233,67 @@ def test_what_does_not_go_together_is_refused(tmp_path: Path, profile: str, says
     assert says in done.err, done.err
 
 
-@pytest.mark.parametrize("dialect", ["linuxcnc-qtplasmac", "eia", "essi"])
+def test_eia_tilts_and_turns_by_the_words_of_its_manual(tmp_path: Path) -> None:
+    nest, plant = write(
+        tmp_path, {"kind": "Y", "angle": 30, "land": 4}, "cuts: {bevel: {lies_still: 0.5 kg, corner: turn}}\n"
+    )
+    (tmp_path / "plant.yaml").write_text((tmp_path / "plant.yaml").read_text().replace("linuxcnc}", "eia}"))
+    done = kerfwise("solve", nest, "-p", plant, "--work", "0.05", "-o", tmp_path / "out.cnc")
+    assert done.code == 0, done.out + done.err
+    program = (tmp_path / "out.cnc").read_text()
+    assert "(ASSUMES NOT VERIFIED ON A MACHINE)" in program
+    blocks = [line.partition(" ")[2] for line in program.splitlines() if line.startswith("N")]
+    first = next(k for k, block in enumerate(blocks) if " A30" in block)
+    assert blocks[first - 1] == "M28"  # the follower is off
+    assert re.fullmatch(r"G00 X\S+ Y\S+ A30", blocks[first])
+    assert re.fullmatch(r"G00 C\S+", blocks[first + 1])
+    assert blocks[first + 2] == "M07"
+    turning = [block for block in blocks if re.fullmatch(r"G0[123] X.* C\S+( F\S+)?", block)]
+    assert len(turning) == 4  # at each corner
+    upright = next(block for block in blocks[first + 1 :] if block.startswith("G00 X"))
+    assert upright.endswith(" A0")
+    profile = load_profile(plant)
+    drawn = read_nest(nest, profile.read_options())
+    for damaged, says in (
+        (program.replace(" A30", " A20"), "no pass that leans by 30 degrees"),
+        (program.replace(" A30", ""), "no pass that leans by 30 degrees"),
+        (re.sub(r" C(-?\d+)(?=\nN\d+ M07)", lambda m: f" C{int(m[1]) + 25}", program), ""),
+    ):
+        assert damaged != program
+        result = check_program(drawn, damaged, profile)
+        found = [v.text for rule in result.rules if rule.id == "bevels" for v in rule.violations]
+        assert any(says in text for text in found), found
+
+
+def test_eia_turns_on_the_spot_in_turns_a_minute() -> None:
+    program = (
+        "G21\nG90\nG40\nM28\nG00 X10 Y10 A30\nG00 C0\nM07\nG01 X20 Y10 F600\nG01 C90 F2.5\nG01 X20 Y20 F600\nM08\nM02\n"
+    )
+    read = read_nc(program, control=replace(CONTROLS["eia"], rotary="AC"))
+    (burn,) = read.burns
+    assert burn.axes == ((30, 0), (30, 0), (30, 90), (30, 90))
+    assert burn.end_s - burn.start_s == pytest.approx(1 + 6 + 1)  # a quarter of a turn at 2.5 a minute takes 6 s
+
+
+def test_eia_does_not_tilt_while_it_turns(tmp_path: Path) -> None:
+    nest, plant = write(tmp_path, {"kind": "V", "angle": 30, "edges": [1]}, HEAD)
+    (tmp_path / "plant.yaml").write_text((tmp_path / "plant.yaml").read_text().replace("linuxcnc}", "eia}"))
+    done = kerfwise("solve", nest, "-p", plant, "--work", "0.05", "-o", tmp_path / "out.cnc")
+    assert done.code == 2
+    assert (
+        "'eia' does not tilt a torch while it turns, and P.outer has bevels on single edges: take linuxcnc" in done.err
+    )
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc-qtplasmac", "essi"])
 def test_a_dialect_without_axes_is_refused(tmp_path: Path, dialect: str) -> None:
     nest, plant = write(tmp_path, {"kind": "V", "angle": 30}, HEAD)
     (tmp_path / "plant.yaml").write_text((tmp_path / "plant.yaml").read_text().replace("linuxcnc}", dialect + "}"))
     done = kerfwise("solve", nest, "-p", plant)
     assert done.code == 2
     assert (
-        f"the dialect '{dialect}' has no words for axes that tilt (A) and turn (C) a torch: take linuxcnc" in done.err
+        f"the dialect '{dialect}' has no words for axes that tilt (A) and turn (C) a torch: take eia or linuxcnc"
+        in done.err
     )
 
 

@@ -89,6 +89,19 @@ def test_linuxcnc_turns_the_block_with_its_path(solved: tuple[Path, Path, str, A
     assert {axes[0] for axes in turned[0].axes} == {0.0}
 
 
+def test_eia_selects_the_stations_of_a_block(tmp_path: Path) -> None:
+    nest, plant = write(tmp_path, {"kind": "X", "angle": 30}, plant=PLANT.replace("linuxcnc", "eia"))
+    done = kerfwise("solve", nest, "-p", plant, "--work", "0.05", "-o", tmp_path / "out.cnc")
+    assert done.code == 0, done.out + done.err
+    program = (tmp_path / "out.cnc").read_text()
+    assert re.search(
+        r"M38 T2\nN\d+ M28\nN\d+ G00 X\S+ Y\S+\nN\d+ G00 C\S+\nN\d+ M37 T3\nN\d+ M37 T4\nN\d+ M07", program
+    )
+    assert "(ASSUMES NOT VERIFIED ON A MACHINE)" in program
+    assert simulate_layers(read_nest(nest), program, load_profile(plant)) == []
+    assert "no pass that leans by 30" in str(bevels_of(nest, plant, program.replace("M37 T3", "M38 T3")))
+
+
 @pytest.mark.parametrize(
     ("pattern", "instead", "says", "burns"),
     [

@@ -1,8 +1,8 @@
 """The simulation in layers: what tilted torches burn at each depth, by arithmetic of its own.
 
 It shares nothing with the planner, the check or the reader of programs: it has the drawing, the thickness, the
-kerfs and the words of the program, which it runs as LinuxCNC does. A jet is a line through the metal. At each depth
-it burns a disc, and discs must meet no part, leave no face standing, and lie on the sheet.
+kerfs and the words of the program, which it runs as LinuxCNC does, or by those of EIA's manual. A jet is a line through
+the metal. At each depth it burns a disc, and discs must meet no part, leave no face standing, and lie on the sheet.
 """
 
 from __future__ import annotations
@@ -82,11 +82,13 @@ def _runs(program: str, tilt: str, turn: str) -> list[tuple[Floats, set[int]]]:
         codes = {float(n) for letter, n in _WORDS.findall(line) if letter == "G"}
         if words.get("M") in (64, 65):
             outputs = outputs - {int(words["P"])} | ({int(words["P"])} if words["M"] == 64 else set())
-        if words.get("M") == 3:
+        if words.get("M") in (37, 38):  # stations
+            outputs = outputs - {int(words["T"]) - 1} | ({int(words["T"]) - 1} if words["M"] == 37 else set())
+        if words.get("M") in (3, 7):
             lit = True
             jets.append([])
             lit_by.append(outputs)
-        elif words.get("M") == 5:
+        elif words.get("M") in (5, 8):
             lit = False
         motion = next((int(code) for code in codes if code in (0, 1, 2, 3)), motion)
         after = state | {letter: value for letter, value in words.items() if letter in state}

@@ -154,7 +154,8 @@ class Control:
     Where it starts to cut it stands for `stands_s` by words of its own, for `preheat_s` of these with the torch off;
     where it has stopped it stands for `rests_s`.
     `kerf_mm` is the kerf that it adds itself where a program says so (G41, G42), None where no program may.
-    `rotary` are the letters of the axes that tilt and turn a torch, in this order, "" where none does.
+    `rotary` are the letters of the axes that tilt and turn a torch, in this order, "" where none does; where these move
+    alone F counts degrees a minute, or turns (`turns_rpm`).
     `fed_by_chart` says that a program without F words is cut at the feed of the control's cut chart.
     """
 
@@ -206,6 +207,7 @@ class Control:
     rests_s: float = 0.0
     kerf_mm: float | None = None
     rotary: str = ""
+    turns_rpm: bool = False
     fed_by_chart: bool = False
 
     @property
@@ -273,7 +275,7 @@ CONTROLS: Mapping[str, Control] = {
         ),
         also=(
             Declared(re.compile(r"G59V5[0-9]{2}F[0-9.]+"), "off", "G59 V502 F34", sets=True),  # the cut chart's process
-            Declared(re.compile(r"M(?:17|18|19|31)(?![0-9.])"), "off", "M19"),  # oxygen, stations, reset
+            Declared(re.compile(r"M(?:17|18|19|28|31)(?![0-9.])"), "off", "M19"),  # oxygen, stations, follower, reset
             Declared(re.compile(f"(?<=M07){_ON_START}+"), "off", "M07 HS"),  # height sensing, other values of the chart
             Declared(re.compile(r"(?<=M09)HS"), "off", "M09 HS"),
             Declared(re.compile(f"(?<=M(?:08|10|14)){_ON_STOP}"), "anywhere", "M08 RT"),
@@ -281,6 +283,7 @@ CONTROLS: Mapping[str, Control] = {
             Declared(re.compile(rf"(?<=M51)T{_SECONDS}"), "anywhere", "M51 T0.5"),
         ),
         means=((re.compile(f"M07(?:HS)?(?:N2(?![0-9])|AR){_ON_START}*"), "M07$1"),),  # the torch itself marks (XPR)
+        turns_rpm=True,
         fed_by_chart=True,
         selects=37.0,
         deselects=38.0,

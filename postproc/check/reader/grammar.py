@@ -318,7 +318,8 @@ class ModalState:
         """A line or an arc in which the torch tilts and turns evenly; without either it does so on the spot."""
         before, turned = self.track.axes or (0.0, 0.0), self._turned(block)
         if self.motion == 1.0 and end == self.track.at:
-            self.track.turn(turned, feed_mm_s * 60 / self.unit_mm, block.line)
+            said = feed_mm_s * 60 / self.unit_mm
+            self.track.turn(turned, said * 360 if self.control.turns_rpm else said, block.line)
             return
         pieces = (Segment(self.track.at, end),) if self.motion == 1.0 else self._arc(end, block)
         for count, segment in enumerate(pieces, 1):
