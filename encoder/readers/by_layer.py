@@ -169,6 +169,13 @@ def use_of(look: Look, piece: DrawnCurve, options: ReadOptions, asking: Asking) 
     return Use(purpose, "by default" if by_default else "by its name", False)
 
 
+def _asked(question: str, text: str, order: Sequence[Purpose], asking: Asking) -> Use:
+    """What somebody answers that some lines are for, or the first of the choices."""
+    choices = tuple(Choice(purpose, WORDS[purpose]) for purpose in order)
+    answer = cast(Purpose, asking.ask(Question(question, text, choices)))
+    return Use(answer, asking.because(question), answer == "cut")
+
+
 def _by_doubtful_names(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking: Asking) -> dict[Look, Use]:
     """What layers are for whose names may mean lines that are not cut, beside others that are cut."""
     cut = [p for p in pieces if uses[look_of(p)].purpose == "cut"]
@@ -180,15 +187,9 @@ def _by_doubtful_names(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], a
     found: dict[Look, Use] = {}
     for layer in layers:
         own = [p for p in loose if p.layer == layer]
-        answer = asking.ask(
-            Question(
-                f"{LAYER}{layer}",
-                f"layer '{layer}' ({_lines(len(own))}) may not be meant to be cut, by its name: what is it?",
-                tuple(Choice(purpose, WORDS[purpose]) for purpose in orders[layer]),
-            )
-        )
-        because = asking.because(f"{LAYER}{layer}")
-        found |= {look_of(p): Use(cast(Purpose, answer), because, answer == "cut") for p in own}
+        text = f"layer '{layer}' ({_lines(len(own))}) may not be meant to be cut, by its name: what is it?"
+        use = _asked(f"{LAYER}{layer}", text, orders[layer], asking)
+        found |= {look_of(p): use for p in own}
     return found
 
 
@@ -210,15 +211,12 @@ def _by_colour(
         fillings = all(p.filled for p in same) and not all(p.filled for p in mixed)
         engraved = colour in marks or fillings or bool(join(same, tolerance_mm).chains)
         order: tuple[Purpose, ...] = ("mark", "cut", "ignore") if engraved else ("cut", "mark", "ignore")
-        answer = asking.ask(
-            Question(
-                f"colour:{colour}",
-                f"{counted(p.layer for p in same)} {'is' if len(same) == 1 else 'are'} {_look(same, colour)}, beside "
-                f"lines of other colours ({', '.join(sorted(outlines))}): what are they for?",
-                tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
-            )
+        text = (
+            f"{counted(p.layer for p in same)} {'is' if len(same) == 1 else 'are'} {_look(same, colour)}, beside lines "
+            f"of other colours ({', '.join(sorted(outlines))}): what are they for?"
         )
-        found |= {look_of(p): Use(cast(Purpose, answer), asking.because(f"colour:{colour}"), False) for p in same}
+        use = _asked(f"colour:{colour}", text, order, asking)
+        found |= {look_of(p): use._replace(stated=False) for p in same}
     return found
 
 
@@ -254,15 +252,12 @@ def _by_linetype(pieces: Sequence[DrawnCurve], uses: Mapping[Look, Use], asking:
         order: tuple[Purpose, ...] = ("ignore", "mark", "cut")
         if not kind.lower().startswith(HELP_LINES):
             order = ("mark", "cut", "ignore")
-        answer = asking.ask(
-            Question(
-                f"linetype:{kind}",
-                f"{counted(p.layer for p in same)} {'is' if len(same) == 1 else 'are'} drawn {kind}, beside lines that "
-                "are drawn through: what are they for?",
-                tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
-            )
+        text = (
+            f"{counted(p.layer for p in same)} {'is' if len(same) == 1 else 'are'} drawn {kind}, beside lines that are "
+            "drawn through: what are they for?"
         )
-        found |= {look_of(p): Use(cast(Purpose, answer), asking.because(f"linetype:{kind}"), False) for p in same}
+        use = _asked(f"linetype:{kind}", text, order, asking)
+        found |= {look_of(p): use._replace(stated=False) for p in same}
     return found
 
 
@@ -281,19 +276,10 @@ def sheet_by_name(read_layers: ByLayer, options: ReadOptions, asking: Asking) ->
             continue
         sheet_first = len(read_layers.cut) > 0 and _holds_parts(own, read_layers.cut)
         order: tuple[Purpose, ...] = ("sheet", "cut", "ignore") if sheet_first else ("cut", "sheet", "ignore")
-        answer = asking.ask(
-            Question(
-                f"{LAYER}{layer}",
-                f"layer '{layer}' ({_lines(len(own))}) may be the sheet by its name, or a part"
-                + (f"; {_lines(len(others))} on other layers" if others else "")
-                + ": what is it?",
-                tuple(Choice(purpose, WORDS[purpose]) for purpose in order),
-            )
-        )
-        if answer != "sheet":
-            read_layers = _moved(
-                read_layers, own, Use(cast(Purpose, answer), asking.because(f"{LAYER}{layer}"), answer == "cut")
-            )
+        beside = f"; {_lines(len(others))} on other layers" if others else ""
+        text = f"layer '{layer}' ({_lines(len(own))}) may be the sheet by its name, or a part{beside}: what is it?"
+        if (use := _asked(f"{LAYER}{layer}", text, order, asking)).purpose != "sheet":
+            read_layers = _moved(read_layers, own, use)
     return read_layers
 
 

@@ -129,6 +129,14 @@ def properties(element: Element) -> dict[str, str]:
     return own | {name: value for name, (value, _) in declarations(element.get("style", "")).items()}
 
 
+XLINK = "{http://www.w3.org/1999/xlink}href"
+
+
+def href_of(element: Element) -> str:
+    """What an element refers to; "" where it refers to nothing."""
+    return (element.get("href") or element.get(XLINK) or "").strip()
+
+
 def called(element: Element) -> str:
     """An element by its kind and its id, for messages."""
     name = f" '{element.get('id')}'" if element.get("id") else ""

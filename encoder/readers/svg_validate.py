@@ -11,7 +11,7 @@ from xml.parsers import expat
 from kerfwise.encoder.errors import InputError
 
 from .drawing import check_copies
-from .svg_css import called, declarations, styled, tag_of, too_long, with_style
+from .svg_css import called, declarations, href_of, styled, tag_of, too_long, with_style
 from .svg_values import computed
 from .svg_visible import MATTERS, Seen, laid_out
 
@@ -32,7 +32,6 @@ UNDRAWN = frozenset(
     )
 )
 """Elements whose shapes are tools of drawing, or say something of it; some are drawn where they are used."""
-XLINK = "{http://www.w3.org/1999/xlink}href"
 
 _NUMBER = r"(?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _LENGTH = re.compile(rf"\s*(?:{_NUMBER}\s*(?:mm|cm|in|pt|pc|px|q|em|ex|rem|vw|vh|%)?|auto)\s*", re.IGNORECASE)
@@ -126,7 +125,7 @@ def _check_clones(root: ElementTree.Element) -> None:
     def made_of(name: str) -> tuple[int, list[tuple[str, int]]]:
         inner = list(named[name].iter()) if name in named else []
         clones = [element for element in inner if tag_of(element) == "use"]
-        hrefs = (clone.get("href") or clone.get(XLINK) or "" for clone in clones)
+        hrefs = map(href_of, clones)
         return len(inner) - len(clones), [(href.removeprefix("#"), 1) for href in hrefs if href.startswith("#")]
 
     check_copies("", made_of, "clone")

@@ -11,13 +11,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 from kerfwise.encoder.errors import InputError
 
-from .svg_css import called, declarations, properties, tag_of, with_style
+from .svg_css import XLINK, called, declarations, href_of, properties, tag_of, with_style
 from .svg_text import TEXT, write_out
 from .svg_viewports import PX, VIEWPORT, length_px, lengths_resolved, symbol_fitted, view_size
 
-# What an SVG file shows: clones drawn, styles laid on, and what is hidden taken out, before any curve is made.
-
-XLINK = "{http://www.w3.org/1999/xlink}href"
 CLIP, SHAPE, MASK = "kerfwise-clip-", "kerfwise-clip-shape-", "kerfwise-mask-"
 """How the ids of groups begin that stand round what is clipped, round its clipping path, and round what is masked."""
 
@@ -91,7 +88,7 @@ def _clones(root: Element, named: Mapping[str, Element], seen: Seen) -> None:
 
 
 def _drawn(use: Element, named: Mapping[str, Element], within: tuple[str, ...], seen: Seen) -> Element:
-    href = (use.get("href") or use.get(XLINK) or "").strip()
+    href = href_of(use)
     space = str(use.tag)[: -len("use")]
     kept = {k: v for k, v in use.items() if k not in ("href", XLINK, "x", "y", "width", "height", VIEWPORT)}
     group = Element(f"{space}g", kept)
@@ -332,7 +329,7 @@ def _is_clear_server(name: str, named: Mapping[str, Element]) -> bool:
                 _share(stop.get("stop-opacity", "1")) <= 0 or _is_clear(stop.get("stop-color", "black"), "black", {})
                 for stop in stops
             )
-        name = (server.get("href") or server.get(XLINK) or "").removeprefix("#")
+        name = href_of(server).removeprefix("#")
     return True
 
 
