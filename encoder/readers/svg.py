@@ -112,17 +112,15 @@ def _on_page(pieces: list[DrawnCurve], page: Sheet | None, asking: Asking) -> tu
     off = shapely.disjoint(page.outline.polygon(), np.array([piece.curve.line() for piece in pieces], dtype=object))
     if not off.any() or off.all():  # a drawing beside its page is all that there is
         return pieces, []
-    gone = counted(piece.layer for piece, is_off in zip(pieces, off, strict=True) if is_off)
-    answer = asking.ask(
-        Question(
-            "off-page",
-            f"beside the page, where no viewer shows anything, more is drawn ({gone}): is that cut?",
-            (Choice("ignore", "left out"), Choice("cut", "cut, too")),
-        )
-    )
+    kept = [piece for piece, is_off in zip(pieces, off, strict=True) if not is_off]
+    beside = [piece.layer for piece, is_off in zip(pieces, off, strict=True) if is_off]
+    gone, choices = counted(beside), (Choice("ignore", "left out"), Choice("cut", "cut, too"))
+    if {piece.layer for piece in kept}.issuperset(beside):  # most likely the page is too small
+        choices = choices[::-1]
+    text = f"beside the page, where no viewer shows anything, more is drawn ({gone}): is that cut?"
+    answer = asking.ask(Question("off-page", text, choices))
     if answer == "cut":
         return pieces, []
-    kept = [piece for piece, is_off in zip(pieces, off, strict=True) if not is_off]
     return kept, [Note("warning", f"left out, as it lies beside the page: {gone}")]
 
 

@@ -213,6 +213,9 @@ def test_what_lies_beside_the_page_is_asked_about(tmp_path: Path) -> None:
     with pytest.raises(Questions) as asked:
         read(tmp_path, PART + beside)
     assert [(q.id, [c.value for c in q.choices]) for q in asked.value.questions] == [("off-page", ["ignore", "cut"])]
+    with pytest.raises(Questions) as asked:
+        read(tmp_path, f'<g id="layer">{PART}{beside}</g>')  # the page is too small, most likely
+    assert [c.value for c in asked.value.questions[0].choices] == ["cut", "ignore"]
     left = read(tmp_path, PART + beside, answers=(("off-page", "ignore"),))
     assert areas(left) == ALONE
     assert "left out, as it lies beside the page: 1 on 'h'" in texts(left.notes)
