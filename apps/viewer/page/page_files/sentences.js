@@ -18,6 +18,7 @@ export function sentence(...texts) {
 /** @type {(text: string) => string} */
 export function inWords(text) {
   if (language() === "en" || !text) return text;
+  if (/^\d+\.\d+$/.test(text)) return text.replace(".", ",");
   for (const { text: known, names, shape } of SENTENCES) {
     const found = shape.exec(text), translation = found && translationOf(known);
     if (found && translation) return filled(translation, Object.fromEntries(names.map((name, k) => [name, inWords(found[k + 1])])));
@@ -55,7 +56,7 @@ sentence(
   "no entry and direction of {a} ends along more than {share}, even with all its neighbours in",
   "the plan excuses it: what must be cut before {a} left nothing better",
   "between {a} and {b} there must be at least {wanted}: they heat each other",
-  "between {a} (cut {i}) and {b} (cut {k}) there must be {missing}",
+  "between {a} (cut {i}) and {b} (cut {k}) there must be {wanted}",
   "after {a} (cut {k}) {b} lies in a narrow strip between {them}",
   "{a} lies in a narrow strip between {them}",
   "{a} lies on an island, cut off from {b} by {them}",
@@ -83,6 +84,12 @@ sentence(
   "no rule keeps {a} here: as number {place} the plan would cost {mm} mm less, which was not found within the limit",
   "no rule asks anything of where {a} is cut, and every other place is longer, by {mm} mm at least: it is cut here for the shortest travel",
   "no rule decides where {a} is cut: with these entries no other place, nor a stretch turned round, makes the plan cheaper, not even against a rule",
+  "decided by {n} rules together: {rules} and {last}",
+  "entered at {place}: the shortest lawful way from {a} to {b}",
+  "pierced at {place}",
+  "kept: {why}",
+  "{n} more excuses from hard rules, {cost}",
+  "{n} fewer excuses from hard rules, {cost}",
   "one place earlier",
   "one place later",
   "as early as can be",

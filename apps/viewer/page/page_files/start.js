@@ -20,7 +20,7 @@ import { toggles } from "./toggles.js";
 import { whyPanel } from "./why.js";
 
 /** Drawings of sheets that are so many times wider than high stand under each other. */
-const FLAT = 1.6;
+const FLAT = 1.6, OVER_PX = 8;
 
 /**
  * Puts the page together; `hands`, where there are any, are called last.
@@ -39,6 +39,7 @@ export async function start(source, hands) {
   document.body.classList.toggle("planless", !app.side);
   hang(app);
   app.renewed(() => hang(app));
+  new ResizeObserver(() => roomForButtons(app)).observe(byId("over"));
   app.stages.forEach(stage => stage.now());
   document.documentElement.dataset.painted = performance.now().toFixed(0);
   searchField(app);
@@ -95,6 +96,19 @@ function hang(app) {
     return figure;
   }));
   for (const stage of app.stages) { stage.resize(); if (stage.fits) stage.fit(stage.fitted.parts); }
+  roomForButtons(app);
+}
+
+/** The buttons over the drawing stand in one row or in two: what is fitted stays clear of them. */
+/** @param {App} app */
+function roomForButtons(app) {
+  const high = byId("over").offsetHeight + OVER_PX;
+  for (const stage of app.stages) {
+    const { fits, buttons } = stage;
+    stage.buttons = high;
+    if (fits && stage.buttons !== buttons) stage.fit(stage.fitted.parts);
+  }
+  app.draw();
 }
 
 /** @type {(app: App, contour: number, at: [number, number] | null) => void} */

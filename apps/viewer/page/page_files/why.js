@@ -138,9 +138,9 @@ function ways(entry) {
   /** @type {(way: EntryWay) => string} */
   const place = way => `${placeText(way.at)} ${wayText(way.direction)}`;
   return make("ul", {},
-    make("li", {}, make("b", {}, `${place(entry.used)}`), `, ${entry.used.text}: ${tr("taken")}`),
+    make("li", {}, make("b", {}, `${place(entry.used)}`), `, ${inWords(entry.used.text)}: ${tr("taken")}`),
     entry.one_way_by.length ? make("li", {}, tr("{rules}: no other way round than {direction}", { rules: entry.one_way_by.join(", "), direction: wayText(entry.used.direction) })) : null,
-    ...entry.lawful.slice(0, FEW_WAYS).map(way => make("li", {}, `${place(way)}, ${way.text}: `, make("span", { class: "cost" }, inWords(way.cost ?? "")))),
+    ...entry.lawful.slice(0, FEW_WAYS).map(way => make("li", {}, `${place(way)}, ${inWords(way.text)}: `, make("span", { class: "cost" }, inWords(way.cost ?? "")))),
     entry.lawful.length > FEW_WAYS ? make("li", { class: "hint" }, tr("and {n} more lawful ones", { n: entry.lawful.length - FEW_WAYS })) : null,
     entry.lawful.length ? null : make("li", {}, tr("no other entry is lawful in this order")),
     ...entry.unlawful.map(one => make("li", { class: "no-way" }, `${one.ways.map(place).join(", ")}`

@@ -16,12 +16,12 @@ const METRE_MM = 1000, CLOCK_MS = 1000;
  * @param {History} history
  */
 export function planBar(app, work, history) {
-  const button = (/** @type {string} */ id, /** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ onclick) =>
-    make("button", { type: "button", id, title, onclick }, text);
+  const button = (/** @type {string} */ id, /** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ onclick, sign = "") =>
+    make("button", { type: "button", id, title, onclick, "aria-label": sign && text || null }, ...(sign ? [make("span", { class: "wide" }, text), make("span", { class: "narrow" }, sign)] : [text]));
   const plan = button("hands-plan", tr("Plan"), tr("plan what is wanted (Enter)"), () => work.solve());
   const cancel = button("hands-cancel", tr("Cancel"), tr("end with the best plan so far"), () => cancelNow(work));
-  const undo = button("hands-undo", tr("Undo"), tr("undo the last change (Ctrl+Z)"), () => void history.step(-1));
-  const redo = button("hands-redo", tr("Redo"), tr("do it again (Ctrl+Y)"), () => void history.step(1));
+  const undo = button("hands-undo", tr("Undo"), tr("undo the last change (Ctrl+Z)"), () => void history.step(-1), "↶");
+  const redo = button("hands-redo", tr("Redo"), tr("do it again (Ctrl+Y)"), () => void history.step(1), "↷");
   const save = button("hands-save", tr("Save"), tr("write the program, the plan and the job file"), () => saveAll(work));
   const said = make("span", { id: "hands-said", class: "said", role: "status" });
   const reached = make("span", { id: "hands-reached" });

@@ -82,6 +82,23 @@ def refusal(client: httpx.Client, nest: str) -> str:
     return str(tab.solved()["problem"])
 
 
+def test_a_job_file_that_an_undo_sends_reads_no_other_files(opened: Open, outside: Path) -> None:
+    """What it may name is what one on disk may; a list of lists within lists is no job, and none is waited for."""
+    tab = opened()
+    before = tab.state()
+    bombs = "a: &a [x]\n" + "".join(
+        f"{one}: &{one} [*{two}, *{two}, *{two}]\n" for one, two in zip("bcdefghi", "abcdefgh", strict=True)
+    )
+    for text in (
+        f"profile: {outside}/secret.yaml\n", "[" * 50_000, bombs,
+        "x" * 1_000_001, "\x00", "locks: !!python/object:os.system [x]\n",
+    ):  # fmt: skip
+        answer = tab.client.post(f"/api/{tab.id}/back", json={"version": before["version"], "to": 0, "job_text": text})
+        assert (answer.status_code, answer.json()["kind"]) == (422, "input"), text[:40]
+        assert SECRET not in answer.text
+    assert tab.state()["job_text"] == before["job_text"]
+
+
 def test_a_job_file_that_is_a_link_is_not_read(
     served: Served, client: httpx.Client, tmp_path: Path, outside: Path
 ) -> None:

@@ -432,7 +432,7 @@ test("what the server says in English comes in the reader's language, with its n
     "it lies inside it, and cutting {a} frees the metal it is in": "es liegt darin, und {a} löst es", "{mm} mm more": "{mm} mm mehr",
   } });
   assert.equal(inWords(move), "A.outer und 2 weitere nicht als 3: level-ahead: B.outer vor A.outer: es liegt darin, und A.outer löst es (und 1 weitere)");
-  assert.equal(inWords("12.5 mm more"), "12.5 mm mehr");
+  assert.equal(inWords("12.5 mm more"), "12,5 mm mehr");
   for (const text of ["P.1 (x) said: so", "", "12.5 mm moreover"]) assert.equal(inWords(text), text);
   setLanguage("en", {});
 });
