@@ -91,8 +91,15 @@ class Paper:
         self.skip(scale * scene.height)
 
     def table(self, head: Sequence[str], rows: Sequence[Sequence[str]], blocks: int = 1) -> None:
-        """A table under its head, in up to so many blocks side by side, each column as wide as what stands in it."""
+        """A table under its head, in up to so many blocks side by side, each column as wide as what stands in it.
+
+        Columns in which nothing stands are left out.
+        """
         size, high, gap = 7.5, 11.0, 18.0
+        if not rows:
+            return
+        kept = [k for k, column in enumerate(zip(*rows, strict=True)) if any(column)]
+        head, *rows = ([row[k] for k in kept] for row in (head, *rows))
         needed = [
             _APART + max(size * 1.1 if text == BOX else text_width(text, size) for text in column)
             for column in zip(head, *rows, strict=True)

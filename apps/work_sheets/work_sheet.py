@@ -208,7 +208,7 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=feeds_text, **widths)
     yield tr("settings"), _settings(sheet)
     yield tr("gas"), material.gas or _unknown(sheet.say)
-    yield tr("time"), f"{duration(report.total_s, sheet.say)} ({shares}; {report.model})"
+    yield tr("time"), f"{duration(report.total_s, sheet.say)} ({shares})"
     lengths = tr("torch on {on} m, idle {idle} m")
     lengths = lengths.format(on=f"{totals.cut_mm / 1000:.2f}", idle=f"{totals.idle_mm / 1000:.2f}")
     at_once = tr("all of a zone or of the sheet first")

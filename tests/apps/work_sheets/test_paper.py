@@ -70,6 +70,15 @@ def test_no_name_and_no_number_of_a_long_table_is_cut_where_there_is_room() -> N
     expect_inside(paper)
 
 
+def test_columns_in_which_nothing_stands_are_left_out_and_a_table_without_rows_is_none() -> None:
+    paper = Paper("parts")
+    paper.table(("", "part", "order", "kg"), [(BOX, "A", "", "1"), (BOX, "B", "", "2")])
+    paper.table(("nothing",), [])
+    told = [text.text for page in texts(paper) for text in page]
+    assert told[:5] == ["part", "kg", "A", "1", "B"]
+    assert not {"order", "nothing"} & set(told)
+
+
 @given(st.lists(st.tuples(st.sampled_from(["lines", "heading", "table"]), WORDS, st.integers(1, 90)), max_size=8))
 def test_pages_are_numbered_and_nothing_is_beyond_the_margins(blocks: list[tuple[str, str, int]]) -> None:
     paper = Paper("several things with a title that is long " * 5)

@@ -23,8 +23,9 @@ PAGE = """\
 # Dialects, and who reads them
 
 Made by `python -m kerfwise.tests.postproc.dialects.table > docs/dialects.md`. Each nest is planned once, and its plan
-written in each dialect: three nests under the default profile, and nests with links, with tabs, with a skeleton that
-is cut up, and with common cuts. A laser's tabs are written in the dialects for lasers, others know none within a burn.
+written in each dialect: three nests under the default profile, and nests with links, with tabs, with marks, with a
+skeleton that is cut up, and with common cuts. Marks are written in the dialects that have words for them, a
+laser's tabs in those for lasers, since others know none within a burn.
 Of each reader's burns the table has how many there are, how far their paths lie from the plan's at most (arcs are
 compared as chords within 0.003 mm), and how much longer the torch is on, and travels, than the plan says. "The check"
 is the reader of kerfwise itself, which shares nothing with the writer.
