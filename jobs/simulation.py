@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools
+from kerfwise.encoder.bevels.cut_nest import bevelled
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import unknown
@@ -202,6 +203,11 @@ def _simulated(inputs: Inputs, path: TimedPath, model: HeatModel | None, tell: T
 
 
 def path_of_made(source: Plan | str | Path, inputs: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
+    if next(bevelled(inputs.nest), None) is not None:
+        tell(
+            "bevels are simulated as one upright cut along each contour: further passes, loops and the longer way "
+            "through the metal do not count"
+        )
     if not isinstance(source, Plan) and not is_plan_file(source):
         return path_of_program(read_program_of(source, inputs, tell, trusted), source)
     plan = source if isinstance(source, Plan) else read_plan(source)

@@ -190,6 +190,12 @@ class _Metal:
         return hit
 
 
+@cached_with_nest(most=2)
+def _metal_of(nest: Nest, options: BevelOptions) -> _Metal:
+    """The parts of a nest at every depth: what is found there once serves loops, passes and leads."""
+    return _Metal(nest, options)
+
+
 def _place(area: shapely.Geometry) -> str:
     x, y = (float(v) for v in shapely.get_coordinates(shapely.point_on_surface(area))[0])
     return f" at ({x:.1f}, {y:.1f})"
@@ -204,7 +210,7 @@ def plan_bevels(nest: Nest, options: BevelOptions) -> Bevelling:
     InputError
         With a line for each contour that cannot be cut as it is drawn, and what to do.
     """
-    metal, found, wrong = _Metal(nest, options), Bevelling(options), list[str]()
+    metal, found, wrong = _metal_of(nest, options), Bevelling(options), list[str]()
     for drawn in bevelled(nest):
         found.taken[drawn.id] = shapely.GeometryCollection()
         try:
@@ -336,7 +342,7 @@ def kept_candidates(
     InputError
         For contours of which none is left, each with why.
     """
-    options, metal = bevelling.options, _Metal(nest, bevelling.options)
+    options, metal = bevelling.options, _metal_of(nest, bevelling.options)
     drawn = {contour.id: contour for contour in bevelled(nest)}
     kerf_mm = options.kerfs[0][1]
     burnt = [area for area in bevelling.taken.values() if not area.is_empty]

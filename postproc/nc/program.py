@@ -39,7 +39,7 @@ from .gcode import (
 )
 from .head_comments import name_comments, program_names, reading_comments, setting_comments
 from .kerf_by_control import keeps_left
-from .tilted import BLOCK_TORCHES, UPRIGHT, bevel_passes
+from .tilted import BLOCK_TORCHES, UPRIGHT, bevel_passes, kerf_assumptions
 from .toolpaths import SHA_DIGITS, Toolpath, expect_same_nest, toolpaths
 
 ARCS_REFITTED = "ARCS REFITTED WITHIN"
@@ -183,6 +183,7 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
     of += ["block" if profile.cuts.bevel.head == "block" else "bevels"] if any(c.passes for c in plan.cuts) else []
     for assumption in (text for key in of for text in dialect.assumes.get(key, ())):
         yield comment(dialect, "ASSUMES", assumption.format(**powers_of(dialect, profile)))
+    yield from (comment(dialect, "ASSUMES", text) for text in kerf_assumptions(plan, profile))
 
 
 def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:

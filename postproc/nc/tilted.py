@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 
@@ -100,6 +101,16 @@ def _by_block(
     yield from _followed(path, feed_mm_s, (words.tilt, words.turn), profile.material.thickness_mm, pen)
     yield from pen.stop(False)
     pen.upright = f"{words.turn}0" if pen.dialect.turning is None else ""
+
+
+def kerf_assumptions(plan: Plan, profile: Profile) -> Iterator[str]:
+    """What is taken for the kerf at angles that the plant has no row for: as upright, square to the jet."""
+    rows = {angle for angle, _ in profile.cuts.bevel.kerfs}
+    for angle in sorted({abs(one.tilt_deg) for planned in plan.cuts for one in planned.passes} - rows - {0.0}):
+        if not rows or not min(rows) < angle < max(rows):
+            options = profile.bevel_options()
+            kerf = number(profile.material.kerf_mm if options is None else options.kerf_mm(angle), 3)
+            yield f"THE KERF AT {number(angle, 3)} DEGREES IS {kerf} MM, SQUARE TO THE JET: NOBODY HAS MEASURED IT"
 
 
 def _followed(

@@ -165,6 +165,8 @@ def test_single_edges_have_bevels(edged: tuple[str, str, str, Any], tmp_path: Pa
     why = "bevel Y 30 land 4 top on 1 of 4 edges and V 20 bottom on 2 of 4 edges: cut in 2 passes"
     assert row["because"][0].startswith(why)
     assert "PASS 2 OF 2 TILT -20 TO UPRIGHT" in program
+    for angle in (20, 30):  # the plant has no row for them
+        assert f"(ASSUMES THE KERF AT {angle} DEGREES IS 1.5 MM, SQUARE TO THE JET: NOBODY HAS MEASURED IT)" in program
     (tmp_path / "out.nc").write_text(program)
     times = [kerfwise("time", nest, made, "-p", plant) for made in (tmp_path / "out.nc",)]
     assert times[0].code == 0, times[0].err
@@ -385,6 +387,13 @@ def test_a_program_of_bevels_alone_is_timed_and_judged(tmp_path: Path) -> None:
     checked = kerfwise("check", nest, program, "-p", plant)
     assert checked.code == 1
     assert "P.outer: no pass that leans by -30 degrees" in checked.out
+
+
+@pytest.mark.parametrize("verb", [("heat", "--model", "logical"), ("distort", "--grid", "40")])
+def test_simulations_say_that_they_burn_upright(solved: Path, verb: tuple[str, ...]) -> None:
+    done = kerfwise(*verb, NEST, solved / "out.plan.json", "-p", PROFILE)
+    assert done.code == 0, done.err
+    assert "bevels are simulated as one upright cut along each contour" in done.err
 
 
 def test_a_plan_with_bevels_is_not_gone_on_with_after_a_stop(solved: Path) -> None:
