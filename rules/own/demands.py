@@ -18,8 +18,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import first_and_last, unknown
-from kerfwise.rules.expression.node import Apart as LieApart
-from kerfwise.rules.expression.node import Condition, Gate, Lit, NotNext, Run, Stays, ahead
+from kerfwise.rules.expression.node import Apart, Condition, Gate, Lit, NotNext, Run, Stays, ahead
 from kerfwise.rules.options.kind import Choice, Number, Text, Unfit
 from kerfwise.rules.options.quantities import DURATION, LENGTH
 from kerfwise.rules.options.yaml_positions import Problems
@@ -187,7 +186,7 @@ class OneStays(Demand):
                 yield Condition(Stays(out, left), (*out, *left), f"{names} are not all cut while {stay} stay in")
 
 
-class Apart(Demand):
+class KeepApart(Demand):
     """Between any two of the selected, or a selected and one of `from`, lie some cuts or seconds."""
 
     FORM = Group(
@@ -212,7 +211,7 @@ class Apart(Demand):
         given = dict(self.value)
         for a, b in self._couples(chosen):
             first, second = chosen.ids(a, b)
-            asked = LieApart(a, b, given.get("cuts", 0), given.get("time", 0.0))
+            asked = Apart(a, b, given.get("cuts", 0), given.get("time", 0.0))
             yield Condition(Lit(asked), (a, b), f"between {first} and {second} lie {asked.words}")
 
     def unjudged(self, cuts: CutSequence) -> str | None:
@@ -492,7 +491,7 @@ class EntryPlace(Demand):
         return all(span.perhaps_met(value, slack_mm) for value, span in spans)
 
 
-KINDS = (Order, Ends, Together, Apart, NextCut, WithinTime, OneStays, Direction, EntryPlace)
+KINDS = (Order, Ends, Together, KeepApart, NextCut, WithinTime, OneStays, Direction, EntryPlace)
 ASKS: Mapping[str, type[Demand]] = {key: kind for kind in KINDS for key in kind.FORMS}
 """Key in a profile → the kind of demand that stands under it."""
 DEMANDS: Mapping[str, tuple[Form, str]] = {key: form for kind in KINDS for key, form in kind.FORMS.items()}
