@@ -65,6 +65,7 @@ def interrupted(run: Iterable[str], cuts: CutSequence, at: Mapping[str, int], wh
 class _Judged:
     def __init__(self, nest: Nest, cuts: CutSequence) -> None:
         self.nest, self.cuts, self.at, self.when = nest, cuts, cuts.positions(), cuts.moments()
+        self.place = [self.at.get(contour.id, 0) for contour in nest.contours]
 
     def ids(self, contours: Iterable[int]) -> tuple[str, ...]:
         return tuple(self.nest.contours[k].id for k in contours)
@@ -78,7 +79,10 @@ class _Judged:
             case Stays(out, left):
                 return self._stays(self.ids(out), self.ids(left))
             case Lit(Before()) as asked:
-                first, then = self.ids(asked.ends)
+                i, j = asked.ends
+                if self.place[i] <= self.place[j]:
+                    return None
+                first, then = self.ids((i, j))
                 return out_of_order(first, then, self.at)
             case Lit(Apart() as apart):
                 return self._apart(apart)
@@ -111,11 +115,12 @@ class _Judged:
 
     def _gate(self, condition: Condition, asked: Gate) -> Breach | None:
         """A sum over the orders of one contour and others. Nothing is asked of one that none is left to follow."""
-        position, *beside = (self.at.get(name, 0) for name in self.ids((condition.contours[0], *condition.beside)))
+        position, beside = self.place[condition.contours[0]], (self.place[k] for k in condition.beside)
         value, asks, is_first = 0, condition.uncut_follow, False
         for term, weight in asked.terms:
             assert isinstance(term, Lit), "a sum of orders"
-            first, then = (self.at.get(name, 0) for name in self.ids(term.ends))
+            i, j = term.ends
+            first, then = self.place[i], self.place[j]
             value += weight * (first < then if first and then else condition.uncut_follow)
             is_first = then == position
             asks = asks or is_first or then > self.cuts.made

@@ -313,7 +313,7 @@ def _literal(term: Lit | Gate) -> tuple[Literal, int]:
         inner = merged_gate(term)
         return _enough(inner.terms, inner.bound), 1
     if isinstance(term.atom, Before):
-        return Before(*term.ends), 1
+        return term.atom if term.holds else Before(*term.ends), 1
     assert isinstance(term.atom, Pick), "words were written out"
     return term.atom, 1 if term.holds else -1
 
