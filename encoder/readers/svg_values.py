@@ -45,9 +45,10 @@ def computed(root: Element, matters: frozenset[str]) -> None:
 
 
 def _compute(element: Element, variables: Mapping[str, str], matters: frozenset[str]) -> None:
-    style = {name: value for name, (value, _) in declarations(element.get("style", "")).items()}
+    said = {name: value for name, (value, _) in declarations(element.get("style", "")).items()}
+    style = dict(said)
     variables = {**variables, **{name: value for name, value in style.items() if name.startswith("--")}}
-    attributes = {name: value for name, value in element.items() if name != "style"}
+    attributes = {name: value for name, value in element.items() if name in matters or name == "font-size"}
     for own in (attributes, style):
         for name, value in list(own.items()):
             if "(" not in value or name.startswith("--"):
@@ -65,7 +66,7 @@ def _compute(element: Element, variables: Mapping[str, str], matters: frozenset[
             if text != value and own is attributes:
                 element.set(name, text)
             own[name] = text
-    if "style" in element.attrib:
+    if style != said:
         with_style(element, style)
     for child in element:
         if isinstance(child.tag, str):

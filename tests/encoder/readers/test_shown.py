@@ -102,6 +102,12 @@ def test_a_selector_that_is_not_known_is_refused(tmp_path: Path) -> None:
         read(tmp_path, f"<style>@layer x{{rect{{display:none}}}}</style>{PART}")
 
 
+def test_names_with_brackets_are_names(tmp_path: Path) -> None:
+    hole = HOLE.replace('id="h"', 'id="var(--h)"')
+    nest = read(tmp_path, f'<g id="max(2, 3)">{PART}{hole}</g>')
+    assert nest.parts[0].outer.source.layer == "max(2, 3)"
+
+
 @pytest.mark.parametrize("given", ['media="print"', 'type="text/less"'])
 def test_a_style_sheet_for_something_else_hides_nothing(tmp_path: Path, given: str) -> None:
     assert areas(read(tmp_path, f"<style {given}>.a{{display:none}}</style>{PART}{HOLE}")) == BOTH
