@@ -264,6 +264,10 @@ FIRST_DESCENT = 200_000  # the most operations a contour
 REGIONS = 100_000_000  # operations in each half of a route between two such looks, where it goes by regions
 WHOLE = 0.5  # share for an annealing of the whole route, where the rest can go region by region, and
 WHOLE_MOST = 400_000  # the most operations for it, times n^1.5
+FIRST_ROUTE, LATER_ROUTES = 800_000, 200_000
+"""Operations, times n^1.5, for the first route, annealed and gone through by regions, after which others are searched
+for from nothing and merged into it; and for each of these. Long searches end in one and the same route: it takes short
+ones to have something to merge."""
 SEARCHER_FEW, HOTTER = 30, 4.0  # contours up to which annealings are hotter, and how many times: fewer are caught then
 LONGER = 1.5  # how much longer than those before it is, or there is none: the rest is better spent on regions
 LEAST_CONTOURS = 150  # Contours from which on a route is searched by regions.

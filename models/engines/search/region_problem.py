@@ -49,12 +49,17 @@ class Contractor:
         """The region in which all arcs that two lawful routes share, from site to site, are taken for granted.
 
         A good route shares most of its arcs with another one. Where they differ is what is left to find out, and a
-        search of that alone goes on faster and moves whole stretches at once (Cook and Seymour 2003).
+        search of that alone goes on faster and moves whole stretches at once (Cook and Seymour 2003). Where they differ
+        within a block, its pieces are those of no others.
         """
         following = np.full(self._problem.m, -1, dtype=np.int64)
         following[other[:-1]] = other[1:]
         begins = np.append(True, following[route[:-1]] != route[1:])
-        return self._of(Pieces.of(self._problem, route, begins, np.zeros_like(begins)), False, False)
+        block = self._problem.block[self._problem.site_contour[route]]
+        inner = np.append(False, block[1:] == block[:-1])
+        parted = np.isin(block, block[begins & inner])
+        begins |= ~inner & (parted | np.append(False, parted[:-1]))
+        return self._of(Pieces.of(self._problem, route, begins, parted), False, False)
 
     def _of(self, pieces: Pieces, starts: bool, ends: bool) -> Region:
         problem = self._problem
@@ -134,9 +139,9 @@ class Pieces:
     `sites` are those on the route by piece. By new site: `heads` and `tails` are the first and the last site of what it
     stands for, `site_piece` its piece. `new_site` (m + 1,) is the new number of a site that is a head, `new_tail` of
     one that is a tail, else -1, home the last. By piece: `alone` says that it is one contour with all its sites, `free`
-    that it is a free one, `leader` is its first contour. By contour: `of_contour` is its piece,
-    `place` where on the route it stands, `on_route` its site there. `order` are the contours of `whole_route`, which
-    is `route` in new sites.
+    that it is to stay in the block of its first contour, `leader` is that contour. By contour: `of_contour` is its
+    piece, `place` where on the route it stands, `on_route` its site there. `order` are the contours of `whole_route`,
+    which is `route` in new sites.
     """
 
     sites: tuple[Ints, ...]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import inf
+from math import inf, isinf
 from operator import methodcaller
 
 import numpy as np
@@ -17,9 +17,12 @@ from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import (
     CHILD,
     CHUNK,
+    EACH,
     FIRST_DESCENT,
+    FIRST_ROUTE,
     HOTTER,
     LARGEST_BLOCK,
+    LATER_ROUTES,
     LEAST_CONTOURS,
     LONGER,
     MIDDLE,
@@ -28,6 +31,7 @@ from kerfwise.models.engines.tuning import (
     PER_SITE,
     REGION_CHUNK,
     REGIONS,
+    SEEDS_APART,
     SETTING_UP,
     WALKERS,
     WHOLE,
@@ -45,8 +49,8 @@ from .anneal import AnnealingWalker
 from .jit_tools import kernel_argument
 from .region_problem import Contractor
 from .route_state import SearchTables, make_tables
-from .tour_merging import TourMerging, make_walkers, mergeable
-from .walker import CoolingPart, Schedule
+from .tour_merging import TourMerging, make_walkers, merge_tours, mergeable
+from .walker import CoolingPart, Elite, Schedule
 
 __all__ = ["Contractor", "Regions", "regional"]
 
@@ -62,16 +66,21 @@ class Searcher:
         Equal seeds and equal work give equal routes.
     chains
         Whether chains of exchanges are tried where they suit the problem.
+    fields
+        The tables of the problem, where they are made.
     """
 
-    def __init__(self, problem: Problem, seed: int = 1, chains: bool = True) -> None:
+    def __init__(
+        self, problem: Problem, seed: int = 1, chains: bool = True, fields: SearchTables | None = None
+    ) -> None:
         self._problem, self._seed = problem, seed
-        self._fields = fields = make_tables(problem)
+        self._fields = fields = make_tables(problem) if fields is None else fields
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, fields, self._walkers, seed) if mergeable(problem) else None
         self._regional = regional(problem)
         self._heat = HOTTER if problem.n <= FEW else 1.0
         self._longest = 0  # annealing of the whole route, in operations
+        self._merged = 0  # routes from nothing that were merged into the best one
 
     @cached_property
     def _regions(self) -> Regions:
@@ -83,13 +92,10 @@ class Searcher:
         """The best lawful route so far, if one is known."""
         if self._problem.n == 0:
             return Incumbent((), route_cost(self._problem, ()))
-        cost = self._best_cost()
-        if cost is None:
+        if (elite := self._elite()) is None:
             return None
-        elite = next(walker.best for walker in self._walkers if walker.cost == cost)
-        assert elite is not None
-        found = Incumbent(tuple(elite.route.tolist()), cost)
-        assert cost == route_cost(self._problem, found.route)
+        found = Incumbent(tuple(elite.route.tolist()), elite.cost)
+        assert found.cost == route_cost(self._problem, found.route)
         return found
 
     def run(self, deadline: Deadline) -> bool:
@@ -129,7 +135,52 @@ class Searcher:
         if not enough and not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
             return False
         self._longest = max(self._longest, whole)
-        return self._by_regions(self._regions, pool, budget - whole, ends_s, progress)
+        first, later = (int(operations * self._problem.n**1.5) for operations in (FIRST_ROUTE, LATER_ROUTES))
+        merging = budget >= first + later
+        if not self._by_regions(self._regions, pool, (first if merging else budget) - whole, ends_s, progress):
+            return False
+        return not merging or self._by_merging(pool, budget - first, later, ends_s, progress)
+
+    def _by_merging(self, pool: Executor, budget: int, each: int, ends_s: float, progress: Progress) -> bool:
+        """Search for other routes from nothing, and merge them into the best one; answers as `run` does.
+
+        Regions alone hardly find anything any more where they have been gone through for long.
+        """
+
+        def heard(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+            return progress(engine, self._best_cost(), bound_um)
+
+        left = budget
+        others: Elite | None = None  # those that came of the others alone
+        while left >= each and (now_s := running_s()) < ends_s:
+            self._merged += 1
+            other = Searcher(self._problem, self._seed + SEEDS_APART * self._merged, fields=self._fields)
+            time_s = None if isinf(ends_s) else min(ends_s - now_s, each / WORK_PER_S)
+            going = other._run(pool, each, time_s, heard)
+            others, work = self._merged_of(others, other._elite())
+            best, more = self._merged_of(mine := self._elite(), others)
+            if best is not None and best is not mine:
+                self._walkers[0].stand_on(best.route)
+                others = None if others is not None and best.same(others) else others  # to stay apart
+            left -= each + work + more
+            if not going:
+                return False
+        return self._by_regions(self._regions, pool, left, ends_s, progress)
+
+    def _merged_of(self, one: Elite | None, other: Elite | None) -> tuple[Elite | None, int]:
+        """The best of two routes and of what they are merged into, and the operations that it took."""
+        if one is None or other is None or one.same(other):
+            return one or other, 0
+        better, worse = sorted((one, other), key=lambda elite: elite.cost)
+        seed = self._seed, WALKERS + self._merged
+        contractor, most = self._regions.contractor, EACH * self._problem.n
+        child, work = merge_tours(self._problem, contractor, self._walkers[1], (better, worse), seed, most)
+        return min(child, better, key=lambda elite: elite.cost), work
+
+    def _elite(self) -> Elite | None:
+        """The best lawful route so far, as walkers have it."""
+        found = [elite for walker in self._walkers if (elite := walker.best) is not None]
+        return min(found, key=lambda elite: elite.cost, default=None)
 
     def _by_regions(self, regions: Regions, pool: Executor, budget: int, ends_s: float, progress: Progress) -> bool:
         """Improve the best route region by region until `ends_s`, by `running_s`; answers as `run` does."""
@@ -264,7 +315,7 @@ class Regions:
 
     def __init__(self, problem: Problem, fields: SearchTables, seed: int) -> None:
         self._problem, self._seed = problem, seed
-        self._contractor = Contractor(problem, fields)
+        self.contractor = Contractor(problem, fields)
         self._nearby = Nearby(problem)
         self._rounds = self._freed = 0
 
@@ -330,7 +381,7 @@ class Regions:
         self, route: Ints, free: Bools, latter: bool, stage: Stage, seed: int, ends_s: float
     ) -> tuple[Ints, int]:
         """The best route found with some contours of one half free, and the operations that took."""
-        region = self._contractor.region(route, free, starts=latter, ends=not latter)
+        region = self.contractor.region(route, free, starts=latter, ends=not latter)
         fields = make_tables(region.problem)
         walker = AnnealingWalker(kernel_argument(fields), fields, (self._seed, seed))
         walker.stand_on(region.route)

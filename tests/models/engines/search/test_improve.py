@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher, searcher
 from kerfwise.models.engines.search.route_state import make_tables
-from kerfwise.models.engines.search.searcher import Regions, Stage, regional
+from kerfwise.models.engines.search.searcher import Contractor, Regions, Stage, regional
+from kerfwise.models.engines.search.tour_merging import merge_tours
+from kerfwise.models.engines.search.walker import Elite
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -66,6 +69,45 @@ def test_a_route_becomes_cheaper_and_stays_lawful(seed: int) -> None:
             assert costs[-1] < costs[0]
             ways.append(now.tolist())
     assert ways[0] == ways[1]
+
+
+def test_routes_from_nothing_are_merged_into_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in (("REGIONS", 1_000_000), ("FIRST_ROUTE", 6_000), ("LATER_ROUTES", 3_000), ("EACH", 20_000)):
+        monkeypatch.setattr(searcher, name, value)
+    problem, merge, merged, found = plate(1), searcher.merge_tours, list[Elite](), []
+
+    def noted(*given: Any) -> tuple[Elite, int]:
+        child, work = merge(*given)
+        merged.append(child)
+        return child, work
+
+    monkeypatch.setattr(searcher, "merge_tours", noted)
+    for _ in range(2):
+        search = Searcher(problem, 1)
+        search.run(Deadline(0.02))
+        assert search.best is not None
+        found.append(search.best)
+    assert found[0] == found[1]
+    assert len(merged) >= 2
+    assert found[0].cost <= min(child.cost for child in merged)
+
+
+def test_a_child_of_two_routes_keeps_blocks_and_conditions() -> None:
+    problem = plate(1)
+    fields, gained = make_tables(problem), []
+    searches = [Searcher(problem, seed, fields=fields) for seed in (1, 2, 3)]
+    for search in searches:
+        search.run(Deadline(0.0005))
+    parents = sorted((one for search in searches if (one := search._elite())), key=lambda one: one.cost)
+    for other in parents[1:]:
+        child, _ = merge_tours(
+            problem, Contractor(problem, fields), searches[0]._walkers[0], (parents[0], other), (1, 9), 2_000_000
+        )
+        assert broken(problem, child.route.tolist()) == ()
+        assert child.cost == route_cost(problem, child.route.tolist())
+        gained.append(parents[0].cost - child.cost)
+    assert min(gained) >= 0
+    assert max(gained) > 0
 
 
 @pytest.mark.slow
