@@ -95,6 +95,7 @@ def _by_block(
     path = replace(path, steps=tuple(replace(step, tilt_deg=0.0, end_tilt_deg=0.0) for step in path.steps))
     yield from pen.select(False)
     yield from pen.leave(lit)
+    pen.upright = ""  # the block turns from one contour to the next
     yield from _there(path, words.turn, pen)
     yield from pen.add(lit)
     yield from pen.start(False, machine.pierce_time_s if waits else 0.0, feed_mm_s)
