@@ -67,7 +67,11 @@ environment() {
   say "environment in .venv"
   asked=$(cksum <pyproject.toml)
   if [ "$(cat .venv/installed 2>/dev/null)" != "$asked $here" ]; then
-    .venv/bin/python -m pip install -q --disable-pip-version-check -e '.[cluster,docs,nest,serve,sheets,test]'
+    needed='.[cluster,docs,nest,serve,sheets,test]'
+    # uv takes a sixth of the time that pip takes; where it cannot be had, or does not reach the index that pip uses, pip
+    { .venv/bin/python -m pip install -q --no-compile --disable-pip-version-check uv &&
+      .venv/bin/uv pip install -q --no-cache --python .venv/bin/python -e "$needed"; } ||
+      .venv/bin/python -m pip install -q --disable-pip-version-check -e "$needed"
     echo "$asked $here" >.venv/installed
   fi
   [ -e .typing/kerfwise ] || { mkdir -p .typing; ln -s .. .typing/kerfwise; } # left out of source distributions
