@@ -58,7 +58,7 @@ def test_a_question_is_told_as_data_and_answered(served: Served, client: httpx.C
     assert pictures["part"] != pictures["sheet"]
     assert not job.exists()
     job.write_text("quantity: 4  # sheets\n")
-    opened = client.post("/api/open", json={"nest": name, "answers": {"frame": "sheet", "nobody": "asks"}})
+    opened = client.post("/api/open", json={"nest": name, "answers": {"frame": "sheet", "mask": "whole"}})
     assert opened.status_code == 200, opened.text
     assert job.read_text().startswith("quantity: 4  # sheets\n")
     assert read_job(job).answers == (("frame", "sheet"),)
@@ -74,6 +74,8 @@ def test_answers_that_are_none_are_refused(served: Served, client: httpx.Client,
         told = client.post("/api/open", json={"nest": f"{folder.name}/drawing.dxf", "answers": answers})
         assert told.status_code == 422
         assert 'answers: expected {"QUESTION": "CHOICE"}' in told.json()["message"]
+    nobody = client.post("/api/open", json={"nest": f"{folder.name}/drawing.dxf", "answers": {"nobody": "asks"}})
+    assert (nobody.status_code, "raises a question 'nobody'" in nobody.json()["message"]) == (422, True)
     dropped = client.post("/api/drop?name=x.svg&answers=frame", content=OPEN.encode())
     assert 'answers: expected {"QUESTION": "CHOICE"}' in dropped.json()["message"]
 
