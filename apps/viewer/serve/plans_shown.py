@@ -61,7 +61,7 @@ class ShownGap:
         self.now: float | None = None
 
     def show(self, objective_mm: float) -> None:
-        """Another plan is shown: nothing is known of it until the engines speak of it."""
+        """Another plan is shown: nothing is known of it until the engines tell something about it."""
         self._shown_mm, self.now = objective_mm, None
 
     def hear(self, objective_mm: float | None, bound_mm: float | None) -> float | None:
