@@ -14,11 +14,10 @@ import pickle
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from functools import cache, cached_property
 from pathlib import Path
-from types import CodeType
 from typing import Any, cast
 
 import numba
@@ -29,7 +28,7 @@ from numba.core import caching, serialize, types
 from kerfwise.encoder.errors import Advice
 from kerfwise.encoder.files import DamagedFile, only_ours, read_sealed, write_sealed
 
-from .kernel_parts import PartCompiler
+from .kernel_compiler import KernelCompiler, PartCompiler
 
 
 def _without_blas() -> None:
@@ -69,7 +68,7 @@ def dispatcher_of(
     and `note_compiled` is called where something was compiled. Functions that it calls may be of the class `kernel`.
     """
     _take(kernel)
-    dispatcher: Any = numba.njit(pipeline_class=None if keep else PartCompiler, **options)(function)
+    dispatcher: Any = numba.njit(pipeline_class=KernelCompiler if keep else PartCompiler, **options)(function)
     if keep:
         dispatcher._cache = _cache_of(function)
         _made.append(dispatcher)
@@ -205,7 +204,7 @@ def source_of(function: Any) -> tuple[list[str], list[str]]:
     while waiting:
         one = waiting.pop()
         files.add(one.__code__.co_filename)
-        for name in _names(one.__code__):
+        for name in one.__code__.co_names:
             value = one.__globals__.get(name)
             called = getattr(value, "py_func", None)
             if called is not None and called not in seen:
@@ -214,14 +213,6 @@ def source_of(function: Any) -> tuple[list[str], list[str]]:
             elif isinstance(value, int | float | complex | tuple | np.generic):
                 numbers.add(f"{name} = {value!r}")
     return sorted(map(_digest, files)), sorted(numbers)
-
-
-def _names(code: CodeType) -> Iterator[str]:
-    """Names of globals, those of inner functions and comprehensions too."""
-    yield from code.co_names
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _names(constant)
 
 
 @cache

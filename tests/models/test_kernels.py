@@ -123,7 +123,7 @@ def test_of_another_source_or_numba(folder: Path, monkeypatch: pytest.MonkeyPatc
 CALLED = "from numba import njit\n\n\n@njit\ndef called(x):\n    return x * {factor}\n"
 CALLING = (
     "from kerfwise.models.jit import jit as kept\n\nfrom {called} import MORE, called\n\n\n"
-    "@kept()\ndef calling(x):\n    return sum([called(x) + MORE for _ in range(2)])\n"
+    "@kept()\ndef calling(x):\n    return 2 * (called(x) + MORE)\n"
 )
 
 

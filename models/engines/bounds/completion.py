@@ -26,7 +26,7 @@ from kerfwise.models.engines.tuning import COMPLETION_PATIENCE as PATIENCE
 from kerfwise.models.engines.tuning import COMPLETION_SHARE as SHARE
 from kerfwise.models.engines.tuning import COMPLETION_SHORTEST as SHORTEST
 from kerfwise.models.engines.tuning import INERTIA, MOST_NUMBERS, WORTH_SHARING
-from kerfwise.models.jit import cores, jit
+from kerfwise.models.jit import cores, jit, kernel_argument
 from kerfwise.models.problem.problem import Problem
 
 from .move_costs import least_moves
@@ -105,7 +105,7 @@ def complete(
     cost = _additions(problem, near, lawful, earliest, latest)
     if cost >= most * ADDITIONS_PER_S:
         raise TooMuch
-    walks = Walks(back, lawful, first, earliest, latest, near.carried)
+    walks = kernel_argument(Walks(back, lawful, first, earliest, latest, near.carried))
     price = best_price = heading = np.zeros(n)
     shape = (n + 1, near.size, problem.m)
     to_go, least, best = np.empty(shape), np.full(shape, np.inf), np.full(shape, np.inf)
@@ -201,7 +201,8 @@ def look_back(  # pragma: no cover - compiled
     `price[c]` is paid out at contour c. Where remembering less costs no more, `to_go` is infinite. `least[k, A, s]` is
     the least over all memories M within A.
     """
-    back, lawful, first, earliest, latest, carried = walks
+    back, lawful, first, carried = walks.back, walks.lawful, walks.first, walks.carried
+    earliest, latest = walks.earliest, walks.latest
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     for a in range(part, n, parts):
         if k < earliest[a] or k > latest[a]:
@@ -249,7 +250,7 @@ def look_back(  # pragma: no cover - compiled
 @jit(nogil=True)
 def walk_on(walks: Walks, price: Floats, to_go: Floats, walk: Ints) -> float:  # pragma: no cover - compiled
     """The cheapest walk from home, its contours in `walk`; its cost."""
-    back, lawful, first, _, _, carried = walks
+    back, lawful, first, carried = walks.back, walks.lawful, walks.first, walks.carried
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     at, here, memory, cost = m, n, 0, np.inf
     for k in range(1, n + 1):

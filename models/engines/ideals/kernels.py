@@ -16,10 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Int16s, Int32s, Ints
-from kerfwise.models.jit import inner, jit
+from kerfwise.models.jit import KERNEL, inner, jit
 from kerfwise.models.problem.bitsets import Masks, has, missing
 
-from .stretch import HARD, CrossingAlternatives, RestBound, StepTerms, cheapest_way, near_left, still_to_come
+from .stretch import (
+    HARD,
+    CrossingAlternatives,
+    RestBound,
+    StepTerms,
+    crossing_extra_cost,
+    near_left,
+    still_to_come,
+)
 
 Costs = NDArray[Any]  # int32 or int64
 TOGETHER = 4
@@ -118,61 +126,82 @@ def arrange(  # pragma: no cover - compiled
     return ideal_entry, sorted_contour, source, place, begin
 
 
-@jit(nogil=True)
-def sweep(steps: Steps, came: LayerFrom, goes: LayerTo, start: int, stop: int) -> None:  # pragma: no cover - compiled
+class Room(NamedTuple):
+    """Room for a set's states: their values, lows, rows of moves and contours; and for the least to each site.
+
+    Of `lows` and `lowest` there is none where moves have one cost.
+    """
+
+    have: Costs
+    lows: Costs
+    row: Ints
+    owner: Ints
+    best: Costs
+    lowest: Costs
+
+
+def room_for(moves: MoveTable, came: LayerFrom, most_states: int) -> Room:
+    """Room for a thread that sweeps sets of so many states at the most."""
+    rows, columns, two = most_states + TOGETHER, int(moves.pad.max(initial=0)), len(came.lows) > 0
+    have, best = (np.empty(size, came.values.dtype) for size in (rows, columns))
+    lows, lowest = (np.empty(size * two, came.values.dtype) for size in (rows, columns))
+    return Room(have, lows, np.empty(rows, np.int64), np.empty(rows, np.int64), best, lowest)
+
+
+@jit(**KERNEL)
+def sweep(  # pragma: no cover - compiled
+    steps: Steps, came: LayerFrom, goes: LayerTo, room: Room, start: int, stop: int
+) -> None:
     """The least cost to every state that grows from the sets `alive[start:stop]`.
 
     What is dearer than `limit`, less what is still to come, becomes `never`.
     """
-    moves, rest, first, never = steps.moves, steps.rest, steps.first, steps.never
-    rows, columns = _most_states(came, goes.alive, start, stop), _most_columns(moves)
-    two = len(came.lows) > 0
-    slowly = len(steps.over.extra) > 0 or len(steps.terms.soft_cost) > 0
-    have, best = np.empty(rows, came.values.dtype), np.empty(columns, came.values.dtype)
-    lows, lowest = np.empty(rows * two, came.values.dtype), np.empty(columns * two, came.values.dtype)
-    row, owner = np.empty(rows, np.int64), np.empty(rows, np.int64)
+    rest, terms, two = steps.rest, steps.terms, len(came.lows) > 0
+    slowly = len(steps.over.extra) > 0 or len(terms.soft_cost) > 0
     for a in range(start, stop):
         k = goes.alive[a]
         mask = came.masks[k]
-        count = 0
-        for s in range(came.ideal_entry[k], came.ideal_entry[k + 1]):
-            j = came.contour[s]
-            for q in range(came.begin[s], came.begin[s + 1]):
-                if came.values[q] < never:
-                    have[count], row[count], owner[count] = came.values[q], moves.row_of[j] + q - came.begin[s], j
-                    if two:
-                        lows[count] = came.lows[q]
-                    count += 1
-        while count % TOGETHER:
-            have[count], row[count], owner[count] = never, row[0], owner[0]
-            if two:
-                lows[count] = never
-            count += 1
+        count = _gather(steps, came, room, k)
         to_come = still_to_come(rest, mask)
         for e in range(goes.entry_from[a], goes.entry_from[a + 1]):
             i = int(np.int64(goes.contour[e]))
             place = goes.place[e]
             to_go = rest.to_go[near_left(rest, mask, i)]
-            room = steps.limit - to_come + rest.price[i]
-            span = np.uint64(goes.begin[place]), np.uint64(first[i]), np.uint64(first[i + 1] - first[i])
+            most = steps.limit - to_come + rest.price[i]
             if two:
-                low = steps.low_moves
-                _least_of(low.table, low.base[i], low.pad[i], lows, row, count, never, lowest)
-                if not _any_fits(span, lowest, to_go, room):
-                    _drop(span, never, goes)
-                    goes.living[place] = False
+                _least_of(steps.low_moves, i, room.lows, room.row, count, steps.never, room.lowest)
+                if not _any_fits(steps, i, room.lowest, to_go, most):
+                    _drop(steps, i, goes, place)
                     continue
             if slowly:
-                _least_of_each(steps, mask, i, have, lows, row, owner, count, best, lowest)
+                _least_of_each(steps, mask, i, room, count)
             else:
-                _least_of(moves.table, moves.base[i], moves.pad[i], have, row, count, never, best)
+                _least_of(steps.moves, i, room.have, room.row, count, steps.never, room.best)
             if two:
-                lives = _keep_both(steps, mask, i, span, best, lowest, to_go, room, goes)
-            elif steps.terms.cond_of[i] < steps.terms.cond_of[i + 1]:
-                lives = _keep_asked(steps.terms, mask, i, span, best, to_go, room, never, goes.values)
+                _keep_both(steps, mask, i, room, to_go, most, goes, place)
             else:
-                lives = _keep(steps.terms.site_cost, span, best, to_go, room, never, goes.values)
-            goes.living[place] = lives
+                _keep(steps, mask, i, room.best, to_go, most, goes, place)
+
+
+@inner(**KERNEL)
+def _gather(steps: Steps, came: LayerFrom, room: Room, k: int) -> int:  # pragma: no cover - compiled
+    """Write the states of set k that are worth it into the room, filled up to a multiple of `TOGETHER`; how many."""
+    two, count = len(came.lows) > 0, 0
+    for s in range(came.ideal_entry[k], came.ideal_entry[k + 1]):
+        j = came.contour[s]
+        for q in range(came.begin[s], came.begin[s + 1]):
+            if came.values[q] < steps.never:
+                room.have[count], room.owner[count] = came.values[q], j
+                room.row[count] = steps.moves.row_of[j] + q - came.begin[s]
+                if two:
+                    room.lows[count] = came.lows[q]
+                count += 1
+    while count % TOGETHER:
+        room.have[count], room.row[count], room.owner[count] = steps.never, room.row[0], room.owner[0]
+        if two:
+            room.lows[count] = steps.never
+        count += 1
+    return count
 
 
 @jit(nogil=True)
@@ -193,121 +222,80 @@ def promises(steps: Steps, came: LayerFrom, goes: LayerTo) -> Floats:  # pragma:
     return found
 
 
-@inner(nogil=True)
-def _most_states(came: LayerFrom, alive: Ints, start: int, stop: int) -> int:  # pragma: no cover - compiled
-    """The most states of a set of `alive[start:stop]`, and room to fill them up to a multiple of `TOGETHER`."""
-    most = 0
-    for a in range(start, stop):
-        most = max(most, came.begin[came.ideal_entry[alive[a] + 1]] - came.begin[came.ideal_entry[alive[a]]])
-    return most + TOGETHER
+# Places are unsigned, and numbers as narrow as their arrays, so that loops over sites are done in vectors.
 
 
-@inner(nogil=True)
-def _most_columns(moves: MoveTable) -> int:  # pragma: no cover - compiled
-    """The most columns of the table that a contour has."""
-    most = 0
-    for pad in moves.pad:
-        most = max(most, pad)
-    return most
+@inner(**KERNEL)
+def _span(steps: Steps, i: int) -> tuple[np.uint64, np.uint64]:  # pragma: no cover - compiled
+    """The first column of contour i, and how many it has."""
+    return np.uint64(steps.first[i]), np.uint64(steps.first[i + 1] - steps.first[i])
 
 
-@inner(nogil=True)
-def _any_fits(  # pragma: no cover - compiled
-    span: tuple[np.uint64, np.uint64, np.uint64], lowest: Costs, to_go: Floats, room: float
-) -> bool:
+@inner(**KERNEL)
+def _any_fits(steps: Steps, i: int, lowest: Costs, to_go: Floats, most: float) -> bool:  # pragma: no cover - compiled
     """Whether any site may be reached without too much by the lows."""
-    _, column, size = span
+    column, size = _span(steps, i)
     count = 0
     for d in range(size):
-        count += lowest[d] + to_go[column + d] <= room
+        count += lowest[d] + to_go[column + d] <= most
     return count > 0
 
 
-@inner(nogil=True)
-def _drop(  # pragma: no cover - compiled
-    span: tuple[np.uint64, np.uint64, np.uint64], never: int, goes: LayerTo
-) -> None:
+@inner(**KERNEL)
+def _drop(steps: Steps, i: int, goes: LayerTo, place: int) -> None:  # pragma: no cover - compiled
     """No state of an entry is worth keeping."""
-    at, _, size = span
+    at, (_, size) = np.uint64(goes.begin[place]), _span(steps, i)
     for d in range(size):
-        goes.values[at + d] = goes.lows[at + d] = never
+        goes.values[at + d] = goes.lows[at + d] = steps.never
+    goes.living[place] = False
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def _keep_both(  # pragma: no cover - compiled
-    steps: Steps,
-    mask: Masks,
-    i: int,
-    span: tuple[np.uint64, np.uint64, np.uint64],
-    best: Costs,
-    lowest: Costs,
-    to_go: Floats,
-    room: float,
-    goes: LayerTo,
-) -> bool:
-    """Store both costs where neither is too much; whether there is any such site."""
-    at, column, size = span
+    steps: Steps, mask: Masks, i: int, room: Room, to_go: Floats, most: float, goes: LayerTo, place: int
+) -> None:
+    """Store both costs where neither is too much, and whether there is any such site."""
+    at, (column, size) = np.uint64(goes.begin[place]), _span(steps, i)
     lives = False
     for d in range(size):
         site = np.int64(column + d)
-        total = best[d] + steps.terms.site_cost[site] + conditions_cost(steps.terms, mask, i, site)
-        if total <= steps.limit and lowest[d] + to_go[site] <= room:
-            goes.values[at + d], goes.lows[at + d] = total, lowest[d]
+        total = room.best[d] + steps.terms.site_cost[site] + conditions_cost(steps.terms, mask, i, site)
+        if total <= steps.limit and room.lowest[d] + to_go[site] <= most:
+            goes.values[at + d], goes.lows[at + d] = total, room.lowest[d]
             lives = True
         else:
             goes.values[at + d] = goes.lows[at + d] = steps.never
-    return lives
+    goes.living[place] = lives
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def _keep(  # pragma: no cover - compiled
-    site_cost: Ints,
-    span: tuple[np.uint64, np.uint64, np.uint64],
-    best: Costs,
-    to_go: Floats,
-    room: float,
-    never: int,
-    new_values: Costs,
-) -> bool:
-    """Store what is not too dear; whether there is any. Places are unsigned for the sake of vectors."""
-    at, column, size = span
-    count = 0
-    for d in range(size):
-        total = best[d] + site_cost[column + d]
-        fits = total + to_go[column + d] <= room
-        new_values[at + d] = total if fits else never
-        count += fits
-    return count > 0
-
-
-@inner(nogil=True)
-def _keep_asked(  # pragma: no cover - compiled
-    terms: StepTerms,
-    mask: Masks,
-    i: int,
-    span: tuple[np.uint64, np.uint64, np.uint64],
-    best: Costs,
-    to_go: Floats,
-    room: float,
-    never: int,
-    new_values: Costs,
-) -> bool:
-    """The same for a contour with conditions."""
-    at, column, size = span
-    lives = False
-    for d in range(size):
-        total = best[d] + terms.site_cost[column + d] + conditions_cost(terms, mask, i, np.int64(column + d))
-        fits = total + to_go[column + d] <= room
-        new_values[at + d] = total if fits else never
-        lives = lives or fits
-    return lives
-
-
-@inner(nogil=True)
-def _least_of(  # pragma: no cover - compiled
-    table: Costs, base: int, pad: int, have: Costs, row: Ints, count: int, never: int, best: Costs
+    steps: Steps, mask: Masks, i: int, best: Costs, to_go: Floats, most: float, goes: LayerTo, place: int
 ) -> None:
-    """The least cost to every site of a contour. Unsigned places and narrow sums let it be done in vectors."""
+    """Store what is not too dear, and whether there is any."""
+    at, (column, size) = np.uint64(goes.begin[place]), _span(steps, i)
+    terms, never, values, count = steps.terms, steps.never, goes.values, 0
+    if terms.cond_of[i] < terms.cond_of[i + 1]:
+        for d in range(size):
+            total = best[d] + terms.site_cost[column + d] + conditions_cost(terms, mask, i, np.int64(column + d))
+            fits = total + to_go[column + d] <= most
+            values[at + d] = total if fits else never
+            count += fits
+    else:
+        for d in range(size):
+            total = best[d] + terms.site_cost[column + d]
+            fits = total + to_go[column + d] <= most
+            values[at + d] = total if fits else never
+            count += fits
+    goes.living[place] = count > 0
+
+
+@inner(**KERNEL)
+def _least_of(  # pragma: no cover - compiled
+    moves: MoveTable, i: int, have: Costs, row: Ints, count: int, never: int, best: Costs
+) -> None:
+    """The least cost to every site of a contour."""
+    table, base, pad = moves.table, moves.base[i], moves.pad[i]
     for d in range(pad):
         best[d] = never
     for x in range(0, count, TOGETHER):
@@ -320,54 +308,34 @@ def _least_of(  # pragma: no cover - compiled
             best[d] = min(best[d], min(one, two))
 
 
-@inner(nogil=True)
-def _least_of_each(  # pragma: no cover - compiled
-    steps: Steps,
-    mask: Masks,
-    i: int,
-    have: Costs,
-    lows: Costs,
-    row: Ints,
-    owner: Ints,
-    count: int,
-    best: Costs,
-    lowest: Costs,
-) -> None:
+@inner(**KERNEL)
+def _least_of_each(steps: Steps, mask: Masks, i: int, room: Room, count: int) -> None:  # pragma: no cover - compiled
     """The same, of both costs, where moves cost more for what is out, or leave groups."""
-    table, low_table, never = steps.moves.table, steps.low_moves.table, steps.never
-    begin, extra, ways, prices = steps.over.begin, steps.over.extra, steps.over.mask, steps.over.prices
-    base, pad, low_base, low_pad = (
-        steps.moves.base[i],
-        steps.moves.pad[i],
-        steps.low_moves.base[i],
-        steps.low_moves.pad[i],
-    )
-    start, within, grouped = steps.first[i], steps.moves.row_of[0], len(steps.terms.soft_cost) > 0
-    size = steps.first[i + 1] - start
-    two, crossed = len(lows) > 0, len(extra) > 0
+    moves, low_moves, over, never = steps.moves, steps.low_moves, steps.over, steps.never
+    best, lowest, start = room.best, room.lowest, steps.first[i]
+    size, grouped = steps.first[i + 1] - start, len(steps.terms.soft_cost) > 0
+    two, crossed = len(room.lows) > 0, len(over.extra) > 0
     best[:] = never
     lowest[:] = never
     for x in range(count):
-        if have[x] >= never:
+        if room.have[x] >= never:
             continue
-        value = np.int64(have[x])
-        if grouped and row[x] >= within:
-            value += leaving(steps.terms, mask, owner[x], i)
-        at, low_at, move = base + row[x] * pad, low_base + row[x] * low_pad, row[x] * steps.over.columns + start
+        value, row = np.int64(room.have[x]), room.row[x]
+        if grouped and row >= moves.row_of[0]:
+            value += leaving(steps.terms, mask, room.owner[x], i)
+        at, low_at = moves.base[i] + row * moves.pad[i], low_moves.base[i] + row * low_moves.pad[i]
         for d in range(size):
-            cost = value + table[at + d]
-            least = np.int64(lows[x]) + low_table[low_at + d] if two else np.int64(0)
+            cost = value + moves.table[at + d]
+            least = np.int64(room.lows[x]) + low_moves.table[low_at + d] if two else np.int64(0)
             if cost >= never or least >= never or (cost >= best[d] and (not two or least >= lowest[d])):
                 continue
-            more = np.int64(0)
-            if crossed and begin[move + d] < begin[move + d + 1]:
-                more = np.int64(cheapest_way(extra, ways, prices, mask, begin[move + d], begin[move + d + 1]))
+            more = np.int64(crossing_extra_cost(over, mask, row, start + d)) if crossed else np.int64(0)
             best[d] = min(np.int64(best[d]), cost + more)
             if two:
                 lowest[d] = min(np.int64(lowest[d]), least + more)
 
 
-@jit(nogil=True)
+@inner(**KERNEL)
 def leaving(terms: StepTerms, mask: Masks, j: int, i: int) -> int:  # pragma: no cover - compiled
     """What leaving soft groups before they are whole costs when contour i follows j, and `mask` is out."""
     cost = 0
@@ -377,7 +345,7 @@ def leaving(terms: StepTerms, mask: Masks, j: int, i: int) -> int:  # pragma: no
     return cost
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def conditions_cost(terms: StepTerms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour i at a site cost when a set is out."""
     cost = 0

@@ -24,11 +24,11 @@ from kerfwise.models.engines.tuning import (
 )
 from kerfwise.models.engines.tuning import LATTICE_LOOKS as LOOKS
 from kerfwise.models.engines.tuning import SETS_ADDITIONS_PER_S as ADDITIONS_PER_S
-from kerfwise.models.jit import cores, suited
+from kerfwise.models.jit import cores, kernel_argument, plain, suited
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
 
-from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Steps, arrange, leaving, promises, sweep
+from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Room, Steps, arrange, leaving, promises, room_for, sweep
 from .sets import Growth, Sets, additions_of, grow, growth
 from .stretch import ConditionsByContour, CrossingAlternatives, Local, RestBound, crossing_extra_cost, localise, series
 from .stretch_tables import HOME, NARROW, dearest, entrance_of, home_from, make_moves, never
@@ -114,7 +114,9 @@ def sweep_layers(
     begin, alive = np.array([0, len(entrance)]), np.array([0])
     wide, times, free = entrance.itemsize, 1 if lows is None else 2, deadline.most_bytes - held
     lows = entrance[:0] if lows is None else lows
-    low_moves = stretch.moves if stretch.dear is None else stretch.dear
+    moves, over = kernel_argument(stretch.moves), kernel_argument(stretch.over)
+    terms = kernel_argument(local.terms)
+    low_moves = moves if stretch.dear is None else kernel_argument(stretch.dear)
     for depth in range(1, len(local.contours) + 1):
         ahead = growth(orders, sets, alive)
         expect(deadline, ahead, len(sets), sets.masks.shape[1], wide, free, times)
@@ -127,13 +129,12 @@ def sweep_layers(
         back = layers[-1]
         new_lows = np.empty(ahead.states if len(lows) else 0, dtype=entrance.dtype)
         rest = stretch.rests(depth)
-        steps = Steps(
-            stretch.moves, low_moves, stretch.over, local.terms, rest, local.first, stretch.limit, stretch.never
-        )
-        came = LayerFrom(sets.masks, back.ideal_entry, back.contour, begin, back.values, lows)
-        goes = LayerTo(alive, entry_from, contour, place, new_begin, values, new_lows, living)
+        steps = kernel_argument(Steps(moves, low_moves, over, terms, rest, local.first, stretch.limit, stretch.never))
+        came = kernel_argument(LayerFrom(sets.masks, back.ideal_entry, back.contour, begin, back.values, lows))
+        goes = kernel_argument(LayerTo(alive, entry_from, contour, place, new_begin, values, new_lows, living))
         turns = times * (ahead.additions + ahead.entries * STEPS_AN_ENTRY)
-        sweep_span = partial(suited(sweep, turns), steps, came, goes)
+        room = partial(room_for, moves, came, int(np.diff(begin[back.ideal_entry])[alive].max(initial=0)))
+        sweep_span = partial(_sweep_span, suited(sweep, turns), steps, came, goes, room)
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
             _check(deadline)
@@ -155,6 +156,19 @@ def sweep_layers(
         free -= bytes_of(layers[-2:])
         sets, begin, lows = grown, new_begin, new_lows
     return layers
+
+
+def _sweep_span(
+    kernel: Callable[..., None],
+    steps: Steps,
+    came: LayerFrom,
+    goes: LayerTo,
+    room: Callable[[], Room],
+    start: int,
+    stop: int,
+) -> None:
+    """See `sweep`; each span has its own room."""
+    kernel(steps, came, goes, kernel_argument(room()), start, stop)
 
 
 def _shares(alive: int, additions: float) -> list[list[tuple[int, int]]]:
@@ -187,10 +201,9 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             costs = back.values[begin[s] : begin[s + 1]].astype(np.int64)
             costs += moves.table[moves.base[i] + rows * moves.pad[i] + offset]
             if len(stretch.over.extra):
-                more = suited(crossing_extra_cost, 20 * len(rows))
-                costs += [more(stretch.over, out, row, columns[-1]) for row in rows]
+                costs += [plain(crossing_extra_cost)(stretch.over, out, row, columns[-1]) for row in rows]
             if j >= 0:
-                costs += suited(leaving, 2 * len(local.terms.soft_cost))(local.terms, out, j, i)
+                costs += plain(leaving)(local.terms, out, j, i)
             k = int(np.argmin(costs))
             if best is None or costs[k] < best:
                 best, state = int(costs[k]), int(begin[s]) + k

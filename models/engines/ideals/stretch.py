@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Int16s, Ints, concat_ranges
-from kerfwise.models.jit import inner, jit
+from kerfwise.models.jit import KERNEL, inner
 from kerfwise.models.problem.bitsets import ROWS_AT_ONCE, LastAnswer, Masks, digest, has, masks_of
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.precedence import immediate
@@ -252,31 +252,24 @@ def nothing_over(words: int) -> CrossingAlternatives:
     return CrossingAlternatives(none, none, np.zeros((0, words), dtype=np.uint64), 0, none)
 
 
-@jit(nogil=True)
-def crossing_extra_cost(
+@inner(**KERNEL)
+def crossing_extra_cost(  # pragma: no cover - compiled
     over: CrossingAlternatives, mask: Masks, row: int, column: int
-) -> int:  # pragma: no cover - compiled
-    """What the cheapest way of a move costs more than the move when `mask` is out."""
-    move = row * over.columns + column
-    return cheapest_way(over.extra, over.mask, over.prices, mask, over.begin[move], over.begin[move + 1])
-
-
-@inner(nogil=True)
-def cheapest_way(  # pragma: no cover - compiled
-    extra: Ints, ways: Masks, prices: Ints, mask: Masks, begin: int, end: int
 ) -> int:
-    """The least that the ways `begin` … `end - 1` cost more when `mask` is out; nothing where there are none."""
+    """What the cheapest way of a move costs more than the move when `mask` is out; nothing where there is none."""
+    move = row * over.columns + column
+    begin, end = over.begin[move], over.begin[move + 1]
     if begin == end:
         return 0
     least = ALL
     for k in range(begin, end):
-        cost = extra[k]
-        for p in range(len(prices)):
+        cost = over.extra[k]
+        for p in range(len(over.prices)):
             for w in range(len(mask)):
-                bits = ways[k, p * len(mask) + w] & mask[w]
+                bits = over.mask[k, p * len(mask) + w] & mask[w]
                 while bits:
                     bits &= bits - np.uint64(1)
-                    cost += prices[p]
+                    cost += over.prices[p]
         least = min(least, cost)
     return least
 
@@ -297,7 +290,7 @@ class RestBound(NamedTuple):
     later: float
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def still_to_come(rest: RestBound, mask: Masks) -> float:  # pragma: no cover - compiled
     """What contours that are not out still cost by their prices."""
     to_come = rest.later
@@ -307,7 +300,7 @@ def still_to_come(rest: RestBound, mask: Masks) -> float:  # pragma: no cover - 
     return to_come
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def near_left(rest: RestBound, mask: Masks, i: int) -> int:  # pragma: no cover - compiled
     """Which neighbours of contour i are not out once it is, as bits."""
     free = 0

@@ -41,12 +41,11 @@ from kerfwise.models.engines.tuning import (
 from kerfwise.models.engines.tuning import SEARCHER_COLD as COLD
 from kerfwise.models.engines.tuning import SEARCHER_FEW as FEW
 from kerfwise.models.engines.tuning import SEARCHER_FIRST as FIRST
-from kerfwise.models.jit import running_s
+from kerfwise.models.jit import kernel_argument, running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .anneal import AnnealingWalker
-from .jit_tools import kernel_argument
 from .region_problem import Contractor
 from .route_state import SearchTables, make_tables
 from .tour_merging import TourMerging, make_walkers, merge_tours, mergeable

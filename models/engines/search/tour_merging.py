@@ -10,11 +10,11 @@ import numpy as np
 
 from kerfwise.models.engines.tuning import ANNEALINGS, EACH, MATRIX_SITES
 from kerfwise.models.engines.tuning import MERGING_LEAST as LEAST
+from kerfwise.models.jit import kernel_argument
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .anneal import AnnealingWalker
-from .jit_tools import kernel_argument
 from .lin_kernighan import ChainedWalker
 from .lin_kernighan_tables import chained
 from .region_problem import Contractor

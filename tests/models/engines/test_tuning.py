@@ -30,7 +30,6 @@ FIXED = {
     "search/anneal.py": {"DEAREST"},
     "search/conditions.py": {"HARD", "NO_SITE"},
     "search/insertion.py": {"FAR"},
-    "search/jit_tools.py": {"WORD"},
     "search/lin_kernighan_tables.py": {"UNLAWFUL", "FRONT", "LOW", "HIGH"},
     "search/route_state.py": {
         *("LENGTH", "COST", "BROKEN", "BEST", "PRICE", "WORK", "TAKEN", "UNITS"),
