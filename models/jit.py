@@ -159,23 +159,30 @@ class Struct:
 
     def __init__(self, fields: Any) -> None:
         self.fields = fields
+        self._made: tuple[StructKind, int, NDArray[np.int64], list[Struct]] | None = None
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.fields, name)
 
-    @cached_property
+    @property
     def kind(self) -> StructKind:
         """What a kernel is compiled for."""
-        return self._laid_out[0]
+        return self._words[0]
 
-    @cached_property
+    @property
     def address(self) -> int:
         """Where its words begin."""
-        return int(self._laid_out[1].ctypes.data)
+        return self._words[1]
 
-    @cached_property
-    def _laid_out(self) -> tuple[StructKind, NDArray[np.int64], list[Struct]]:
-        """Its kind, its words as numba lays them out, and the structs within."""
+    @property
+    def _words(self) -> tuple[StructKind, int, NDArray[np.int64], list[Struct]]:
+        """Its kind, where its words begin, they, as numba lays them out, and the structs within; made once."""
+        with _lock:  # threads share a struct, and none may put words in the place of those that another reads
+            if self._made is None:
+                self._made = self._laid_out()
+            return self._made
+
+    def _laid_out(self) -> tuple[StructKind, int, NDArray[np.int64], list[Struct]]:
         words: list[int] = []
         kinds: list[tuple[str, object, int]] = []
         within: list[Struct] = []
@@ -197,7 +204,8 @@ class Struct:
                 words.append(inside.address)
             kinds.append((name, kind, at))
         kind = StructKind(type(self.fields).__name__, tuple(kinds))
-        return kind, np.array(words, dtype=np.int64), within
+        block = np.array(words, dtype=np.int64)
+        return kind, int(block.ctypes.data), block, within
 
 
 def suited(kernel: F, steps: float, by_arrays: F | None = None, most: float = ARRAY_STEPS) -> F:
