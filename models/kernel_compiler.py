@@ -24,7 +24,7 @@ from numba.core import cgutils, codegen, compiler, compiler_machinery, targetcon
 from numba.core.typing.templates import AttributeTemplate
 from numba.np.numpy_support import from_dtype
 
-from .jit import Struct, StructKind
+from .kernel_struct import Struct, StructKind
 
 _Compiler: Any = compiler.CompilerBase
 _Lowering: Any = typed_passes.NativeLowering

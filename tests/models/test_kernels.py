@@ -30,7 +30,6 @@ from kerfwise.models.jit import (
     cores,
     counted_s,
     inner,
-    kernel_argument,
     made_s,
     note_compiled,
     running_s,
@@ -40,6 +39,7 @@ from kerfwise.models.jit import (
 from kerfwise.models.jit import (
     jit as jit_kernels,
 )
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.numba_cache import Files, Kept, compiled_beside, is_kept
 
 
@@ -450,13 +450,13 @@ class _Within(NamedTuple):
 class _Fields(NamedTuple):
     within: _Within
     small: np.float32
-    count: int
+    size: int
     written: NDArray[np.int32]
 
 
 def struct_read(fields: Any, more: int) -> float:
     total = 0.0
-    for k in range(fields.count):
+    for k in range(fields.size):
         fields.written[k] = k + more
         total += fields.within.numbers[k] * fields.within.factor
     return total + fields.small

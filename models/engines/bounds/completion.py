@@ -26,7 +26,8 @@ from kerfwise.models.engines.tuning import COMPLETION_PATIENCE as PATIENCE
 from kerfwise.models.engines.tuning import COMPLETION_SHARE as SHARE
 from kerfwise.models.engines.tuning import COMPLETION_SHORTEST as SHORTEST
 from kerfwise.models.engines.tuning import INERTIA, MOST_NUMBERS, WORTH_SHARING
-from kerfwise.models.jit import cores, jit, kernel_argument
+from kerfwise.models.jit import cores, jit
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.problem import Problem
 
 from .move_costs import least_moves

@@ -24,7 +24,8 @@ from kerfwise.models.engines.tuning import (
 )
 from kerfwise.models.engines.tuning import LATTICE_LOOKS as LOOKS
 from kerfwise.models.engines.tuning import SETS_ADDITIONS_PER_S as ADDITIONS_PER_S
-from kerfwise.models.jit import cores, kernel_argument, plain, suited
+from kerfwise.models.jit import cores, plain, suited
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
 

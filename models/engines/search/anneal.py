@@ -14,7 +14,7 @@ from kerfwise.models.engines.tuning import ANNEAL_MOST as MOST
 from kerfwise.models.engines.tuning import ANNEAL_MUCH as MUCH
 from kerfwise.models.engines.tuning import ANNEAL_STEP as STEP
 from kerfwise.models.engines.tuning import EXCHANGES, FEW_RUINS, FORCED, HOT, JUDGE, LIVELY, LOOK, PER_TRIAL, RUINS
-from kerfwise.models.jit import kernel_argument
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
 
 from .conditions import lean_on_sites, literals_unmet, pieces_begun, too_close_within, too_soon, unmet

@@ -13,7 +13,7 @@ from kerfwise.models.engines.tuning import CHAIN_FALL as FALL
 from kerfwise.models.engines.tuning import CHAIN_LONGEST as LONGEST
 from kerfwise.models.engines.tuning import CHAIN_NEAR as NEAR
 from kerfwise.models.engines.tuning import CHAIN_SHORT as SHORT
-from kerfwise.models.jit import kernel_argument
+from kerfwise.models.kernel_struct import kernel_argument
 
 from .jit_tools import below, compiled, draw_share, entry
 from .lin_kernighan_tables import (

@@ -41,7 +41,8 @@ from kerfwise.models.engines.tuning import (
 from kerfwise.models.engines.tuning import SEARCHER_COLD as COLD
 from kerfwise.models.engines.tuning import SEARCHER_FEW as FEW
 from kerfwise.models.engines.tuning import SEARCHER_FIRST as FIRST
-from kerfwise.models.jit import kernel_argument, running_s
+from kerfwise.models.jit import running_s
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 

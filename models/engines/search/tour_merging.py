@@ -10,7 +10,7 @@ import numpy as np
 
 from kerfwise.models.engines.tuning import ANNEALINGS, EACH, MATRIX_SITES
 from kerfwise.models.engines.tuning import MERGING_LEAST as LEAST
-from kerfwise.models.jit import kernel_argument
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 

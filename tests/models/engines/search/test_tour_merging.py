@@ -9,7 +9,7 @@ from kerfwise.models.engines.search.region_problem import Contractor
 from kerfwise.models.engines.search.route_state import make_tables
 from kerfwise.models.engines.search.tour_merging import TourMerging, merge_tours
 from kerfwise.models.engines.search.walker import CoolingPart, Elite, Walker
-from kerfwise.models.jit import kernel_argument
+from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.problems import scattered
 
