@@ -121,7 +121,7 @@ def _planned(asked: Tried, folder: Path, name: str, words: tuple[str, ...], befo
     """What comes of `kerfwise solve` with these words."""
     program = folder / f"{name}.nc"
     code, said = _solve(folder, ("-o", program.name, "--plan", f"{name}.plan.json", *words))
-    if code in (1, 2) and not program.exists():
+    if code in (1, 2, 3) and not program.exists():  # 3: parts that touch raise a question
         return replace(asked, refused=reason(said))
     if code != 0 or not program.exists():
         return replace(asked, broken=f"exit code {code}: {said.strip()[-400:]}")
