@@ -114,7 +114,7 @@ def stretches(p: int, q: int, c: int) -> tuple[int, int, int]:
 
 
 @compiled
-def find_steps(tables: ChainTables, state: ChainState, depth: int, most: int, p: int, saved: int) -> int:
+def find_steps(tables: ChainTables, state: ChainState, depth: int, p: int, saved: int) -> int:
     """The best lawful steps that break the arc out of place p; answers how many there are.
 
     `saved` is what broken arcs cost more than made ones, with the arc at p broken. It stays above zero on the way.
@@ -136,23 +136,24 @@ def find_steps(tables: ChainTables, state: ChainState, depth: int, most: int, p:
             w = near[z, f]
             if w < 0 or arc(tables, z, w) >= after:
                 break
-            found = _consider(tables, state, depth, found, most, p, q, arrival(tables, state, w), after)
+            found = _consider(tables, state, depth, found, p, q, arrival(tables, state, w), after)
         for f in range(near_in.shape[1]):
             v = near_in[follows, f]
             if v >= 0:
-                found = _consider(tables, state, depth, found, most, p, q, int(np.int64(state.place[v])) + 1, after)
+                found = _consider(tables, state, depth, found, p, q, int(np.int64(state.place[v])) + 1, after)
         for size in range(1, SHORT + 1):
-            found = _consider(tables, state, depth, found, most, p, q, q + size, after)
-            found = _consider(tables, state, depth, found, most, p, q, p + 1 - size, after)
+            found = _consider(tables, state, depth, found, p, q, q + size, after)
+            found = _consider(tables, state, depth, found, p, q, p + 1 - size, after)
     return found
 
 
 @compiled
 def _consider(
-    tables: ChainTables, state: ChainState, depth: int, found: int, most: int, p: int, q: int, c: int, after: int
+    tables: ChainTables, state: ChainState, depth: int, found: int, p: int, q: int, c: int, after: int
 ) -> int:
     """Note the step that breaks the arc into place c as well, if it is lawful and one of the best; answers how many."""
     state.number[WORK] += PER_ARC
+    most = BREADTH[depth]
     i, j, k = stretches(p, q, c)
     if i == 0 or k > tables.n + 1:
         return found
@@ -264,7 +265,7 @@ def improve(tables: ChainTables, state: ChainState, contour: int) -> bool:
         return False
     at, count = state.trying, state.known
     depth = 0
-    at[0], count[0] = -1, find_steps(tables, state, 0, BREADTH[0], p, saved)
+    at[0], count[0] = -1, find_steps(tables, state, 0, p, saved)
     while depth >= 0:
         if at[depth] >= 0:
             take_back(state, depth, at[depth])
@@ -283,7 +284,7 @@ def improve(tables: ChainTables, state: ChainState, contour: int) -> bool:
         if depth + 1 < DEPTH:
             depth += 1
             p = arrival(tables, state, follows) - 1
-            at[depth], count[depth] = -1, find_steps(tables, state, depth, BREADTH[depth], p, freed)
+            at[depth], count[depth] = -1, find_steps(tables, state, depth, p, freed)
     return False
 
 
