@@ -7,12 +7,16 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.plan import Plan
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
@@ -95,7 +99,8 @@ def solve_by(
     if method.strategy != "ours":
         from kerfwise.models.engines.baselines import solve_by as solve_plainly
 
-        return solve_plainly(method.strategy, facts, profile, stated.statements, limits, progress)
+        found_plainly = solve_plainly(method.strategy, facts, profile, stated.statements, limits, progress)
+        return _priced(found_plainly, facts, profile, stated.statements, limits)
     if method.engine == "minizinc":
         from kerfwise.models.engines.minizinc_engine import solve_minizinc
 
@@ -108,6 +113,17 @@ def solve_by(
         look_s = look_takes_s(facts, profile)
         limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
     return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, found=found)
+
+
+def _priced(
+    solution: Solution, facts: Facts, profile: Profile, statements: tuple[Statement, ...], limits: SolveOptions
+) -> Solution:
+    """The solution at its price under all rules, of which a plain strategy does not look at the soft ones."""
+    seen = lazy_statements(facts, profile)([facts.candidates[c].contour for c in solution.route])
+    problem = make_problem(facts, (*statements, *seen), limits.home_mm, limits.feeds)
+    cost_mm = route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
+    status: Status = "optimal" if solution.bound is not None and cost_mm <= solution.bound else "feasible"
+    return replace(solution, objective=cost_mm, status=status, problem=None)
 
 
 def with_less_work(

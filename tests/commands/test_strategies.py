@@ -57,3 +57,16 @@ def test_a_price_on_overheats_buys_fewer_of_them(
     priced_mm, cooler = solved(tmp_path, priced)
     assert cooler < 0.85 * hot
     assert priced_mm < 1.3 * short_mm
+
+
+@pytest.mark.parametrize("strategy", ["shortest", "random"])
+def test_a_plan_costs_what_all_rules_ask_for(strategy: str, tmp_path: Path) -> None:
+    """Soft rules decide nothing here, but are paid for: the plan is the one that `check` adds up."""
+    plan, program = tmp_path / "plan.json", tmp_path / "out.nc"
+    done = kerfwise("solve", NEST, "--strategy", strategy, "--work", 1, "-o", program, "--plan", plan)
+    assert done.code == 0, done.err
+    held = json.loads(plan.read_text())
+    paid_mm = sum(breach["mm"] for breach in held["prices"]["breaches"])
+    assert held["solve"]["objective"] == pytest.approx(held["prices"]["travel"] + paid_mm, abs=0.01)
+    assert held["solve"]["status"] == "feasible"
+    assert kerfwise("check", NEST, plan).code == 0
