@@ -61,12 +61,16 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 """Every question that there is, with all choices that it may have; after a colon follows what it is about."""
 
 
+OF_LISTS = "row:"
+"""How the id of a question about parts of a list begins; what they are of follows. Its choices are rows of a chart."""
 OF_LAYERS = ("layer", "text", "point")
 """The questions that are about a layer."""
 
 
 def answer_problem(question: str, choice: str) -> tuple[str, bool] | None:
     """What is wrong with an answer, whatever the drawing, and whether that is the choice; None where nothing is.
+
+    What is asked of a list is answered by what its profiles offer: whoever asks looks at that.
 
     Examples
     --------
@@ -78,6 +82,8 @@ def answer_problem(question: str, choice: str) -> tuple[str, bool] | None:
     ('the answer frame=stock is none of the choices: expected sheet, part', True)
     """
     word, colon, about = question.partition(":")
+    if f"{word}{colon}" == OF_LISTS:
+        return None
     if f"{word}{colon}" not in CHOICES:
         known = CHOICES if not colon else [name for name in CHOICES if name.endswith(":")]
         guess = nearest(f"{word}{colon}", known)

@@ -228,14 +228,16 @@ def _objective(plan: Plan) -> str:
 
 def _prices(plan: Plan) -> Iterator[str]:
     """What the objective is made of, where that is more than travel."""
-    if plan.prices is None or not plan.prices.breaches:
+    prices = plan.prices
+    if prices is None or not (prices.breaches or prices.simulated_mm):
         return
     rules = (
         f" + {rule} {mm / 1000:.3f} m ({counted(count, 'place')})"
-        for rule, (count, mm) in plan.prices.by_rule.items()
+        for rule, (count, mm) in prices.by_rule.items()
         if mm < EXEMPTION_MM
     )
-    yield f"that is travel {plan.prices.travel_mm / 1000:.3f} m" + "".join(rules)
+    shown = f" + what the simulation shows {prices.simulated_mm / 1000:.3f} m" if prices.simulated_mm else ""
+    yield f"that is travel {prices.travel_mm / 1000:.3f} m" + "".join(rules) + shown
 
 
 def _what_of(dropped: Dropped) -> str:

@@ -26,7 +26,7 @@ from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.pacing import Heated, Pacing, hot_spots, pace
 from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath
 from kerfwise.models.physics.time_and_cost import feeds_of
-from kerfwise.models.plan.plan import WAITS, Plan
+from kerfwise.models.plan.plan import SIMULATION, WAITS, Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.postproc.clock import read_program, with_times
@@ -123,7 +123,7 @@ def solve_priced(
         objective=objective,
         bound=bound,
         status="optimal" if bound is not None and objective <= bound else "feasible",
-        found_by="simulation",
+        found_by=SIMULATION,
         seconds=sum(one.seconds for one in solutions),
         notes=tuple(note for one in solutions for note in one.notes),
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from kerfwise.encoder.candidates import build_with_older_kerfs
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.encoder.questions import Answers, Choice, Question, Questions
+from kerfwise.encoder.questions import OF_LISTS, Answers, Choice, Question, Questions
 from kerfwise.rules.charts import Chart, read_chart, shipped_charts
 from kerfwise.rules.charts.chart import COLUMNS, family_of
 from kerfwise.rules.profile.overrides import read_setting, with_settings
@@ -107,7 +107,7 @@ def left_of(wanted: Demand, used: Counter[int]) -> Demand:
 
 # Which profile cuts a group: the plant's own of that material and thickness, or one with the row of its chart.
 
-ROW = "row:"
+ROW = OF_LISTS
 """How the id of a question about a group begins; what it is cut from follows."""
 _SKIP, _AS_IT_IS, _BETWEEN = "skip", "as-it-is", "interpolate"
 

@@ -24,6 +24,8 @@ from .zones_cost import ZonesCost
 FORMAT = "kerfwise-plan/1"
 RELAXED = "relaxed: "
 """How the reason of a statement begins that is relaxed because the hard rules cannot all hold."""
+SIMULATION = "simulation"
+"""What `Solve.found_by` says of a plan that was chosen by what a simulation shows."""
 WAITS = "waits "
 """How the reason of a wait begins, among the reasons of a cut."""
 IN_PASS = "begins at a hole of the pierce pass"
@@ -101,13 +103,20 @@ class SolveReport:
 
 @dataclass(frozen=True, slots=True)
 class Prices:
-    """What the objective is made of, mm: travel, and each breach of a soft or excused rule.
+    """What the objective is made of, mm: travel, breaches of soft and excused rules, and what a simulation shows.
 
-    A breach is the rule, its contours, what is not kept there, and what that costs.
+    A breach is the rule, its contours, what is not kept there, and what that costs. A simulation shows overheats, or
+    how far parts are off, where the profile has a price on these.
     """
 
     travel_mm: float
     breaches: tuple[tuple[str, tuple[str, ...], str, float], ...] = ()
+    simulated_mm: float = 0.0
+
+    @property
+    def sum_mm(self) -> float:
+        """All of it."""
+        return self.travel_mm + self.simulated_mm + sum(mm for *_, mm in self.breaches)
 
     @property
     def by_rule(self) -> dict[str, tuple[int, float]]:
@@ -121,13 +130,14 @@ class Prices:
     def as_json(self) -> dict[str, Any]:
         """As a plan has it."""
         rows = [{"rule": r, "contours": list(c), "why": why, "mm": _round(mm)} for r, c, why, mm in self.breaches]
-        return {"travel": _round(self.travel_mm), "breaches": rows}
+        simulated = {"simulated": _round(self.simulated_mm)} if self.simulated_mm else {}
+        return {"travel": _round(self.travel_mm), **simulated, "breaches": rows}
 
     @staticmethod
     def of_json(data: Mapping[str, Any]) -> Prices:
         """As read from a plan."""
         rows = ((b["rule"], tuple(b["contours"]), b["why"], b["mm"]) for b in data["breaches"])
-        return Prices(data["travel"], tuple(rows))
+        return Prices(data["travel"], tuple(rows), data.get("simulated", 0.0))
 
 
 @dataclass(frozen=True, slots=True)

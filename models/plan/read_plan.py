@@ -340,7 +340,7 @@ def _check_sums(data: dict[str, Any], path: str | Path) -> None:
             raise InputError(f"the plan is damaged: {says}", file=path)
     if prices is None:
         return
-    sum_mm, cost = prices["travel"] + sum(row["mm"] for row in prices["breaches"]), data["solve"]["objective"]
+    sum_mm, cost = Prices.of_json(prices).sum_mm, data["solve"]["objective"]
     if cost is not None and abs(sum_mm - cost) > _SAME_MM + _SAME_COST * abs(cost):
         says = f"its prices come to {sum_mm:.3f} mm, and its objective is {cost:.3f} mm"
         raise InputError(f"the plan is damaged: {says}", file=path)

@@ -10,6 +10,7 @@ import pytest
 
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
+from kerfwise.tests.tools.amount import few
 
 pytestmark = pytest.mark.scrap("steps of 0.1 mm take up to 0.08 mm of a round part, and the simulation allows 0.05 mm")
 NESTS = Path(__file__).parents[2] / "examples/nests"
@@ -45,7 +46,7 @@ def small_parts() -> list[dict[str, Any]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("base", ["plasma-carbon-steel", "oxyfuel-thick-plate"])
+@pytest.mark.parametrize("base", few(["plasma-carbon-steel", "oxyfuel-thick-plate"]))
 @pytest.mark.parametrize("asked", ASKED)
 def test_what_is_written_is_read_back_and_put_in_order(asked: str, base: str, tmp_path: Path) -> None:
     nest = nest_file(tmp_path / "small.json", small_parts(), (400, 180))

@@ -47,7 +47,7 @@ def test_an_answer_to_no_question_is_said_and_a_wrong_one_is_refused(tmp_path: P
     assert "--answer units=in answers no question of drawing.dxf: it is not kept" in said.err
     wrong = kerfwise("facts", nest, "-o", out, "--answer", "frame=board")
     assert wrong.code == 2
-    assert "the answer frame=board is none of the choices: expected part, sheet" in wrong.err
+    assert "the answer frame=board is none of the choices: expected sheet, part" in wrong.err
     assert kerfwise("facts", nest, "-o", out, "--answer", "frame").code == 2
 
 

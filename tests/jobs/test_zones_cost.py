@@ -137,7 +137,7 @@ def test_zones_without_a_number_move_where_that_pays(monkeypatch: pytest.MonkeyP
     assert explained == Explainer(Inputs(sheet, profile), moved.plan, moved.facts).explain(name)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_zones_do_not_move_for_a_plan_that_is_not_asked_for_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     """A clock may leave moves over parts unpriced in the one and not in the other: then that one only looks cheaper."""
     monkeypatch.setattr(zones, "MOST_OF_ONE", 100)

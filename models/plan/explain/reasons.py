@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um
-from kerfwise.models.plan.plan import LINKED, Plan
+from kerfwise.models.plan.plan import LINKED, SIMULATION, Plan
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About
 from kerfwise.rules.stating.lazy_statements import lazy_statements, meeting_of
@@ -258,7 +258,10 @@ def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
         why = reasons.of(contour).sentences(setting.name(contour)) or reasons.kept(contour)
         how = next((k for k, reason in enumerate(cut.because) if reason.startswith(ENTRY)), len(cut.because))
         cuts.append(replace(cut, because=(*cut.because[:how], *why, *cut.because[how:])))
-    return replace(plan.with_items(cuts), prices=price_split(setting))
+    prices = price_split(setting)
+    if plan.solve.found_by == SIMULATION and plan.solve.objective is not None:
+        prices = replace(prices, simulated_mm=plan.solve.objective - prices.sum_mm)
+    return replace(plan.with_items(cuts), prices=prices)
 
 
 ENTRY = ("entered at ", LINKED)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import kerfwise as package
-from kerfwise.apps.distortion import straighter
+from kerfwise.apps.distortion import predict, straighter
 from kerfwise.apps.distortion.part_errors import PartError
 from kerfwise.apps.distortion.straighter import StraighterOrders, straighter_for
 from kerfwise.apps.distortion.tolerances import beyond, kept_or_not, tolerances_of
@@ -25,6 +25,12 @@ from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 OXYFUEL = "based_on: oxyfuel-thick-plate\nsmall_holes: {under: skip}\n"
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells of some 20 mm: what is told of an error is looked at, not the error."""
+    monkeypatch.setattr(predict, "CELLS", 600)
 
 
 def small(folder: Path, **keys: Any) -> Path:

@@ -28,6 +28,7 @@ from kerfwise.tests.postproc.dialects import cases
 from kerfwise.tests.postproc.dialects.cases import plates
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.plans import with_tabs
+from kerfwise.tests.tools.amount import few
 
 PLAIN = load_profile()
 LINKED = dataclasses.replace(PLAIN, cuts=dataclasses.replace(PLAIN.cuts, links=Links(30.0)))
@@ -114,7 +115,7 @@ def test_a_profile_without_links_names_them_and_moves_them_all_the_same(tmp_path
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["tabs", "tabs, grbl"])
+@pytest.mark.parametrize("name", few(["tabs", "tabs, grbl"]))
 def test_tabs_that_the_profile_knows_nothing_of_are_never_guessed(name: str, tmp_path: Path) -> None:
     plain = dataclasses.replace(CASES[name], rules=load_profile("plasma-carbon-steel").rules)
     with pytest.raises(InputError, match="take --without-rules") as caught:

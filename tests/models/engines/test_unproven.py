@@ -107,7 +107,7 @@ def test_every_engine_tells_the_cost_of_a_plan_that_is_not_proven(
         assert plans
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_cp_sat_alone_ends_with_a_plan_of_forty_contours() -> None:
     nest = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions())
     profile = load_profile()

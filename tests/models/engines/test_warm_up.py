@@ -15,6 +15,6 @@ def _signatures(kernel: object) -> list[Any]:
 def test_the_sweep_is_loaded_for_cheap_plans_and_dear_ones() -> None:
     load_kernels()
     loaded = _signatures(kernels.sweep)
-    assert {str(steps.types[0].types[0].dtype) for steps, *_ in loaded} == {"int32", "int64"}
+    assert {str(layer.fields["values"][0].dtype) for _, layer, *_ in loaded} == {"int32", "int64"}
     load_kernels()
     assert _signatures(kernels.sweep) == loaded

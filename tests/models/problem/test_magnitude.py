@@ -48,7 +48,7 @@ def test_travel_that_weighs_too_much_is_refused(tmp_path: Path) -> None:
 
 def test_a_rule_whose_largest_weight_is_too_much_in_sum_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="weight of heat-lag"):
-        posed(tmp_path, "rules: {heat-lag: {lag: 1e5 s, heat_radius: 1000, weight: 1e5}}", row(5))
+        posed(tmp_path, "rules: {heat-lag: {lag: 7200 s, heat_radius: 1000, weight: 1e5}}", row(20))
 
 
 def test_a_weight_is_less_than_an_excuse(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Statement
 from kerfwise.tests.models.engines.cases import case
+from kerfwise.tests.tools.amount import few
 
 pytestmark = pytest.mark.minizinc
 
@@ -53,7 +54,7 @@ def test_the_same_statements(rule: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", FLAT)
+@pytest.mark.parametrize("rule", few(FLAT, 6))
 def test_the_same_statements_under_other_options(rule: str) -> None:
     for seed in SEEDS:
         _, profile = asked(seed)

@@ -16,6 +16,7 @@ from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 
+@pytest.mark.full
 def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served, planned: Tab) -> None:
     """A browser opens six connections to a server, and each of these tabs wants news for as long as it is there."""
     before = served.server.news.listeners
