@@ -40,7 +40,7 @@ IGNORED = 0
 """Seed of a nest with drawn options on which it matters how many cuts heat-lag asks for."""
 SLOW = {1, 5, 7, 111}
 """Seeds that take some seconds."""
-VERY_SLOW = {3, 6, 9, 13}
+VERY_SLOW = {3, 6, 7, 9, 13}
 BY_SEED = [
     full(k) if k in VERY_SLOW else pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else [])
     for k in (*SEEDS, *ONCE_WRONG)

@@ -99,7 +99,7 @@ def test_a_wait_is_told_with_its_reason(plan: Path, tmp_path: Path) -> None:
     assert "waits" not in kerfwise("explain", NEST, waiting, data["cuts"][0]["contour"]).out
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_solve_and_time_tell_of_waits(tmp_path: Path) -> None:
     profile = tmp_path / "cool.yaml"
     profile.write_text(

@@ -15,6 +15,7 @@ from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.bevel_nests import made_for_block, made_nest
 from kerfwise.tests.metal.layers import jets_of, simulate_layers
+from kerfwise.tests.tools.amount import full
 
 FEW, SINGLE, TWO = (0, 3), 100, 10
 
@@ -32,7 +33,9 @@ def planned(seed: int, kind: str = "whole") -> tuple[Nest, Profile, str] | None:
     return nest, profile, done.program
 
 
-@pytest.mark.parametrize(("seed", "kind"), [(FEW[0], "whole"), (FEW[1], "whole"), (SINGLE, "edges"), (TWO, "block")])
+@pytest.mark.parametrize(
+    ("seed", "kind"), [(FEW[0], "whole"), full(FEW[1], "whole"), (SINGLE, "edges"), (TWO, "block")]
+)
 def test_programs_of_made_nests_burn_no_part_and_leave_no_face(seed: int, kind: str) -> None:
     made = planned(seed, kind)
     assert made is not None

@@ -45,7 +45,7 @@ def generation(folder: Path) -> str:
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
 def test_a_kill_at_any_moment_leaves_whole_files_and_no_new_plan_beside_an_old_program(tmp_path: Path) -> None:
     outcomes = []
-    for moment in range(1, 64):
+    for moment in range(1, 128, 2):
         folder = folder_with_old(tmp_path / str(moment))
         command = [sys.executable, "-c", WRITER, str(moment), *NAMES]
         ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -58,7 +58,7 @@ def test_a_kill_at_any_moment_leaves_whole_files_and_no_new_plan_beside_an_old_p
         if ended.stdout:
             break
     assert ended.stdout == "done\n"
-    assert outcomes.count((False, False, False)) >= 12
+    assert outcomes.count((False, False, False)) >= 6
     assert outcomes[-1] == (True, True, True)
     assert len(set(outcomes)) > 2
 

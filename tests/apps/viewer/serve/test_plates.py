@@ -29,7 +29,7 @@ JOB = "set:\n  rules.hold-small-parts.strength: hard\n  rules.hold-small-parts.t
 """Parts may be held by tabs where somebody draws them."""
 LARGE_JOB = f"{JOB}  rules.zone-order: off\n"
 """Without zones the largest plate is planned in half the time."""
-FIRST = {(41, 1400)}
+FIRST = {(16, 1400)}
 """The plate that is always seen, and how wide."""
 PAGES = {16: 1, 41: 2, 115: 3, 308: 7, 1000: 22}
 """Pages of A4 with a drawing and a row a cut."""
