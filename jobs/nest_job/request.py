@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -410,7 +410,7 @@ class LastPlan:
 
     name: str
     cuts: Mapping[int, str]
-    made_with: ForOneNest | None = field(default=None)
+    made_with: ForOneNest | None = None
 
     def contour(self, name: str, made_with: ForOneNest) -> str:
         """The contour that a number such as #7 stands for.
@@ -485,9 +485,7 @@ def kept_answers(nest: str | Path, job: Job | None, request: NestRequest, read: 
             tell(f"{job.file if job else ''}: answers: {message}")
         elif question not in used and (question, choice) in request.answers:
             tell(f"--answer {question}={choice} answers no question of {Path(nest).name}: it is not kept")
-    new = tuple(
-        (q, c) for q, c in request.answers if q in used and dict(() if job is None else job.answers).get(q) != c
-    )
+    new = tuple((q, c) for q, c in request.answers if q in used and dict(of_job).get(q) != c)
     if not new or request.job is False or isinstance(request.job, Job):
         return job
     path = Path(request.job) if request.job is not None else Path(nest).with_name(beside_name(nest))
