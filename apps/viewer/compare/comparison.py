@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +19,7 @@ FORMAT = "kerfwise-comparison/1"
 
 @dataclass(frozen=True, slots=True)
 class RulePays:
-    """What one rule is on one side: its strength and verdict, its breaches and excuses, and what those cost, mm.
+    """What one rule is on one side: its strength and verdict, its breaches and what they cost, mm, what is not kept.
 
     `cost_mm` is the weight of a soft rule times its breaches, as the check counts them; hard rules and rules that are
     off cost nothing.
@@ -29,18 +30,22 @@ class RulePays:
     breaches: int
     excuses: int
     cost_mm: float
+    unkept: str = ""
+    """How many places are excused, relaxed and dropped, in words."""
 
     @property
     def told(self) -> str:
         """The same in a few words."""
         if self.strength in ("off", "-"):
             return self.strength
+        if self.verdict == "excused":
+            return f"{self.strength}, kept but for {self.unkept}"
         text = f"{self.strength}, {self.verdict}"
         if self.cost_mm:
             text += f": {self.breaches} × = {self.cost_mm / 1000:.3f} m"
         elif self.breaches:
             text += f": {self.breaches} ×"
-        return text + (f", {self.excuses} excused" if self.excuses else "")
+        return text + (f", {self.unkept}" if self.unkept else "")
 
     @property
     def quiet(self) -> bool:
@@ -134,7 +139,9 @@ def _paid(side: Side) -> dict[str, RulePays]:
 
 def _pays(judged: Judgement, weight_mm: float | None) -> RulePays:
     breaches = len(judged.violations)
-    return RulePays(judged.strength, judged.verdict, breaches, len(judged.excused), breaches * (weight_mm or 0.0))
+    unkept = ", ".join(f"{count} {how}" for how, count in Counter(one.how for one in judged.excused).items())
+    cost_mm = breaches * (weight_mm or 0.0)
+    return RulePays(judged.strength, judged.verdict, breaches, len(judged.excused), cost_mm, unkept)
 
 
 def _side(side: Side) -> dict[str, Any]:

@@ -96,7 +96,7 @@ def _figures(a: Side, b: Side) -> Iterator[Figure]:
         yield Figure("objective_mm", "objective", "m", objectives[0], objectives[1])
     excuses = [sum(len(judged.excused) for judged in side.verdict.rules) for side in (a, b)]
     if any(excuses):
-        yield Figure("excuses", "excuses", "count", excuses[0], excuses[1])
+        yield Figure("excuses", "places not kept", "count", excuses[0], excuses[1])
     if a.heat is not None and b.heat is not None:
         yield Figure("peak_c", "hottest", "C", a.heat.peak_c, b.heat.peak_c)
         yield Figure("overheats", "overheats", "count", a.heat.overheats, b.heat.overheats)
