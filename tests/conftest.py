@@ -145,7 +145,7 @@ def judged(
     """
     if profile.material.kerf_mm <= 0:
         return []
-    if any(contour.bevel is not None for contour in (nest.drawn or nest).contours):
+    if any(contour.bevelled for contour in (nest.drawn or nest).contours):
         return list(simulate_layers(nest, program, profile))
     program = in_linuxcnc(program, dialect.control, dialect.name)
     more = {} if old is None else {"before": in_linuxcnc(old, dialect.control, dialect.name)}
