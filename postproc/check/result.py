@@ -85,7 +85,8 @@ def report(result: CheckResult, most: int = MOST) -> str:
     if len(result.warnings) > most:
         lines.append(f"... and {len(result.warnings) - most} more warnings")
     measured = result.measured
-    lines.append(f"measured: {measured.paths} paths, {measured.on_mm:.1f} mm torch on, {measured.idle_mm:.1f} mm idle")
+    paths = f"{measured.paths} path" + ("s" if measured.paths != 1 else "")
+    lines.append(f"measured: {paths}, {measured.on_mm:.1f} mm torch on, {measured.idle_mm:.1f} mm idle")
     lines.append(escape_text(result.state.words()) if result.ok else f"FAILED: {_failed(result)}")
     return "\n".join(lines)
 
