@@ -255,10 +255,7 @@ def cuttings_of(
 ) -> tuple[list[tuple[Group, Cutting]], list[BadRow]]:
     """Each group with how it is cut, and the parts of those that answers leave out.
 
-    Raises
-    ------
-    ListQuestions
-        If nobody can know how a group is cut: all of them at once.
+    Raises ListQuestions if nobody can know how a group is cut: all of them at once.
     """
     found: list[tuple[Group, Cutting]] = []
     left_out: list[BadRow] = []

@@ -129,10 +129,7 @@ def is_table(path: Path) -> bool:
 def read_tables(path: Path) -> list[Table]:
     """The tables of a file.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, or no row names a column of parts or sheets: with the words that it has.
+    Raises InputError if it cannot be read, or no row names a column of parts or sheets: with the words that it has.
     """
     try:
         data = read_limited(path, MOST_BYTES_OF_YAML)
