@@ -196,8 +196,8 @@ def plan_by_rungs(
 
     def hear(by: Request, better: Solution) -> None:
         nonlocal told_mm
-        if found is not None and better.objective < told_mm:
-            told_mm = better.objective
+        if found is not None and (better.left_out or better.objective < told_mm):
+            told_mm = told_mm if better.left_out else better.objective
             found(by, better)
 
     for number, rung in enumerate(rungs(contours, whole, first)):

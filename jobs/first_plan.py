@@ -31,10 +31,8 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 from .adaptive_zones import ZonedPlan
 from .inputs import of_first_torch
-from .plan_without_zones import bans_crossings, is_relaxed, restated, searched, zoned_by
+from .plan_without_zones import UNPRICED, bans_crossings, is_relaxed, restated, searched, zoned_by
 from .request import Request, make_request
-
-UNPRICED = "a first plan is not asked what its single moves cross"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -120,7 +118,8 @@ def plan_at_hand(
         if judged.cost is not None and seen_mm is not None:
             route = tuple(problem.site_candidate[list(judged.route)].tolist())
             cost_mm = judged.cost / UM_PER_MM + seen_mm
-            return AtHand(asked, Solution(route, cost_mm, None, "feasible", "search", "", 0.0, problem=problem))
+            found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
+            return AtHand(asked, replace(found, problem=problem))
     return None
 
 

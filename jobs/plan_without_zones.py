@@ -41,6 +41,8 @@ from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 from .request import Found, Request
 
+UNPRICED = "a first plan is not asked what its single moves cross"
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Free:
@@ -148,7 +150,7 @@ def searched(
     """The best plan that a search finds; None where it finds none, or was interrupted before.
 
     With `moves` it is asked what single moves cross, without it is not; None leaves that to the number of contours.
-    `found` is told each better plan meanwhile.
+    `found` is told each better plan meanwhile, of all that is asked: a rule that it does not pay for is `left_out`.
     """
     from kerfwise.models.engines.solve import solve
 
@@ -160,7 +162,7 @@ def searched(
     began_s = running_s()
     limits = replace(limits, member="search", gap=None, no_improvement_s=None)
     try:
-        hear = None if found is None else partial(found, Request(facts, stated))
+        hear = None if found is None else partial(_hear, found, Request(facts, asked), unasked)
         looks = lazy_statements(facts, profile)
         best = solve(facts, stated.statements, limits, progress, looks, start=start, found=hear)
     except RulesConflict:
@@ -168,6 +170,12 @@ def searched(
     aside = unasked | {r for r, _ in best.left_out}
     spent_s = best.seconds if limits.time_s is None else running_s() - began_s
     return Free(stated, best, spent_s, tuple(sorted(aside)))
+
+
+def _hear(found: Found, request: Request, unasked: frozenset[str], solution: Solution) -> None:
+    """Tell of a plan, and which rules it does not pay for."""
+    left_out = solution.left_out or tuple((rule, UNPRICED) for rule in sorted(unasked))
+    found(request, replace(solution, left_out=left_out))
 
 
 def zones_cost(asked: Request, solution: Solution, free: Free, limits: SolveOptions) -> ZonesCost:

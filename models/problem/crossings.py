@@ -168,6 +168,23 @@ def from_home(
     return sorted((int(ahead[r]), indices[a]) for r, a in zip(reach.tolist(), area.tolist(), strict=True))
 
 
+def paid_along(statements: Sequence[Crossing], ends_um: Ints, pierces_um: Ints, place: Ints, linked: Bools) -> int:
+    """What the idle moves of one order cost for the areas that they cross, µm: soft statements only.
+
+    Move k leads from `ends_um[k]` to `pierces_um[k]` (k + 1, 2), the first from home and the last back to it; `place`
+    (n,) is that of every contour in the order, from 0. Moves that are `linked` (k + 1,) are free.
+    """
+    soft = [s for s in statements if s.weight is not None]
+    if not soft:
+        return 0
+    areas = np.array(_areas_um(soft), dtype=object)
+    moves = shapely.linestrings(np.stack([ends_um, pierces_um], axis=1).astype(np.float64))
+    move, area = shapely.STRtree(areas).query(moves, predicate="intersects")
+    out_from = np.array([0 if s.over is None else place[s.over] + 1 for s in soft])
+    price = np.array([round((s.weight or 0.0) * UM_PER_MM) for s in soft])
+    return int(price[area[(out_from[area] <= move) & ~linked[move]]].sum())
+
+
 def _areas_um(statements: Sequence[Crossing]) -> list[shapely.Geometry]:
     """What must not be crossed, less what a move may graze."""
     return list(shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM))

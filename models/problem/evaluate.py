@@ -8,11 +8,11 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.tolerances import cost_um
-from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Move, Pick
+from kerfwise.rules.statements import About, AtLeast, Before, Crossing, Enough, Lag, Move, Pick, by_kind
 
 from .bitsets import ROWS_AT_ONCE
 from .conditions import Condition
-from .crossings import FORBIDDEN
+from .crossings import FORBIDDEN, paid_along
 from .moves import LAWFUL_MOST, UNLAWFUL
 from .precedence import known_immediate_pairs
 from .problem import Problem
@@ -177,6 +177,19 @@ def _crossed(problem: Problem, route: Sequence[int]) -> list[int]:
     taken = np.flatnonzero(onward[rows.leave] == rows.reach)
     taken = taken[place[rows.over[taken]] < step[rows.leave[taken]]]
     return [int(cost) for cost in rows.cost[taken]]
+
+
+def unpriced_crossings(problem: Problem, statements: Sequence[Crossing], route: Sequence[int]) -> int:
+    """What a route costs besides `route_cost`, µm, where the problem says nothing of what single moves cross.
+
+    That is where it was not asked, or where there were too many moves to look at. `statements` are all on crossings.
+    """
+    stops = np.array([problem.m, *route, problem.m])
+    free = problem.links.rows_of(stops[:-1], stops[1:]) >= 0
+    free[0] |= bool(by_kind(problem.told.statements).crossing)  # what the first move crosses is a condition then
+    place = np.zeros(problem.n, dtype=np.int64)
+    place[problem.site_contour[list(route)]] = np.arange(len(route))
+    return paid_along(statements, problem.ends()[stops[:-1]], problem.pierces()[stops[1:]], place, free)
 
 
 def pieces(order: Sequence[int], members: tuple[int, ...]) -> int:

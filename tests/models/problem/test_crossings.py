@@ -18,10 +18,11 @@ from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.problem import crossings
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.crossings import Crossings, in_order
+from kerfwise.models.problem.evaluate import route_cost, unpriced_crossings
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import About, Precede
+from kerfwise.rules.statements import About, Precede, by_kind
 
 ROW = nest(500, 300, *(part(f"P{k}", rect(50 + 120 * k, 50, 100, 100)) for k in range(3)))
 
@@ -135,3 +136,17 @@ def test_the_clock_counts_under_a_limit_in_seconds_alone(
     asked = make_request(facts_of(ROW, profile), profile)
     options = SolveOptions(work=1.0, time_s=time_s, feeds=feeds_of(profile))
     assert len(solve_rounds(asked.facts, asked.stated.statements, options).left_out) == left_out
+
+
+def test_what_a_route_crosses_is_paid_for_besides_where_single_moves_are_not_asked() -> None:
+    """As if each move of the route had been looked at among all others."""
+    chance, profile = np.random.default_rng(7), with_tips("soft")
+    asked = make_request(facts_of(ROW, profile), profile)
+    tips = by_kind(asked.stated.statements).crossing
+    whole, bare = (make_problem(asked.facts, told, (0.0, 0.0)) for told in (tips, ()))
+    paid = list[int]()
+    for _ in range(200):
+        route = [int(chance.choice(whole.sites(int(c)))) for c in chance.permutation(whole.n)]
+        paid.append(unpriced_crossings(bare, tips, route))
+        assert route_cost(bare, route) + paid[-1] == route_cost(whole, route)
+    assert {0, 50_000} <= set(paid)

@@ -12,6 +12,7 @@ from typing import Any, cast
 
 import httpx
 import pytest
+import shapely
 
 from kerfwise import pipeline as main_job
 from kerfwise.apps.viewer.serve import planner, plans_shown
@@ -25,6 +26,8 @@ from kerfwise.apps.viewer.serve.server import save
 from kerfwise.apps.viewer.serve.session import Session
 from kerfwise.encoder.already_cut import NOTHING_CUT
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers.read import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.request import NoPlan
 from kerfwise.tests.apps.viewer.serve.served import EXAMPLES, SMALL, Open, Served, Tab, wait_for
@@ -284,6 +287,45 @@ def test_plans_are_shown_under_a_price_of_heat_and_the_priced_one_takes_their_pl
         session.add(event, wanted, relax=False, run=0)
     assert session.current is not None
     assert (session.current.stage, session.current.unpriced) == ("final", False)
+
+
+TIPS_ALONE = (
+    "set: {rules.heat-lag: off, rules.no-islands: off, rules.no-narrow-strips: off, rules.part-rigidity: off, "
+    "rules.no-tip-travel.weight: 10 mm}\n"
+)
+
+
+def crossed_parts(plan: dict[str, Any], nest: Nest) -> int:
+    """How often an idle move leads over a part that is out by then, by drawing it."""
+    outers = {part.id: part.outer.polygon.buffer(-0.01) for part in nest.parts}
+    at, out, crossed = (0.0, 0.0), list[shapely.Geometry](), 0
+    for cut in plan["cuts"]:
+        move = shapely.LineString([at, cut["pierce"]])
+        crossed += sum(move.intersects(area) for area in out)
+        at = cut["lead_out"][-1][:2] if cut["lead_out"] else cut["entry"]
+        if cut["kind"] == "outer":
+            out.append(outers[cut["part"]])
+    return crossed + sum(shapely.LineString([at, (0.0, 0.0)]).intersects(area) for area in out)
+
+
+def test_each_plan_on_the_way_has_the_price_of_all_that_is_asked(
+    sixteen: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The search of large nests does not look at single moves: what its plans cross was missing from what was shown."""
+    monkeypatch.setattr("kerfwise.jobs.adaptive_zones.GEOMETRY", 8)
+    monkeypatch.setattr("kerfwise.jobs.plan_without_zones.MOST_MOVES", 8)
+    for name, value in (("SHOWN_EACH_S", 0.0), ("SHOWN_SHARE", 0.0), ("FEW", 99)):
+        monkeypatch.setattr(plans_shown, name, value)
+    (plate := sixteen.parent / "forty.json").write_text(json.dumps(make_sheet(1, 41)), encoding="utf-8")
+    told = Told()
+    final = told.planner.solve(PlanRequest(str(plate), TIPS_ALONE), 0.3)
+    plans = [*map(plan_of, told.plans()), plan_of(final)]
+    crossed = [crossed_parts(plan, read_nest(plate)) for plan in plans]
+    costs = [plan["solve"]["objective"] for plan in plans]
+    paid = [plan["totals"]["idle_mm"] + 10.0 * count for plan, count in zip(plans, crossed, strict=True)]
+    assert costs == pytest.approx(paid, abs=0.1)
+    assert costs == sorted(costs, reverse=True)
+    assert crossed[0] > crossed[-1]
 
 
 def test_plans_are_shown_while_rules_give_way(sixteen: Path) -> None:
