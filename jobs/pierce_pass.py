@@ -8,7 +8,6 @@ from dataclasses import replace
 from itertools import groupby, pairwise
 
 from kerfwise.encoder.cut import Pierce
-from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.tuning import PASS_WORK as WORK
@@ -37,7 +36,7 @@ def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions)
         points, first = [cuts[k].pierce for k in group], group[0]
         way = way_through(points, ends[first], points[0], options)
         stops = [ends[first], *(points[k] for k in way), points[0]]
-        idle_mm += _length_mm(stops) - math.dist(ends[first], points[0])
+        idle_mm += sum(math.dist(a, b) for a, b in pairwise(stops)) - math.dist(ends[first], points[0])
         where = "" if profile.cuts.pierce_pass == "sheet" else f" of zone {cuts[first].zone}"
         for number, k in enumerate(way, 1):
             cut = cuts[group[k]]
@@ -61,7 +60,3 @@ def _groups(plan: Plan, nest: Nest, profile: Profile) -> Iterator[list[int]]:
 
 def _has_hole(planned: PlannedCut) -> bool:
     return planned.kind not in ("mark", "scrap") and not planned.cut.linked and planned.cut.span is None
-
-
-def _length_mm(stops: list[Point]) -> float:
-    return sum(math.dist(a, b) for a, b in pairwise(stops))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 from kerfwise.api.reading import Settings, settings_of
 from kerfwise.apps.nesting.find_nests import (
@@ -14,13 +14,14 @@ from kerfwise.apps.nesting.find_nests import (
     WEIGHED,
     Engine,
     NestingRequest,
+    NestingResult,
     Purpose,
     Watching,
     expect_engine,
     spacing_of,
     spacing_warning,
 )
-from kerfwise.apps.nesting.nest_list import ListRequest, nest_groups, plant_of_sheet, request_list
+from kerfwise.apps.nesting.nest_list import GroupRequest, ListRequest, nest_groups, plant_of_sheet, request_list
 from kerfwise.apps.nesting.placement.demand import Demand
 from kerfwise.apps.nesting.placement.layout import Layout
 from kerfwise.apps.nesting.placement.rounds import Effort
@@ -28,7 +29,6 @@ from kerfwise.apps.nesting.programs import make_programs
 from kerfwise.apps.nesting.request import order_of
 from kerfwise.apps.nesting.result import Done, Nests, nests_of_job
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Answers
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import ProfileLike, Tell, plant_of, reading
 from kerfwise.jobs.nest_job.job import day_of
@@ -45,29 +45,35 @@ OnRound = Callable[[int, int], object]
 """Called after each round with its number and how many sheets the best layout has; False ends the look."""
 
 
+class NestOptions(TypedDict, total=False):
+    """What `nest` and `make` take by keyword besides, each with the default that `list_request` has for it."""
+
+    sheets: Files
+    remnants: Files
+    gap_mm: float | None
+    edge_mm: float | None
+    engine: Engine
+    purpose: Purpose
+    weigh: int
+    weigh_work: float
+    rounds: int
+    time_s: float | None
+    seed: int
+    units: str | None
+    repair: bool
+    skip_bad: bool
+    name_pattern: str | None
+    answers: Mapping[str, str] | None
+    settings: Settings
+    date: str
+
+
 def nest(
     parts: Files,
     profile: ProfileLike | Sequence[ProfileLike] = DEFAULT,
     *,
-    sheets: Files = (),
-    remnants: Files = (),
-    gap_mm: float | None = None,
-    edge_mm: float | None = None,
-    engine: Engine = "own",
-    purpose: Purpose = "density",
-    weigh: int = WEIGHED,
-    weigh_work: float = WEIGH_WORK,
-    rounds: int = 12,
-    time_s: float | None = None,
-    seed: int = 1,
-    units: str | None = None,
-    repair: bool = False,
-    skip_bad: bool = False,
-    name_pattern: str | None = None,
-    answers: Mapping[str, str] | None = None,
-    settings: Settings = (),
-    date: str = "",
     on_round: OnRound | None = None,
+    **options: Unpack[NestOptions],
 ) -> Nests:
     """Lay parts on sheets, remnants first, as `kerfwise nest` does. Nothing is written: see `Nests.save`.
 
@@ -82,13 +88,13 @@ def nest(
     gap_mm, edge_mm
         Distances, mm, instead of those of the profile.
     engine
-        "own", "pavlov" or "sparrow".
+        "own" (the default), "pavlov" or "sparrow".
     purpose
-        "density", or "cutting": plan several layouts that use the sheets alike, and take the cheapest to cut.
+        "density" (the default), or "cutting": plan several layouts that use the sheets alike, take the cheapest to cut.
     weigh, weigh_work
-        How many of them, and the limit of each plan.
+        How many of them (4), and the limit of each plan (2).
     rounds, time_s, seed
-        Orders that are tried; a limit by the clock in their place; the seed of random orders.
+        Orders that are tried (12); a limit by the clock in their place; the seed of random orders (1).
     units, repair
         As for `read_nest`.
     skip_bad
@@ -125,41 +131,18 @@ def nest(
     (1, 8, {})
     """
     notes: list[str] = []
-    how = Laying((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
-    request = list_request(
-        (parts, sheets, remnants), profile, how, notes.append,
-        settings=settings, units=units, repair=repair, skip_bad=skip_bad, name_pattern=name_pattern,
-        answers=tuple((answers or {}).items()), date=date,
-    )  # fmt: skip
-    found = nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
-    return nests_of_job(request, [Done(one, result) for one, result in found], seed, notes)
+    request, found = _nested(parts, profile, on_round, notes, options)
+    return nests_of_job(request, [Done(one, result) for one, result in found], notes)
 
 
 def make(
     parts: Files,
     profile: ProfileLike | Sequence[ProfileLike] = DEFAULT,
     *,
-    sheets: Files = (),
-    remnants: Files = (),
-    gap_mm: float | None = None,
-    edge_mm: float | None = None,
-    engine: Engine = "own",
-    purpose: Purpose = "density",
-    weigh: int = WEIGHED,
-    weigh_work: float = WEIGH_WORK,
-    rounds: int = 12,
-    time_s: float | None = None,
-    seed: int = 1,
     work: float = WORK,
     relax: bool = False,
-    units: str | None = None,
-    repair: bool = False,
-    skip_bad: bool = False,
-    name_pattern: str | None = None,
-    answers: Mapping[str, str] | None = None,
-    settings: Settings = (),
-    date: str = "",
     on_round: OnRound | None = None,
+    **options: Unpack[NestOptions],
 ) -> Nests:
     """Lay parts on sheets, and turn every sheet into a checked program, as `kerfwise make` does.
 
@@ -191,101 +174,83 @@ def make(
     'sheet1.nc: 12 contours'
     """
     notes: list[str] = []
-    how = Laying((gap_mm, edge_mm), Effort(rounds, time_s, seed), engine, purpose, weigh, weigh_work)
-    request = list_request(
-        (parts, sheets, remnants), profile, how, notes.append,
-        settings=settings, units=units, repair=repair, skip_bad=skip_bad, name_pattern=name_pattern,
-        answers=tuple((answers or {}).items()), date=date,
-    )  # fmt: skip
-    found = nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
-    done = [
-        Done(
-            one,
-            result,
-            make_programs(
-                result.nested,
-                partial(plant_of_sheet, request, one, None),
-                work,
-                relax,
-                lambda name: Listener(),
-                skip_bad,
-            ),
-        )
-        for one, result in found
-    ]
-    return nests_of_job(request, done, seed, notes)
+    request, found = _nested(parts, profile, on_round, notes, options)
+    skip_bad = options.get("skip_bad", False)
+    done = []
+    for one, result in found:
+        plant = partial(plant_of_sheet, request, one, None)
+        made = make_programs(result.nested, plant, work, relax, lambda name: Listener(), skip_bad)
+        done.append(Done(one, result, made))
+    return nests_of_job(request, done, notes)
 
 
-@dataclass(frozen=True, slots=True)
-class Laying:
-    """How parts are laid, as the caller said it."""
-
-    distances_mm: tuple[float | None, float | None]
-    effort: Effort
-    engine: Engine
-    purpose: Purpose
-    weigh: int
-    weigh_work: float
-
-    def expect(self) -> None:
-        """Refuse what nothing can be laid by."""
-        if self.purpose not in PURPOSES:
-            raise InputError(unknown("purpose", str(self.purpose), PURPOSES))
-        for name, value in (("rounds", self.effort.rounds), ("weigh", self.weigh)):
-            if not isinstance(value, int) or value < 1:
-                raise InputError(f"{name}: expected a whole number from 1, got {value!r}")
-        for name, limit in (("time_s", self.effort.time_s), ("weigh_work", self.weigh_work)):
-            if limit is not None and not limit > 0:
-                raise InputError(f"{name}: expected a number over 0, got {limit!r}")
-        for name, mm in zip(("gap_mm", "edge_mm"), self.distances_mm, strict=True):
-            if mm is not None and not mm >= 0:
-                raise InputError(f"{name}: expected 0 or more, got {mm!r}")
-
-    def request(self, plant: Profile, wanted: Demand, tell: Tell) -> NestingRequest:
-        """What is to be laid under a profile."""
-        spacing = spacing_of(plant, *self.distances_mm)
-        for note in (spacing_warning(plant, spacing), *plant.chart_notes()):
-            if note:
-                tell(note)
-        return NestingRequest(
-            plant, wanted, spacing, self.effort, self.engine, self.purpose, self.weigh, self.weigh_work
-        )
+def _nested(
+    parts: Files,
+    profile: ProfileLike | Sequence[ProfileLike],
+    on_round: OnRound | None,
+    notes: list[str],
+    options: NestOptions,
+) -> tuple[ListRequest, list[tuple[GroupRequest, NestingResult]]]:
+    request = list_request(parts, profile, notes.append, **options)
+    return request, nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
 
 
 def list_request(
-    files: tuple[Files, Files, Files],
+    parts: Files,
     profiles: ProfileLike | Sequence[ProfileLike],
-    how: Laying,
     tell: Tell,
     *,
-    settings: Settings = (),
-    trust: bool = False,
+    sheets: Files = (),
+    remnants: Files = (),
+    gap_mm: float | None = None,
+    edge_mm: float | None = None,
+    engine: Engine = "own",
+    purpose: Purpose = "density",
+    weigh: int = WEIGHED,
+    weigh_work: float = WEIGH_WORK,
+    rounds: int = 12,
+    time_s: float | None = None,
+    seed: int = 1,
     units: str | None = None,
     repair: bool = False,
     skip_bad: bool = False,
     name_pattern: str | None = None,
-    answers: Answers = (),
+    answers: Mapping[str, str] | None = None,
+    settings: Settings = (),
     date: str = "",
+    trust: bool = False,
 ) -> ListRequest:
     """Read parts, sheets and remnants, and find for each group of parts how it is cut; `tell` hears the readers."""
-    how.expect()
+    if purpose not in PURPOSES:
+        raise InputError(unknown("purpose", str(purpose), PURPOSES))
+    for name, count in (("rounds", rounds), ("weigh", weigh)):
+        if not isinstance(count, int) or count < 1:
+            raise InputError(f"{name}: expected a whole number from 1, got {count!r}")
+    for name, limit in (("time_s", time_s), ("weigh_work", weigh_work)):
+        if limit is not None and not limit > 0:
+            raise InputError(f"{name}: expected a number over 0, got {limit!r}")
+    for name, mm in (("gap_mm", gap_mm), ("edge_mm", edge_mm)):
+        if mm is not None and not mm >= 0:
+            raise InputError(f"{name}: expected 0 or more, got {mm!r}")
     named = [profiles] if isinstance(profiles, str | Path | Profile) else list(profiles)
-    laid = settings_of(settings)
-    plants = [with_settings(answered(plant_of(one, trust), None, answers), laid) for one in named]
-    expect_engine(how.engine)
+    laid, said = settings_of(settings), tuple((answers or {}).items())
+    plants = [with_settings(answered(plant_of(one, trust), None, said), laid) for one in named]
+    expect_engine(engine)
     for plant in plants:
-        spacing_of(plant, *how.distances_mm)
-    parts, sheets, remnants = (_words(named) for named in files)
-    options = reading(plants[0], units=units, repair=repair)
-    order = order_of(parts, sheets, remnants, options, tell, skip_bad=skip_bad, name_pattern=name_pattern)
-    return request_list(
-        order,
-        plants,
-        lambda plant, wanted: how.request(plant, wanted, tell),
-        skip_bad=skip_bad,
-        answers=answers,
-        date=day_of(date),
-    )
+        spacing_of(plant, gap_mm, edge_mm)
+    reads = reading(plants[0], units=units, repair=repair)
+    words = _words(parts), _words(sheets), _words(remnants)
+    order = order_of(*words, reads, tell, skip_bad=skip_bad, name_pattern=name_pattern)
+    effort = Effort(rounds, time_s, seed)
+
+    def nesting(plant: Profile, wanted: Demand) -> NestingRequest:
+        spacing = spacing_of(plant, gap_mm, edge_mm)
+        for note in (spacing_warning(plant, spacing), *plant.chart_notes()):
+            if note:
+                tell(note)
+        return NestingRequest(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
+
+    return request_list(order, plants, nesting, skip_bad=skip_bad, answers=said, date=day_of(date))
 
 
 def _words(files: Files) -> list[str]:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.questions import Answers
@@ -198,13 +197,13 @@ def write_list(
     out: Path,
     request: ListRequest,
     found: Sequence[tuple[GroupRequest, Nested, Mapping[str, str | bytes]]],
-    **about: Any,
 ) -> list[Path]:
     """Write the files of every group, and of a list of several groups the table of all.
 
     Files of an earlier run that are not made again are removed, folders of groups with them.
     """
     left_out = [{"part": one.name, "at": str(one.place or ""), "why": one.why} for one in request.bad]
+    seed = request.groups[0].asked.effort.seed
     make_folder(out)
     written: list[Path] = []
     for one, nested, files in found:
@@ -213,13 +212,13 @@ def write_list(
             jobs = {f"{name}{ENDING}": job_text(request, one, folder, nested, k) for k, name in enumerate(nested.names)}
             files = {**files, **jobs}
         more = {"left_out": left_out} if left_out and not request.folder(one) else {}
-        written += write_nests(folder, nested, files, profile=one.cutting.plant.name, **about, **more)
+        written += write_nests(folder, nested, files, profile=one.cutting.plant.name, seed=seed, **more)
     if len(request.groups) > 1:
         folders = [request.folder(one) for one, _, _ in found]
         parts = [
             {"folder": request.folder(one), **asdict(row)} for one, nested, _ in found for row in part_uses(nested)
         ]
-        data = {"format": FORMAT, **about, "groups": folders, "parts": parts, "left_out": left_out}
+        data = {"format": FORMAT, "seed": seed, "groups": folders, "parts": parts, "left_out": left_out}
         remove_earlier(out, {TABLE}, folders)
         write_files({out / TABLE: json.dumps(data, indent=1, ensure_ascii=False) + "\n"})
         written.append(out / TABLE)

@@ -45,7 +45,6 @@ class Nests:
     interrupted: bool
     _asked: ListRequest
     _found: tuple[Done, ...]
-    _seed: int
 
     @property
     def missing(self) -> dict[str, int]:
@@ -91,7 +90,7 @@ class Nests:
         out = Path(folder)
         expect_folder(out)
         files = [(done.group, done.nested, done.files(dxf)) for done in self._found]
-        return write_list(out, self._asked, files, seed=self._seed)
+        return write_list(out, self._asked, files)
 
     def __str__(self) -> str:
         lines = []
@@ -125,7 +124,7 @@ class Done:
         return nest_files(self.nested, ".svg", dxf) if self.made is None else self.made.files(dxf)
 
 
-def nests_of_job(request: ListRequest, done: Sequence[Done], seed: int, notes: list[str]) -> Nests:
+def nests_of_job(request: ListRequest, done: Sequence[Done], notes: list[str]) -> Nests:
     """What the job has found, and made of it."""
     interrupted = len(done) < len(request.groups) or any(
         one.result.interrupted or (one.made is not None and one.made.interrupted) for one in done
@@ -134,4 +133,4 @@ def nests_of_job(request: ListRequest, done: Sequence[Done], seed: int, notes: l
     programs = tuple(text for one in done if one.made is not None for text in one.made.told)
     left_out = {one.name or str(one.place): one.why for one in request.bad}
     plant = request.groups[0].cutting.plant
-    return Nests(nests, plant, programs, tuple(notes), left_out, interrupted, request, tuple(done), seed)
+    return Nests(nests, plant, programs, tuple(notes), left_out, interrupted, request, tuple(done))

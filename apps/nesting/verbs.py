@@ -34,7 +34,7 @@ from .find_nests import Watching
 if TYPE_CHECKING:
     from kerfwise.rules.profile.profile import Profile
 
-    from .find_nests import Engine, NestingResult, Purpose
+    from .find_nests import NestingResult
     from .nest_list import GroupRequest, ListRequest
     from .nests import Nested
     from .placement.layout import Layout
@@ -111,7 +111,8 @@ _OPTIONS = (
     click.option("--dxf", is_flag=True, help="Also write each nest as DXF."),
     click.option("--rounds", type=click.IntRange(1, 100_000), default=12, show_default=True, metavar="N",
                  help="Rounds to search, without --time-limit. The same number gives the same bytes."),
-    click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of the search, in seconds."),
+    click.option("--time-limit", "time_s", type=AMOUNT_OVER_ZERO, metavar="S",
+                 help="Time limit of the search, in seconds."),
     click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N",
                  help="Seed of the search."),
     click.option("--engine", type=click.Choice(["own", "pavlov", "sparrow"]), default="own", show_default=True,
@@ -138,53 +139,27 @@ def nest_options(verb: Verb) -> Verb:
 
 def read_list_request(
     parts: tuple[str, ...],
-    sheets: tuple[str, ...],
-    remnants: tuple[str, ...],
     profiles: tuple[str, ...],
-    trust: bool,
-    settings: tuple[str, ...],
-    answers: tuple[str, ...],
     output: str | None,
     gap: str | None,
     edge: str | None,
-    rounds: int,
-    time_limit: float | None,
-    seed: int,
-    units: str | None,
-    repair: bool,
-    skip_bad: bool,
-    name_pattern: str | None,
-    engine: Engine,
-    purpose: Purpose,
-    weigh: int,
-    weigh_work: float,
-    date: str,
+    answers: tuple[str, ...],
+    **options: Any,
 ) -> tuple[ListRequest, Path]:
-    """Read parts, sheets and profiles; what the readers have to say goes to standard error.
-
-    Returns
-    -------
-    What is asked for, group by group, and the folder that the nests are written to.
-    """
+    """What is asked for, group by group, and the folder of the nests; the readers speak on standard error."""
     from kerfwise.encoder.questions import answers_of
 
-    from .api import Laying, list_request
+    from .api import list_request
     from .nests import expect_folder
-    from .placement.rounds import Effort
 
     if output is None:
         raise click.UsageError("Missing option '-o' / '--output'.")
     out = Path(output)
     expect_folder(out)
-    gap_mm = None if gap is None else length_or_zero("--gap", gap)
-    edge_mm = None if edge is None else length_or_zero("--edge", edge)
-    how = Laying((gap_mm, edge_mm), Effort(rounds, time_limit, seed), engine, purpose, weigh, weigh_work)
-    request = list_request(
-        (parts, sheets, remnants), profiles or DEFAULT, how, print_note,
-        settings=settings, trust=trust, units=units, repair=repair, skip_bad=skip_bad, name_pattern=name_pattern,
-        answers=answers_of(answers), date=date,
-    )  # fmt: skip
-    return request, out
+    for name, text in (("gap", gap), ("edge", edge)):
+        options[f"{name}_mm"] = None if text is None else length_or_zero(f"--{name}", text)
+    options["answers"] = dict(answers_of(answers))
+    return list_request(parts, profiles or DEFAULT, print_note, **options), out
 
 
 def looked_for(request: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
@@ -260,7 +235,7 @@ def nest_command(dxf: bool, picture: str, **options: Any) -> int:
     request, out = read_list_request(**options)
     found = looked_for(request)
     files = [(one, result.nested, nest_files(result.nested, f".{picture}", dxf)) for one, result in found]
-    written = write_list(out, request, files, seed=request.groups[0].asked.effort.seed)
+    written = write_list(out, request, files)
     for one, result in found:
         if head := request.head(one):
             click.echo(head)
@@ -334,7 +309,7 @@ def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool
         files.append((one, made.nested, {**made.files(dxf, picture), **pages}))
         if made.interrupted:
             break
-    written = write_list(out, request, files, seed=request.groups[0].asked.effort.seed)
+    written = write_list(out, request, files)
     for (one, result), made in zip(found, programs, strict=False):
         if head := request.head(one):
             click.echo(head)

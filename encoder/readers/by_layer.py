@@ -294,14 +294,10 @@ def is_surely_sheet(own: Sequence[DrawnCurve], cut: Sequence[DrawnCurve], option
     x0, y0, x1, y1 = shapely.total_bounds(lines).tolist()
     for per_unit in MM_PER.values():
         sides = {f"{(x1 - x0) / per_unit:.0f}", f"{(y1 - y0) / per_unit:.0f}"}
-        if cut and any(sides <= set(_numbers(name)) for name in names):
+        if cut and any(sides <= set(re.findall(r"\d+", name)) for name in names):
             return True
     size = options.sheet_size_mm
     return size is not None and abs(x1 - x0 - size[0]) < 1.0 and abs(y1 - y0 - size[1]) < 1.0
-
-
-def _numbers(name: str) -> list[str]:
-    return re.findall(r"\d+", name)
 
 
 def _holds_parts(own: Sequence[DrawnCurve], cut: Sequence[DrawnCurve]) -> bool:

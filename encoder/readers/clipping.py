@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.questions import Asking, Choice, Question
 
@@ -96,7 +95,7 @@ def _inside(piece: DrawnCurve, area: shapely.Geometry) -> list[DrawnCurve]:
     """The part of a piece that lies in an area."""
     shape = piece.area if piece.curve.closed else piece.curve.line(FLATTEN_MM)
     found = shapely.intersection(shape, area)
-    return [replace(piece, curve=curve) for points in _runs(found) if (curve := _curve(points)) is not None]
+    return [replace(piece, curve=curve) for points in _runs(found) if (curve := fit_curve(points)) is not None]
 
 
 def _runs(found: shapely.Geometry) -> Iterator[Floats]:
@@ -105,7 +104,3 @@ def _runs(found: shapely.Geometry) -> Iterator[Floats]:
             yield from (np.array(ring.coords) for ring in (one.exterior, *one.interiors))
         elif one.geom_type == "LineString":
             yield np.array(one.coords)
-
-
-def _curve(points: Floats) -> Curve | None:
-    return fit_curve(points)

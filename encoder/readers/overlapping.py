@@ -144,17 +144,13 @@ def _shared_mm(one: shapely.Geometry, other: shapely.Geometry) -> float:
     return float(shapely.intersection(other, band).length) - 4 * SNAP_MM
 
 
-def _middle(piece: DrawnCurve) -> shapely.Point:
-    return piece.curve.line().interpolate(0.5, normalized=True)
-
-
 def _outline_of_both(one: DrawnCurve, other: DrawnCurve, tolerance_mm: float) -> list[DrawnCurve] | None:
     """What is left of two rings without the edge that they share; None where that does not close."""
     left = [
         piece
         for ring, beside in ((one, other), (other, one))
         for piece in split_at_vertices(ring, (beside, replace(ring)), tolerance_mm)  # at all of its own, too
-        if _middle(piece).distance(beside.curve.line()) > SNAP_MM
+        if piece.curve.line().interpolate(0.5, normalized=True).distance(beside.curve.line()) > SNAP_MM
     ]
     joined = join(left, tolerance_mm)
     if joined.chains or not joined.rings:

@@ -67,7 +67,7 @@ def trim_overruns(pieces: Sequence[DrawnCurve], reach_mm: float) -> tuple[list[D
 
 def _crossed(pieces: Sequence[DrawnCurve], i: int, j: int, reach_mm: float) -> tuple[Point, float, float] | None:
     """Where the last lines or arcs of two ends cross, and how far each goes on from there, mm."""
-    one, other = (_last(pieces[end // 2].curve, end) for end in (i, j))
+    one, other = (pieces[end // 2].curve.segments[-1 if end % 2 else 0] for end in (i, j))
     tracks = [_track(segment) for segment in (one, other)]
     best: tuple[Point, float, float] | None = None
     for at in crossings(tracks[0], tracks[1]):
@@ -80,10 +80,6 @@ def _crossed(pieces: Sequence[DrawnCurve], i: int, j: int, reach_mm: float) -> t
         if math.isfinite(sum(past)) and (best is None or sum(past) < best[1] + best[2]):
             best = (at[0], at[1]), past[0], past[1]
     return best
-
-
-def _last(curve: Curve, end: int) -> Segment:
-    return curve.segments[-1 if end % 2 else 0]
 
 
 def _track(segment: Segment) -> Line | Circle:

@@ -251,7 +251,7 @@ def _judge_paths(
     if comments is None:  # the cuts that are made of a program end with what finishes their contours
         opened += finished_by_others(several, cuts.positions())
     lost = list(wrong_edge_losses(nest, kerf_mm, _accepted(profile)))
-    skipped, allowed = _at_fault([*faults, *opened]), Allowed.by(profile)
+    skipped, allowed = frozenset(k for fault in [*faults, *opened] for k in fault.cuts), Allowed.by(profile)
     uncut = features_lost(runs, kerf_mm, skipped, slits_of_made(nest, cuts), tabs, before.lines, allowed)
     run_up = run_up_mm(nest, profile)
     long = [] if comments is None else long_leads(whole, profile, comments, run_up)
@@ -296,7 +296,7 @@ def _judge_paths(
     if profile.reach_on(nest) is not None:
         judged.append(judgement("within-travel", [*paths_beyond_travel(nest, cuts, runs, profile), *cut.astray]))
     return judged, [
-        *_resumed(cuts),
+        *([f"resumed after cut {cuts.made}: what was cut before is taken as stated"] if cuts.made else []),
         *small_hole_notes(judged_by, profile),
         *slot_notes(nest, slots, kerf_mm),
         *uncut.told(),
@@ -319,11 +319,6 @@ def _overcut_mm(profile: Profile) -> float:
     return max(profile.length_mm(leads.hole_overcut_mm), leads.lead_out_length_mm) + 2 * profile.material.kerf_mm
 
 
-def _resumed(cuts: CutSequence) -> list[str]:
-    """What is taken for granted of a program that goes on after a stop."""
-    return [f"resumed after cut {cuts.made}: what was cut before is taken as stated"] if cuts.made else []
-
-
 def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[RelaxedStatement]) -> Pairs | None:
     """Pairs of parts that may burn each other's metal; None for all, where the profile lets contours touch."""
     book = profile.rulebook()
@@ -336,11 +331,6 @@ def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[RelaxedStatement]) 
 
 def _measured(runs: Sequence[TorchRun], idle_mm: float) -> Measured:
     return Measured(sum(not run.linked for run in runs), math.fsum(run.length_mm for run in runs), idle_mm)
-
-
-def _at_fault(faults: Sequence[Violation]) -> frozenset[int]:
-    """The positions of cuts whose paths are known to be wrong."""
-    return frozenset(k for fault in faults for k in fault.cuts)
 
 
 def _of(rule: str, faults: Sequence[Violation]) -> list[Violation]:

@@ -364,7 +364,7 @@ def heatings_of_cuts(
             continue
         cut = cuts[run.position - 1]
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
-        pierced_here = run.position not in unpierced and _pierced(nest, cut.pierce)
+        pierced_here = run.position not in unpierced and bool(shapely.contains_xy(nest.sheet.polygon, *cut.pierce))
         pierce_s = machine.pierce_time_s if pierced_here else _preheat_s(profile)
         cold = profile.machine.process == "oxyfuel"
         pierce_s = _preheat_s(profile) * cold if cut.contour in holes else pierce_s
@@ -386,10 +386,6 @@ def _preheat_s(profile: Profile) -> float:
     """How long the torch stands where it pierces nothing: a flame heats the edge at least as long as for a pierce."""
     machine = profile.machine
     return machine.edge_preheat_s or (machine.pierce_time_s if machine.process == "oxyfuel" else 0.0)
-
-
-def _pierced(nest: Nest, point: tuple[float, float]) -> bool:
-    return bool(shapely.contains_xy(nest.sheet.polygon, *point))
 
 
 def _in_order(run: TorchRun, cut: Cut) -> Iterator[shapely.LineString]:

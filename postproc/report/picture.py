@@ -299,7 +299,7 @@ def wait_layer(view: View, cuts: Sequence[PlannedCut], places: Sequence[TextPlac
 
     The times stand clear of each other and of the labels in `places`, where there is room.
     """
-    taken = [_on_page(view, place) for place in places]
+    taken = [shapely.Polygon(view.xy(shapely.get_coordinates(place.box()))) for place in places]
     rings: list[Item] = []
     times: list[Item] = []
     for k, planned in enumerate(cuts, 1):
@@ -342,10 +342,6 @@ def _beside(
             found.append((round(covered, 3), (x, y), box))
     _, (x, y), box = min(found, key=lambda spot: spot[0])
     return TextLine(x, y, text, size, scene.WAIT, bold=True, halo=scene.PAGE, cut=cut), box
-
-
-def _on_page(view: View, place: TextPlace) -> shapely.Polygon:
-    return shapely.Polygon(view.xy(shapely.get_coordinates(place.box())))
 
 
 # Whether a picture's plan is one of its nest.

@@ -65,7 +65,10 @@ def _signature(name: str, function: object) -> Iterator[str]:
     assert callable(function)
     signature = inspect.signature(function)
     given = [p for p in signature.parameters.values() if p.name != "self"]
-    inner = [_parameter(p) for p in given]
+    inner = [_parameter(p) for p in given if p.kind is not p.VAR_KEYWORD]
+    for options in (p for p in given if p.kind is p.VAR_KEYWORD):
+        kind = vars(inspect.getmodule(function))[str(options.annotation).removeprefix("Unpack[").removesuffix("]")]
+        inner += [f"{key}: {said.__forward_arg__} = …" for key, said in kind.__annotations__.items()]
     first = next((k for k, p in enumerate(given) if p.kind is p.KEYWORD_ONLY), None)
     if first is not None:
         inner.insert(first, "*")

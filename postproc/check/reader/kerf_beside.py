@@ -71,7 +71,7 @@ def torch_moves(moves: Sequence[Named], left: bool, half_mm: float) -> list[list
             made.append([_from(segment, last.end)])
         elif (turn > 0) == left:
             corner = _crossing(last, segment, now.line)
-            made[-1][-1] = _to(last, corner, before.line)
+            made[-1][-1] = _piece(last, last.start, corner, before.line)
             made.append([_from(segment, corner, now.line)])
         else:
             made.append([Segment(last.end, segment.start, math.tan(turn / 4)), segment])
@@ -92,10 +92,6 @@ def _beside(move: Named, aside: float) -> Segment:
 
 def _from(segment: Segment, start: Point, line: int = 0) -> Segment:
     return _piece(segment, start, segment.end, line)
-
-
-def _to(segment: Segment, end: Point, line: int) -> Segment:
-    return _piece(segment, segment.start, end, line)
 
 
 def _piece(segment: Segment, start: Point, end: Point, line: int) -> Segment:
