@@ -193,7 +193,7 @@ def _plant(common: bool) -> Profile:
 
 def _weighed_row(seed: int, wanted: Demand, plant: Profile, rounds: int) -> str:
     spacing, watching = spacing_of(plant, GAP_MM), Watching()
-    groups = varied_layouts(wanted, spacing, Effort(rounds), "own", watching, print)
+    groups = list(varied_layouts(wanted, spacing, Effort(rounds), "own", watching, print))
     weighed = [
         weigh(sound(layout), plant, WORK, lambda name: Listener()) for layout in comparable_layouts(groups, WEIGHED)
     ]

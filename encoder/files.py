@@ -46,6 +46,16 @@ def read_limited(path: str | Path, most_bytes: int = MOST_BYTES) -> bytes:
     return data
 
 
+def read_named(path: str | Path, what: str, most_bytes: int = MOST_BYTES) -> bytes:
+    """As `read_limited`; InputError says that `what`, such as "the job file", cannot be read, and why."""
+    try:
+        return read_limited(path, most_bytes)
+    except OSError as error:
+        raise InputError(f"cannot read {what}: {error.strerror}", file=path) from None
+    except ValueError as error:  # a NUL, or half a character
+        raise InputError(f"cannot read {what}: no file can have this name ({error})", file=path) from None
+
+
 _only_within: tuple[str, ...] | None = None
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import shapely
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.files import read_named
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow_features import cut_across, lost_walls
 from kerfwise.encoder.nest import Nest, Part
@@ -213,13 +213,7 @@ def program_text(path: str | Path) -> str:
 
     Raises InputError if there is none to read; with the place, if it is not UTF-8.
     """
-    try:
-        data = read_limited(path)
-    except OSError as error:
-        raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
-    except ValueError as error:  # a NUL, or half a character
-        raise InputError(f"cannot read the program: no file can have this name ({error})", file=path) from None
-    return decoded(data, path)
+    return decoded(read_named(path, "the program"), path)
 
 
 def decoded(data: bytes, path: str | Path) -> str:

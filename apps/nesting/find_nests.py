@@ -76,7 +76,7 @@ def find_nests(
     order = with_held(request.wanted, request.plant), request.spacing, request.effort, request.engine, watching, tell
     with watching:
         expect_room(request.wanted, request.spacing)
-        groups = varied_layouts(*order) if request.purpose == "cutting" else [ranked_layouts(*order)]
+        groups = list(varied_layouts(*order)) if request.purpose == "cutting" else [ranked_layouts(*order)]
     best = min((group[0] for group in groups if group), key=lambda layout: layout.score, default=None)
     if best is None or (watching.stopped and not best.sheets):
         raise KeyboardInterrupt(NOTHING_LAID)
@@ -145,18 +145,12 @@ def ranked_layouts(
 
 def varied_layouts(
     wanted: Demand, spacing: Spacing, effort: Effort, engine: Engine, watching: Watching, tell: Tell
-) -> list[list[Layout]]:
+) -> Iterator[list[Layout]]:
     """Layouts for weighing: those of the engine asked for, and of others, each group the best first.
 
     The others are Pavlov's method, or kerfwise's own where Pavlov's was asked for; and, where edges are cut once, parts
     that lie alone.
     """
-    return list(_groups(wanted, spacing, effort, engine, watching, tell))
-
-
-def _groups(
-    wanted: Demand, spacing: Spacing, effort: Effort, engine: Engine, watching: Watching, tell: Tell
-) -> Iterator[list[Layout]]:
     less = replace(effort, rounds=max(1, round(effort.rounds * _OTHERS_SHARE)))
     if effort.time_s is not None:
         effort, less = (replace(effort, time_s=effort.time_s * share) for share in (1 - _OTHERS_SHARE, 0.25))
@@ -370,18 +364,16 @@ def cheapest(weighed: Sequence[Weighed]) -> Weighed:
     return min(planned, key=lambda one: round(one.price or 0.0, 6), default=first)
 
 
-def weighed_text(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> str:
-    """What was weighed, a line each, the densest first."""
-    return "\n".join(_lines(weighed, taken, profile))
-
-
-def _lines(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> Iterator[str]:
+def weighed_lines(found: NestingResult, profile: Profile) -> Iterator[str]:
+    """What was weighed, a line each, the densest first; none where nothing was."""
+    if found.taken is None:
+        return
     unit = profile.prices.currency if profile.prices.given else "s"
     titles = f"{'weighed':9} {'sheets':>6} {'left m²':>8} {'time':>9} {'pierces':>7} {'idle m':>8}"
     yield f"{titles} {unit:>10} {'a part':>9}"
-    for number, one in enumerate(weighed, 1):
+    for number, one in enumerate(found.weighed, 1):
         layout = one.nested.layout
-        mark = " ← taken" if one is taken else ""
+        mark = " ← taken" if one is found.taken else ""
         name = "densest" if number == 1 else f"layout {number}"
         head = f"{name:9} {len(layout.sheets):6} {layout.remnant_mm2 / 1e6:8.3f}"
         moves = "".join(f"; {moved}" for moved in one.moved)

@@ -24,7 +24,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .by_material import SHIPPED, Cutting, Group, cuttings_of, groups_of, left_of, uncuttable, without
 from .find_nests import NestingRequest, NestingResult, Watching, find_nests
-from .nests import FORMAT, TABLE, Nested, part_uses, remove_earlier, write_nests
+from .nests import FORMAT, TABLE, Nested, part_uses, remove_earlier, write_nests, written_before
 from .part_list import BadRow
 from .placement.demand import Demand
 from .request import Order
@@ -219,7 +219,7 @@ def write_list(
             {"folder": request.folder(one), **asdict(row)} for one, nested, _ in found for row in part_uses(nested)
         ]
         data = {"format": FORMAT, "seed": seed, "groups": folders, "parts": parts, "left_out": left_out}
-        remove_earlier(out, {TABLE}, folders)
+        remove_earlier(out, written_before(out), {TABLE}, folders)
         write_files({out / TABLE: json.dumps(data, indent=1, ensure_ascii=False) + "\n"})
         written.append(out / TABLE)
     return written

@@ -152,7 +152,7 @@ def as_json(nested: Nested, **about: Any) -> str:
         **about,
         "gap_mm": spacing.gap_mm,
         "edge_mm": spacing.edge_mm,
-        "use": round(use_of_all(nested), 4),
+        "use": round(nested.layout.use, 4),
         "sheets": [asdict(row) for row in sheet_uses(nested)],
         "parts": [asdict(row) for row in part_uses(nested)],
     }
@@ -169,19 +169,8 @@ def as_csv(nested: Nested) -> str:
     return text.getvalue()
 
 
-def use_of_all(nested: Nested) -> float:
-    """Metal of all parts laid, of that of all sheets taken."""
-    layout = nested.layout
-    whole = sum(sheet.stock.area_mm2 for sheet in layout.sheets)
-    return sum(sheet.metal_mm2(layout.wanted) for sheet in layout.sheets) / whole if whole else 0.0
-
-
-def as_text(nested: Nested) -> str:
+def lines_of(nested: Nested) -> Iterator[str]:
     """For the terminal."""
-    return "\n".join(_lines(nested))
-
-
-def _lines(nested: Nested) -> Iterator[str]:
     rows = sheet_uses(nested)
     width = max([5, *(len(escape_text(row.stock)) for row in rows)])
     yield f"{'sheet':12} {'stock':{width}} {'parts':>6} {'use':>7} {'waste m²':>9} {'left mm':>15}"
@@ -194,7 +183,7 @@ def _lines(nested: Nested) -> Iterator[str]:
     spacing = nested.layout.spacing
     yield (
         f"{placed} of {sum(row.wanted for row in parts)} parts on {len(rows)} sheet{'s' if len(rows) != 1 else ''}, "
-        f"{use_of_all(nested):.1%} used; {spacing.gap_mm:g} mm between parts, {spacing.edge_mm:g} mm to the edge"
+        f"{nested.layout.use:.1%} used; {spacing.gap_mm:g} mm between parts, {spacing.edge_mm:g} mm to the edge"
     )
     for part in parts:
         if part.missing:
@@ -215,7 +204,7 @@ def expect_folder(out: Path) -> None:
     expect_place(out)
     if not is_folder(out):
         return
-    files, folders = _before(out)
+    files, folders = written_before(out)
     own = {TABLE, *files, *folders}
     others = sorted(path.name for path in out.iterdir() if path.name[0] != "." and path.name not in own)
     if others:
@@ -245,23 +234,19 @@ def write_nests(out: Path, nested: Nested, files: Mapping[str, str | bytes], **a
     all_files = {**files, ROWS: as_csv(nested)}
     all_files[TABLE] = as_json(nested, **about, **{_FILES: list(all_files)})
     make_folder(out)
-    before = _before(out)
+    before = written_before(out)
     write_files({out / name: content for name, content in all_files.items()})
-    _remove(out, before, set(all_files), ())
+    remove_earlier(out, before, set(all_files), ())
     return [out / name for name in all_files]
 
 
-def remove_earlier(out: Path, names: AbstractSet[str], folders: Collection[str]) -> None:
-    """Remove what an earlier run wrote in the folder of a list, and is not made again."""
-    _remove(out, _before(out), names, folders)
-
-
-def _remove(out: Path, before: tuple[set[str], set[str]], names: AbstractSet[str], folders: Collection[str]) -> None:
+def remove_earlier(out: Path, before: Before, names: AbstractSet[str], folders: Collection[str]) -> None:
+    """Remove what an earlier run wrote in a folder, and is not made again."""
     files, groups = before
     for name in sorted(files - names):
         (out / name).unlink(missing_ok=True)
     for name in sorted(groups - set(folders)):
-        _remove(out / name, _before(out / name), set(), ())
+        remove_earlier(out / name, written_before(out / name), set(), ())
         (out / name / TABLE).unlink(missing_ok=True)
         if is_folder(out / name) and not any((out / name).iterdir()):
             (out / name).rmdir()
@@ -271,7 +256,10 @@ def _plain_names(names: Sequence[object]) -> set[str]:
     return {name for name in names if isinstance(name, str) and Path(name).name == name}
 
 
-def _before(out: Path) -> tuple[set[str], set[str]]:
+Before = tuple[set[str], set[str]]
+
+
+def written_before(out: Path) -> Before:
     """Names of the files that an earlier run wrote, and of the folders of its groups."""
     table = out / TABLE
     if not is_file(table):

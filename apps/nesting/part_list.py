@@ -13,10 +13,10 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import unknown
-from kerfwise.jobs.nest_job.job import Day
+from kerfwise.jobs.nest_job.job import Day, value_schema
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import option, options_of
 from kerfwise.rules.options.quantities import LENGTH, positive
@@ -84,13 +84,9 @@ def read_list(path: Path, skip_bad: bool = False) -> PartList:
     if is_table(path):
         return _list_of_tables(path, skip_bad)
     try:
-        text = read_limited(path, MOST_BYTES_OF_YAML).decode("utf-8-sig")
+        text = read_named(path, "the list of parts", MOST_BYTES_OF_YAML).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"not a list of parts: the file is not UTF-8 text ({error.reason})", file=path) from None
-    except ValueError as error:
-        raise InputError(f"cannot read the list: no file can have this name ({error})", file=path) from None
-    except OSError as error:
-        raise InputError(f"cannot read the list of parts: {error.strerror}", file=path) from None
     return list_of(text, str(path))
 
 
@@ -110,16 +106,13 @@ def list_of(text: str, file: str) -> PartList:
             found[key] = value
         else:
             problems.add(key_node, unknown("key", key, (PARTS, SHEETS)))
-    parts = [_part(node, k, problems) for k, node in enumerate(_members(found, PARTS, problems), 1)]
-    sheets = [_sheet(node, k, problems) for k, node in enumerate(_members(found, SHEETS, problems), 1)]
+    rows = {key: items(found[key], problems, key) if key in found else [] for key in (PARTS, SHEETS)}
+    parts = [_part(node, k, problems) for k, node in enumerate(rows[PARTS], 1)]
+    sheets = [_sheet(node, k, problems) for k, node in enumerate(rows[SHEETS], 1)]
     problems.raise_any()
     if not parts:
         raise InputError("names no parts: expected parts: [{part: FILE, quantity: N}, …]", file=file)
     return PartList(tuple(parts), tuple(sheets))
-
-
-def _members(found: Mapping[str, yaml.Node], key: str, problems: Problems) -> list[yaml.Node]:
-    return items(found[key], problems, key) if key in found else []
 
 
 def _part(node: yaml.Node, number: int, problems: Problems) -> PartRow:
@@ -363,13 +356,8 @@ def list_schema() -> Json:
 
 
 def _row(kind: type) -> Json:
-    keys = {o.key: {"description": o.help, **_value(o.kind)} for o in options_of(kind)}
+    keys = {o.key: {"description": o.help, **value_schema(o.kind)} for o in options_of(kind)}
     return {"type": "object", "properties": keys, "additionalProperties": False}
-
-
-def _value(kind: OptionKind) -> Json:
-    """A text may be a number to readers of YAML, such as that of an order."""
-    return kind.schema() | ({"type": ["string", "number"]} if isinstance(kind, Text) else {})
 
 
 def schema_text() -> str:

@@ -11,9 +11,10 @@ from kerfwise.jobs.display import Picture
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
 
-from .find_nests import NestingResult, weighed_text
+from .find_nests import NestingResult, weighed_lines
 from .nest_list import GroupRequest, ListRequest, left_out_text, write_list
-from .nests import Nested, as_text, expect_folder, nest_files
+from .nests import Nested, expect_folder, lines_of, nest_files
+from .placement.layout import share_used
 from .programs import Programs
 
 
@@ -60,10 +61,7 @@ class Nests:
     @property
     def use(self) -> float:
         """Metal of all parts laid, of that of all sheets taken."""
-        layouts = [one.nested.layout for one in self._found]
-        whole = sum(sheet.stock.area_mm2 for layout in layouts for sheet in layout.sheets)
-        metal = sum(sheet.metal_mm2(layout.wanted) for layout in layouts for sheet in layout.sheets)
-        return metal / whole if whole else 0.0
+        return share_used([one.nested.layout for one in self._found])
 
     @property
     def prices(self) -> tuple[float | None, ...]:
@@ -97,9 +95,8 @@ class Nests:
         for done in self._found:
             if head := self._asked.head(done.group):
                 lines.append(head)
-            lines.append(as_text(done.nested))
-            if done.result.taken is not None:
-                lines.append(weighed_text(done.result.weighed, done.result.taken, done.group.cutting.plant))
+            lines += lines_of(done.nested)
+            lines += weighed_lines(done.result, done.group.cutting.plant)
             lines += () if done.made is None else done.made.told
         return "\n".join([*lines, *([left_out_text(self._asked.bad)] if self._asked.bad else [])])
 

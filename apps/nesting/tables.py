@@ -17,7 +17,7 @@ from typing import Any
 
 from kerfwise.app_modules import library
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named
 from kerfwise.encoder.text import nearest
 
 # The columns that a table may have, and the words for them, without accents, blanks and capitals.
@@ -131,12 +131,7 @@ def read_tables(path: Path) -> list[Table]:
 
     Raises InputError if it cannot be read, or no row names a column of parts or sheets: with the words that it has.
     """
-    try:
-        data = read_limited(path, MOST_BYTES_OF_YAML)
-    except ValueError as error:
-        raise InputError(f"cannot read the list: no file can have this name ({error})", file=path) from None
-    except OSError as error:
-        raise InputError(f"cannot read the list of parts: {error.strerror}", file=path) from None
+    data = read_named(path, "the list of parts", MOST_BYTES_OF_YAML)
     grids = list(_workbook(data, path)) if path.suffix.lower() in (".xlsx", ".xlsm") else [("", _csv(data, path))]
     tables: list[Table] = [table for name, grid in grids if (table := _table(name, grid)) is not None]
     if not tables:

@@ -60,10 +60,8 @@ class NestProgress(Watching):
     def __call__(self, number: int, best: Layout) -> bool:
         """Show the best so far; whether to go on."""
         if self._status is not None:
-            whole = sum(sheet.stock.area_mm2 for sheet in best.sheets)
-            used = sum(sheet.metal_mm2(best.wanted) for sheet in best.sheets) / whole if whole else 0.0
             spent = time.monotonic() - self.started
-            line = f"{spent:5.1f} s  round {number}  {len(best.sheets)} sheets, {used:.1%} used"
+            line = f"{spent:5.1f} s  round {number}  {len(best.sheets)} sheets, {best.use:.1%} used"
             self._status.update(f"{line}  (Ctrl-C keeps the best so far)")
         return super().__call__(number, best)
 
@@ -193,13 +191,10 @@ def _code(request: ListRequest, found: list[tuple[GroupRequest, NestingResult]],
 
 def print_nests(nested: Nested, found: NestingResult, plant: Profile) -> None:
     """Print the table of the nests that are written, and what was weighed."""
-    from .nests import as_text
+    from .find_nests import weighed_lines
+    from .nests import lines_of
 
-    click.echo(as_text(nested))
-    if found.taken is not None:
-        from .find_nests import weighed_text
-
-        click.echo(weighed_text(found.weighed, found.taken, plant))
+    click.echo("\n".join([*lines_of(nested), *weighed_lines(found, plant)]))
 
 
 def _schema(context: click.Context, option: click.Parameter, asked: bool) -> None:

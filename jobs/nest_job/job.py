@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named
 from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, Unfit, scalar_text
@@ -152,15 +152,11 @@ def read_job(path: str | Path) -> Job:
     InputError
         If the file cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
     """
+    data = read_named(path, "the job file", MOST_BYTES_OF_YAML)
     try:
-        data = read_limited(path, MOST_BYTES_OF_YAML)
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"not a job file: the file is not UTF-8 text ({error.reason})", file=path) from None
-    except ValueError as error:  # a NUL, or half a character
-        raise InputError(f"cannot read the job file: no file can have this name ({error})", file=path) from None
-    except OSError as error:
-        raise InputError(f"cannot read the job file: {error.strerror}", file=path) from None
     return replace(job_of(text, str(path)), sha256=hashlib.sha256(data).hexdigest())
 
 
@@ -272,7 +268,7 @@ def job_schema() -> Json:
         "type": ["object", "null"],
         "additionalProperties": False,
         "properties": {
-            **{o.key: {"description": o.help, **_value(o.kind)} for o in options_of(Job)},
+            **{o.key: {"description": o.help, **value_schema(o.kind)} for o in options_of(Job)},
             "locks": {
                 "description": "decisions of the planner: lines such as P2 first, or mappings as in a profile",
                 "type": ["array", "null"],
@@ -291,7 +287,7 @@ def job_schema() -> Json:
     }
 
 
-def _value(kind: OptionKind) -> Json:
+def value_schema(kind: OptionKind) -> Json:
     """A text may be a number to readers of YAML, such as that of an order."""
     return kind.schema() | ({"type": ["string", "number"]} if isinstance(kind, Text) else {})
 

@@ -279,10 +279,10 @@ def sides_on_axes(part: Part) -> tuple[float, ...]:
     return tuple(_different(found))
 
 
-def best_beside(
+def places_beside(
     fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float] | None = None
-) -> PairPlacement:
-    """The place of the second part by which the rectangle around both is least; they may touch.
+) -> list[PairPlacement]:
+    """Places of the second part where the rectangle around both is small, the best of all first; they may touch.
 
     Parameters
     ----------
@@ -296,17 +296,10 @@ def best_beside(
     Two halves of a square:
 
     >>> half = shapely.Polygon([(0, 0), (10, 0), (0, 10)])
-    >>> found = best_beside(half, half)
+    >>> found = places_beside(half, half)[0]
     >>> found.turn_deg, found.shift, round(found.area_mm2, 6)
     (180.0, (10.0, 10.0), 100.0)
     """
-    return places_beside(fixed, coming, turns_deg)[0]
-
-
-def places_beside(
-    fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float] | None = None
-) -> list[PairPlacement]:
-    """The places that `best_beside` chooses from, the best of each turn first: least area, then least perimeter."""
     tried = turns_to_try(fixed, coming) if turns_deg is None else turns_deg
     return sorted(_all_beside(fixed, coming, tried), key=_rank)
 

@@ -83,6 +83,11 @@ class Layout:
         return round(missing_mm2, 3), round(worth, 3), -round(self.remnant_mm2, 3)
 
     @property
+    def use(self) -> float:
+        """Metal of all parts laid, of that of all sheets taken."""
+        return share_used([self])
+
+    @property
     def alike(self) -> tuple[object, ...]:
         """What two layouts have in common that are the same."""
         return tuple((sheet.number, frozenset(sheet.placed)) for sheet in self.sheets)
@@ -99,6 +104,13 @@ class Layout:
     def metal_of(self, sheet: Sheetful) -> list[shapely.Geometry]:
         """The parts on a sheet, as areas."""
         return [one.area(self.wanted.types[one.kind].part.polygon) for one in sheet.placed]
+
+
+def share_used(layouts: Sequence[Layout]) -> float:
+    """Metal of all parts laid, of that of all sheets taken."""
+    whole = sum(sheet.stock.area_mm2 for layout in layouts for sheet in layout.sheets)
+    metal = sum(sheet.metal_mm2(layout.wanted) for layout in layouts for sheet in layout.sheets)
+    return metal / whole if whole else 0.0
 
 
 def allot(

@@ -56,14 +56,16 @@ def _sum(a: shapely.Polygon, b: shapely.Polygon) -> shapely.Geometry:
     if _convex(a) and _convex(b):
         return _hulls(_corners(a)[None, :, :], _corners(b)[None, :, :])[0]
     inside = [_shifted(a, _corners(b)[0]), _shifted(b, _corners(a)[0])]
-    if _convex(b):
-        swept = _hulls(_edges(a), _corners(b)[None, :, :])
-    elif _convex(a):
-        swept = _hulls(_edges(b), _corners(a)[None, :, :])
-    else:
-        one, other = _edges(a), _edges(b)
-        swept = _hulls(np.repeat(one, len(other), axis=0), np.tile(other, (len(one), 1, 1)))
+    swept = _swept(b, a) if _convex(a) else _swept(a, b)
     return _whole(shapely.union_all([*swept, *inside]))
+
+
+def _swept(a: shapely.Polygon, b: shapely.Polygon) -> Any:
+    """What the edges of one shape sweep with another that goes along them, in convex pieces."""
+    if _convex(b):
+        return _hulls(_edges(a), _corners(b)[None, :, :])
+    one, other = _edges(a), _edges(b)
+    return _hulls(np.repeat(one, len(other), axis=0), np.tile(other, (len(one), 1, 1)))
 
 
 def _whole(area: shapely.Geometry) -> shapely.Geometry:
@@ -102,19 +104,10 @@ def _in_piece(room: shapely.Polygon, b: shapely.Polygon) -> shapely.Geometry:
     box = shapely.box(x0 - bx0, y0 - by0, x1 - bx1, y1 - by1)
     if abs(room.area - (x1 - x0) * (y1 - y0)) < 1e-9 * room.area:
         return box
-    swept = _sum_of_border(room, _turned(b))
+    turned = _turned(b)
+    barred = [*_swept(room, turned), *(_sum(shapely.Polygon(ring), turned) for ring in room.interiors)]
     inside = _shifted(shapely.Polygon(room.exterior), -_corners(b)[0])
-    return box.intersection(inside).difference(swept)
-
-
-def _sum_of_border(room: shapely.Polygon, b: shapely.Polygon) -> shapely.Geometry:
-    """What the edges of a room sweep, and its holes."""
-    if _convex(b):
-        swept = _hulls(_edges(room), _corners(b)[None, :, :])
-    else:
-        one, other = _edges(room), _edges(b)
-        swept = _hulls(np.repeat(one, len(other), axis=0), np.tile(other, (len(one), 1, 1)))
-    return shapely.union_all([*swept, *(_sum(shapely.Polygon(ring), b) for ring in room.interiors)])
+    return box.intersection(inside).difference(shapely.union_all(barred))
 
 
 def _convex(shape: shapely.Polygon) -> bool:

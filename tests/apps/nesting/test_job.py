@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.apps.nesting import find_nests
-from kerfwise.apps.nesting.find_nests import NestingRequest, NestingResult, Watching, weighed_text
+from kerfwise.apps.nesting.find_nests import NestingRequest, NestingResult, Watching, weighed_lines
 from kerfwise.apps.nesting.find_nests import find_nests as find_nests_job
 from kerfwise.apps.nesting.nests import Nested, nests_from
 from kerfwise.apps.nesting.placement.demand import Demand, PartType, Spacing, Stock
@@ -50,7 +50,7 @@ def test_a_layout_that_the_check_refuses_is_told_and_another_is_taken(
     assert [one.price is None for one in found.weighed] == [number == refused for number in (0, 1)]
     assert found.taken is found.weighed[1 - refused]
     assert found.nested.faults == ()
-    lines = weighed_text(found.weighed, found.weighed[1 - refused], PLANT).splitlines()
+    lines = list(weighed_lines(found, PLANT))
     assert lines[refused - 2].endswith(f"no plan: the check refuses it: {FAULT}")
 
 
