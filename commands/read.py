@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     from kerfwise.jobs.nest_job.request import NestRequest
 
 
-# kerfwise read: what a drawing is taken for, before anything is made of it.
-
-
 def seen_nest(given: Mapping[str, Any]) -> tuple[Seen, NestRequest, Job | None]:
     """How a nest is understood, whether it can be cut or not, what the command line asks of it, and its job file."""
     from kerfwise.encoder.readers.read import seen

@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import BrokenNest
 
 
-# kerfwise check: every rule, judged independently of whatever made the plan.
-
-
 @click.command()
 @input_options
 @click.option(

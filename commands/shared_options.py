@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from kerfwise.rules.options.quantities import Quantity
 
 
-# What a person gives on the command line: the options that verbs share, and how they become a nest and a profile.
-
 Verb = Callable[..., Any]
 
 TRUST = click.option(

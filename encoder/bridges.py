@@ -33,12 +33,7 @@ def with_bridges(nest: Nest) -> Nest:
 
     Parts A and B become part `A+B` with the contour `A+B.outer`, in the place of the first of them; holes, marks and
     tabs keep names and places. Waste that two bridges enclose is a hole, `A+B.hole1`. The parts as they were drawn are
-    kept as `apart`.
-
-    Raises
-    ------
-    InputError
-        For the first bridge that cannot be made, with its line.
+    kept as `apart`. Raises InputError for the first bridge that cannot be made, with its line.
 
     Examples
     --------
@@ -189,10 +184,7 @@ def bridge_problem(bridge: Bridge, parts: Mapping[str, Part], earlier: Sequence[
 def expect_wider(nest: Nest, kerf_mm: float) -> None:
     """Refuse a bridge that is narrower than the kerf: with a kerf on both sides the heat takes it.
 
-    Raises
-    ------
-    InputError
-        With its line.
+    Raises InputError with its line.
     """
     for bridge in nest.bridges:
         if bridge.width_mm < kerf_mm:
@@ -270,10 +262,7 @@ Met = tuple[float, float]
 def join_rings(bridge: Bridge, one: Curve, other: Curve) -> Curve:
     """The counter-clockwise outline of what two such outlines enclose, and the strip between them.
 
-    Raises
-    ------
-    InputError
-        If a side of the strip leaves the one, or enters the other, more or less than once.
+    Raises InputError if a side of the strip leaves the one, or enters the other, more or less than once.
 
     Examples
     --------
@@ -294,10 +283,7 @@ def join_rings(bridge: Bridge, one: Curve, other: Curve) -> Curve:
 def ring_and_pocket(bridge: Bridge, ring: Curve) -> tuple[Curve, Curve]:
     """The counter-clockwise outline, and the waste that it encloses then, of an outline with a strip across its waste.
 
-    Raises
-    ------
-    InputError
-        If a side of the strip meets the outline more or less often than twice.
+    Raises InputError if a side of the strip meets the outline more or less often than twice.
     """
     found = {}
     for left in (False, True):

@@ -39,10 +39,7 @@ def flat(curve: Curve) -> bool:
 def enclosed(curve: Curve) -> shapely.Geometry:
     """The area inside a closed curve, made valid where the curve crosses itself; empty for a mere line.
 
-    Raises
-    ------
-    InputError
-        If it crosses itself so often that making it valid would take minutes.
+    Raises InputError if it crosses itself so often that making it valid would take minutes.
     """
     points = curve.flatten()
     if len(points) < 3:
@@ -234,10 +231,8 @@ MOST_ALIKE = 1000
 def coincident(curves: Sequence[Curve]) -> list[tuple[int, int]]:
     """Pairs i < j of curves that run along the same line, whichever way round and wherever they start.
 
-    Raises
-    ------
-    InputError
-        If so many have the same box that comparing them all would take long, with the place and how many they are.
+    Raises InputError if so many have the same box that comparing them all would take long, with the place and how many
+    they are.
 
     Examples
     --------

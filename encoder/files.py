@@ -31,12 +31,8 @@ MOST_BYTES_OF_YAML = 1_000_000
 def read_limited(path: str | Path, most_bytes: int = MOST_BYTES) -> bytes:
     """All bytes of a file. What never ends (a device, a pipe that is fed for ever) is not read to its end.
 
-    Raises
-    ------
-    InputError
-        If it holds more than `most_bytes`.
-    OSError, ValueError
-        If it cannot be read, or no file can have this name.
+    Raises InputError if it holds more than `most_bytes`; OSError, ValueError if it cannot be read, or no file can have
+    this name.
     """
     expect_readable(path)
     with open(path, "rb") as file:
@@ -72,10 +68,8 @@ def read_only_within(folders: Sequence[str | Path]) -> None:
 def expect_readable(path: str | Path) -> None:
     """Make sure that a file may be read in this process; wherever links lead to counts.
 
-    Raises
-    ------
-    InputError
-        If it lies outside of the folders that may be read, whether it is there or not; if it is no regular file.
+    Raises InputError if it lies outside of the folders that may be read, whether it is there or not; if it is no
+    regular file.
     """
     if _only_within is None:
         return
@@ -161,12 +155,7 @@ class DamagedFile(Exception):
 def read_sealed(path: Path, made_by: bytes) -> bytes | None:
     """What a file holds; None where it is not there, cannot be read, or was made by something else.
 
-    `made_by` is a digest of 32 bytes.
-
-    Raises
-    ------
-    DamagedFile
-        If the file is cut short or changed.
+    `made_by` is a digest of 32 bytes. Raises DamagedFile if the file is cut short or changed.
 
     Examples
     --------
@@ -191,10 +180,7 @@ def read_sealed(path: Path, made_by: bytes) -> bytes | None:
 def write_sealed(path: Path, made_by: bytes, content: bytes) -> None:
     """Keep content in a file, in place of what is there.
 
-    Raises
-    ------
-    OSError
-        If it cannot be written; nothing is left of it then.
+    Raises OSError if it cannot be written; nothing is left of it then.
     """
     handle, beside = tempfile.mkstemp(prefix=".", dir=path.parent)
     try:
@@ -220,12 +206,8 @@ class _Twice(Exception):
 def strict_json(text: str) -> Any:
     """The value of a JSON text, `NaN` and the like as texts, every text in it in one line (see `escape_text`).
 
-    Raises
-    ------
-    InputError
-        If an object has a key twice: with the line and column of the second, and those of the first in words.
-    ValueError
-        As `json.loads` does, and for brackets in brackets, thousands deep.
+    Raises InputError if an object has a key twice: with the line and column of the second, and those of the first in
+    words; ValueError as `json.loads` does, and for brackets in brackets, thousands deep.
 
     Examples
     --------

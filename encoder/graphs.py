@@ -185,12 +185,8 @@ class Unbreakable(Exception):
 def lightest_cut(links: Sequence[Link], weights: Sequence[int | None]) -> list[int]:
     """Numbers of the links to take out so that no cycle is left, of least total weight; a weight of None is kept.
 
-    Exact for up to `EXACT_LINKS` links on the cycles of a component.
-
-    Raises
-    ------
-    Unbreakable
-        If the links that must be kept form a cycle by themselves.
+    Exact for up to `EXACT_LINKS` links on the cycles of a component. Raises Unbreakable if the links that must be kept
+    form a cycle by themselves.
 
     Examples
     --------

@@ -229,10 +229,7 @@ class Asking:
     def ask(self, question: Question) -> str:
         """The value that was answered, or that of the likeliest choice, with the question put down as raised.
 
-        Raises
-        ------
-        InputError
-            For an answer that is none of the choices.
+        Raises InputError for an answer that is none of the choices.
         """
         answer = self.given.get(question.id)
         if answer is None:
@@ -262,10 +259,8 @@ class Asking:
 def answers_of(texts: Iterable[str]) -> Answers:
     """Answers as they are written on the command line, `QUESTION=CHOICE` each.
 
-    Raises
-    ------
-    InputError
-        For a text without `=`, for a question that no drawing raises, and for a choice that it does not have.
+    Raises InputError for a text without `=`, for a question that no drawing raises, and for a choice that it does not
+    have.
 
     Examples
     --------

@@ -319,11 +319,8 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
     >>> [c.curve.as_rows() for c in with_scrap(plate, 1.5, None, "right").scrap]
     [[[351.51, 400.0], [351.51, 0.0]]]
 
-    Raises
-    ------
-    InputError
-        If the nest has scrap lines of its own, the sheet is no rectangle where a remnant is asked for, or nothing of it
-        is left there.
+    Raises InputError if the nest has scrap lines of its own, the sheet is no rectangle where a remnant is asked for, or
+    nothing of it is left there.
     """
     if grid_mm is None and remnant is None:
         return nest
@@ -365,10 +362,7 @@ def _expect_few_pieces(nest: Nest, grid_mm: float) -> None:
 def remnant_of(nest: Nest, kerf_mm: float, side: Side) -> Remnant:
     """The largest rectangle of unused sheet along a side.
 
-    Raises
-    ------
-    InputError
-        If the sheet is no rectangle, or the rectangle would have a side under 50 mm.
+    Raises InputError if the sheet is no rectangle, or the rectangle would have a side under 50 mm.
     """
     x0, y0, x1, y1 = nest.sheet.bounds
     if abs(nest.sheet.polygon.area - (x1 - x0) * (y1 - y0)) > kerf_mm:

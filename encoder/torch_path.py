@@ -27,11 +27,7 @@ def compensated(contour: Contour, kerf_mm: float) -> Curve:
     """The path of the torch's centre: half the kerf outside an outer contour, inside a hole, on marks and slits.
 
     Runs the same way round as the contour is drawn. Answers are kept, since candidates, plans and programs all ask.
-
-    Raises
-    ------
-    InputError
-        If the kerf leaves nothing of the contour to cut.
+    Raises InputError if the kerf leaves nothing of the contour to cut.
 
     Examples
     --------

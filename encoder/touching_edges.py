@@ -50,12 +50,8 @@ def move_edge_in(curve: Curve, begin: Point, end: Point, by_mm: float) -> Curve:
     """A counter-clockwise curve whose edge along the line from `begin` to `end` is moved in by `by_mm`.
 
     What lies in line with it goes with it. What lies beside it is shortened, or lengthened, to where the moved edge
-    meets it. Where no edge lies there any more, nothing changes.
-
-    Raises
-    ------
-    ValueError
-        If what lies beside the edge does not reach as far as it is moved, or nothing is left of the edge.
+    meets it. Where no edge lies there any more, nothing changes. Raises ValueError if what lies beside the edge does
+    not reach as far as it is moved, or nothing is left of the edge.
 
     Examples
     --------
@@ -152,12 +148,8 @@ def with_touching_edges_cut(nest: Nest, kerf_mm: float, shortest_mm: float, with
 
     Edges touch where they look at each other and are no more than `within_mm` apart. Of parts that hang together by
     such edges one has to touch along `shortest_mm` at least; else none is changed. What was noted of pairs that touch
-    is answered by what they lose (`losses`), and left out of the notes.
-
-    Raises
-    ------
-    InputError
-        If an edge cannot be moved: what lies beside it is too small, or a hole too near.
+    is answered by what they lose (`losses`), and left out of the notes. Raises InputError if an edge cannot be moved:
+    what lies beside it is too small, or a hole too near.
 
     Examples
     --------

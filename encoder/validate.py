@@ -35,13 +35,9 @@ MOST_DETAILS = 200
 def validated(nest: Nest) -> Nest:
     """The nest without contours drawn twice, every contour a proper ring (or mark) in its place.
 
-    What is only doubtful (contours that touch, lines drawn twice, marks off their part) is added to the notes.
-
-    Raises
-    ------
-    InputError
-        One error for all that is wrong, with a line each in `details`: rings that cross themselves or enclose
-        nothing, holes outside their part, parts that overlap or lie off the sheet, scrap lines through parts.
+    What is only doubtful (contours that touch, lines drawn twice, marks off their part) is added to the notes. Raises
+    InputError one error for all that is wrong, with a line each in `details`: rings that cross themselves or enclose
+    nothing, holes outside their part, parts that overlap or lie off the sheet, scrap lines through parts.
 
     Examples
     --------

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from .nest_job import Job
 
 
-# A picture: its bytes, what kind they are, and how a notebook shows them.
-
 PictureKind = Literal["svg", "png", "html"]
 
 

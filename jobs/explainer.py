@@ -36,8 +36,6 @@ from .inputs import Inputs, expect_of_first, of_first_torch
 from .request import facts_of
 from .resume import lock_broken_cut_first
 
-# Why the contours of a plan are cut where they are: what the rules state is worked out once, and asked many times.
-
 
 class Explainer:
     """Explains the contours of one plan.

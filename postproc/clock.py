@@ -65,10 +65,7 @@ def time_job(job: Job, profile: Profile) -> Timed:
 def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     """What the program of a plan will do; its blocks are counted without writing it.
 
-    Raises
-    ------
-    InputError
-        If the plan was made from another nest.
+    Raises InputError if the plan was made from another nest.
     """
     paths = toolpaths(plan, nest, profile)
     profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
@@ -140,10 +137,7 @@ def time_program(program: NcProgram, nest: Nest | None, profile: Profile) -> Tim
 def read_program(text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None) -> NcProgram:
     """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
 
-    Raises
-    ------
-    InputError
-        With the line, for what is malformed or not understood.
+    Raises InputError with the line, for what is malformed or not understood.
     """
     return read_on_machine(text, nest, profile, file, trusted)
 

@@ -30,10 +30,7 @@ from kerfwise.rules.profile.profile import Profile
 def expect_folders(paths: Iterable[Path]) -> None:
     """Say at once, and not after the work is done, that a file has no folder to be in.
 
-    Raises
-    ------
-    InputError
-        Naming the file.
+    Raises InputError naming the file.
     """
     for path in paths:
         try:
@@ -47,10 +44,7 @@ def expect_folders(paths: Iterable[Path]) -> None:
 def expect_outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     """Say at once that files cannot be written, or that one would take the place of another, or of what is read.
 
-    Raises
-    ------
-    InputError
-        Naming the file.
+    Raises InputError naming the file.
     """
     read = {place for path in inputs if (place := _resolved(path)) is not None}
     written: set[Path] = set()
@@ -101,10 +95,7 @@ def _same_file(path: Path, others: Iterable[Path]) -> bool:
 def expect_place(folder: Path) -> None:
     """Say at once that a folder cannot be made.
 
-    Raises
-    ------
-    InputError
-        If there is no folder to make it in, or a file is in its place.
+    Raises InputError if there is no folder to make it in, or a file is in its place.
     """
     expect_folders([folder])
     if is_there(folder) and not is_folder(folder):
@@ -114,10 +105,7 @@ def expect_place(folder: Path) -> None:
 def make_folder(path: Path, parents: bool = False) -> None:
     """Make a folder, unless it is there, and with `parents` those that it is in.
 
-    Raises
-    ------
-    InputError
-        If it cannot be made.
+    Raises InputError if it cannot be made.
     """
     try:
         path.mkdir(parents=parents, exist_ok=True)
@@ -130,11 +118,7 @@ def write_files(contents: Mapping[Path, str | bytes]) -> None:
 
     A link is followed: the file that it leads to is written. Files of data (.json), such as the plan, come last, in the
     order given: where the command is killed between two of its files, a new plan says that the program is new, too.
-
-    Raises
-    ------
-    InputError
-        If a folder does not exist or may not be written, the disk is full, or a place is no regular file.
+    Raises InputError if a folder does not exist or may not be written, the disk is full, or a place is no regular file.
     """
     moves: list[_Move] = []
     try:
@@ -259,10 +243,7 @@ def remnant_names(program: str | Path, profile: Profile) -> tuple[Path, ...]:
 def remnant_files(program: str | Path, nest: Nest, profile: Profile) -> Mapping[Path, str]:
     """The remnant of a nest in each of these files; none where the profile asks for none.
 
-    Raises
-    ------
-    InputError
-        If nothing is left to save.
+    Raises InputError if nothing is left to save.
     """
     names, side = remnant_names(program, profile), profile.cuts.scrap.remnant
     if side is None:
@@ -307,10 +288,7 @@ def output_names(nest: Path) -> tuple[str, str, str]:
 def expect_own(nest: Path, program: Path, plan: Path, picture: Path) -> None:
     """Refuse to write over the program, plan or picture of another nest: NEST.dxf and NEST.json give the same names.
 
-    Raises
-    ------
-    InputError
-        Naming the file that is there, and the nest it is of.
+    Raises InputError naming the file that is there, and the nest it is of.
     """
     for path, made_of, alike in (
         (plan, _plan_of(plan), lambda name: name),

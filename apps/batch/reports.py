@@ -303,12 +303,7 @@ def papers_of(rows: Mapping[NestTask, Row], machines: Iterable[str], out: Path, 
     """The work sheets of all that is planned, machine by machine, in the order of the rows.
 
     A PDF that was made of the same plans is kept as it is. One of other plans is made again or, where `make` does not
-    say so, removed: nobody should cut by an old sheet.
-
-    Raises
-    ------
-    InputError
-        If one cannot be written or removed.
+    say so, removed: nobody should cut by an old sheet. Raises InputError if one cannot be written or removed.
     """
     files, notes = dict[str, str](), list[str]()
     for machine in machines:
@@ -333,10 +328,7 @@ def papers_of(rows: Mapping[NestTask, Row], machines: Iterable[str], out: Path, 
 def leave_papers(machines: Iterable[str], out: Path) -> None:
     """Remove the work sheets of machines, as before a program on them gives way to another.
 
-    Raises
-    ------
-    InputError
-        If one cannot be removed.
+    Raises InputError if one cannot be removed.
     """
     for machine in machines:
         for ending in (RECORD, ".pdf"):

@@ -342,13 +342,7 @@ AHEAD = 4
 
 
 def dask() -> Any:
-    """Dask's package for several machines, which is an extra.
-
-    Raises
-    ------
-    InputError
-        If it is not installed.
-    """
+    """Dask's package for several machines, which is an extra. Raises InputError if it is not installed."""
     try:
         import distributed
     except ImportError:
@@ -360,12 +354,8 @@ class Cluster(Generic[Piece, Made]):
     """Pieces of work done by the workers of a Dask scheduler.
 
     Where a worker dies, Dask gives what it did to another; a piece that has killed several is an exception. Each piece
-    comes back once. Files are named, not sent: the workers see nests and profiles under the same paths.
-
-    Raises
-    ------
-    InputError
-        If Dask is not installed, or no scheduler answers at the address.
+    comes back once. Files are named, not sent: the workers see nests and profiles under the same paths. Raises
+    InputError if Dask is not installed, or no scheduler answers at the address.
     """
 
     def __init__(self, work: Callable[[Piece], Made], scheduler: str, tell: Callable[[str], None]) -> None:
@@ -389,10 +379,7 @@ class Cluster(Generic[Piece, Made]):
     def run(self, pieces: Iterable[Piece], began: Callable[[Piece], None]) -> Iterator[tuple[Piece, Made | Exception]]:
         """Each piece with what was made of it, as soon as it is finished; with the exception, where one was raised.
 
-        Raises
-        ------
-        InputError
-            If the scheduler is lost.
+        Raises InputError if the scheduler is lost.
         """
         left = iter(pieces)
         tasks: dict[Any, Piece] = {}

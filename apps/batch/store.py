@@ -25,12 +25,8 @@ LOCK = ".batch.lock"
 def lock_folder(out: Path) -> Iterator[None]:
     """Have the folder of a batch to oneself, made where it is not there.
 
-    The system frees the lock when the process ends, however it ends. A lock of SQLite's is one on every system.
-
-    Raises
-    ------
-    InputError
-        If another run has it, it holds what no batch has written, or cannot be written.
+    The system frees the lock when the process ends, however it ends. A lock of SQLite's is one on every system. Raises
+    InputError if another run has it, it holds what no batch has written, or cannot be written.
     """
     if is_folder(out) and not is_there(out / LOCK) and any(out.iterdir()):
         raise InputError("holds files that no batch wrote: give the batch a folder of its own with -o", file=out)
@@ -83,12 +79,8 @@ class Store:
     def keep(self, row: Row, files: Mapping[str, str | bytes]) -> Row:
         """Write the files of a row with its record, all of them or none; files that it has no more are removed first.
 
-        An old plan stays: the job file may call cuts by the numbers that they have in it.
-
-        Raises
-        ------
-        InputError
-            If they cannot be written.
+        An old plan stays: the job file may call cuts by the numbers that they have in it. Raises InputError if they
+        cannot be written.
         """
         row = replace(row, files={name: _sha256(content) for name, content in files.items()})
         record = self._record(row)
@@ -103,10 +95,7 @@ class Store:
     def leave(self, machine: str, nest: str) -> None:
         """Remove what was written of a nest that is not for a machine any more; its plan stays, as in `keep`.
 
-        Raises
-        ------
-        InputError
-            If a file cannot be removed.
+        Raises InputError if a file cannot be removed.
         """
         row = self._rows.get((machine, nest))
         if row is not None:
@@ -115,12 +104,7 @@ class Store:
     def forget(self, row: Row) -> bool:
         """Remove all that was written of a row, and its record; whether a program was among it.
 
-        A file that is not as it was written stays.
-
-        Raises
-        ------
-        InputError
-            If a file cannot be removed.
+        A file that is not as it was written stays. Raises InputError if a file cannot be removed.
         """
         record = self._record(row)
         files = {record.parent / Path(name).name: sha256 for name, sha256 in row.files.items()}
@@ -170,10 +154,7 @@ def file_of(row: Row, ending: str) -> str:
 def remove(path: Path, what: str) -> None:
     """Remove a file that is of something older, so that nobody cuts by it; it may be gone already.
 
-    Raises
-    ------
-    InputError
-        If it cannot be removed.
+    Raises InputError if it cannot be removed.
     """
     try:
         path.unlink(missing_ok=True)
@@ -223,12 +204,8 @@ def _left(store: Store, pieces: Collection[tuple[str, str]]) -> Iterator[StaleOu
 def tidy(store: Store, pieces: Collection[tuple[str, str]]) -> int:
     """Remove what earlier runs wrote of nests that are not in this batch; how many programs that were.
 
-    A file that somebody has changed since stays, and so do programs of nests that are in it, for other machines.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be removed.
+    A file that somebody has changed since stays, and so do programs of nests that are in it, for other machines. Raises
+    InputError if a file cannot be removed.
     """
     nests = {nest for _, nest in pieces}
     return sum(store.forget(row) for row in store.rows() if row.nest not in nests)

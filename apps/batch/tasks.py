@@ -93,13 +93,7 @@ class Machine:
 
 
 def machine_of(name: str, profile: str, trust: bool) -> Machine:
-    """The machine as its profile is now.
-
-    Raises
-    ------
-    InputError
-        If the profile cannot be read.
-    """
+    """The machine as its profile is now. Raises InputError if the profile cannot be read."""
     plant = plant_of(profile, trust)
     return Machine(name, profile, plant.sha256, trust, plant.name)
 
@@ -124,13 +118,7 @@ class Machines:
     _others: dict[str, Machine] = field(default_factory=dict)
 
     def now(self) -> Machines:
-        """The same machines, as their profiles are now.
-
-        Raises
-        ------
-        InputError
-            If one cannot be read.
-        """
+        """The same machines, as their profiles are now. Raises InputError if one cannot be read."""
         return Machines(tuple(machine_of(m.name, m.profile, m.trust) for m in self.named), self.trust)
 
     def of(self, job: Job | None) -> Sequence[Machine]:
@@ -303,12 +291,8 @@ def sources_in(paths: Iterable[Path], out: Path) -> tuple[Source, ...]:
     """Every nest among files and folders, once: in the order in which they are given, in folders by their names.
 
     In a folder a nest is a file that ends as one. Hidden files, plans and pictures that kerfwise wrote are passed over,
-    and `out` where it lies in the folder. A folder that is given is read, also where it is `out` or lies in it.
-
-    Raises
-    ------
-    InputError
-        If there is no such file or folder, or a file is of another kind.
+    and `out` where it lies in the folder. A folder that is given is read, also where it is `out` or lies in it. Raises
+    InputError if there is no such file or folder, or a file is of another kind.
     """
     found: dict[Path, Source] = {}
     for place in paths:
@@ -385,12 +369,8 @@ def keep_on(paths: Sequence[Path], out: Path, machines: Machines, one_round: Rou
     """A round for all nests that are there, and one each time that something has changed, until Ctrl-C.
 
     A profile that cannot be read is told, and waited for. Where no machine is named, the profiles that job files name
-    are looked at; of one of these that cannot be read the batch itself says so.
-
-    Raises
-    ------
-    InputError
-        If one cannot be read at the start.
+    are looked at; of one of these that cannot be read the batch itself says so. Raises InputError if one cannot be read
+    at the start.
     """
     found: tuple[Source, ...] = sources_in(paths, out)
     profiles = [files_of(plant_of(machine.profile, machine.trust)) for machine in machines.named]

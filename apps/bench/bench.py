@@ -75,10 +75,7 @@ class BenchResult:
 def measure(job: BenchJob) -> BenchResult:
     """Run a job and wait for it.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or the process dies, for example because memory runs out.
+    Raises InputError if the file cannot be read, or the process dies, for example because memory runs out.
     """
     request = json.dumps({name: getattr(job, name) for name in job.__slots__})
     command = [sys.executable, "-X", "utf8", "-m", f"{__package__}.bench_child"]
@@ -129,10 +126,7 @@ class BestKnown:
 def read_best_known(path: str | Path) -> BestKnown:
     """Read a CSV with columns `instance`, `best_upper` (or `best`, or `cost`), and, if names repeat, `set`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is missing or a cost is not a number.
+    Raises InputError if the file cannot be read, a column is missing or a cost is not a number.
     """
     path = Path(path)
     try:

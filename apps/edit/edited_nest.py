@@ -355,10 +355,7 @@ def _expect_turn(drawn: Part, lying: Lying) -> None:
 def _without_metal(sheet: Sheet, out: Sequence[Part], kept: Sequence[Part], kerf_mm: float) -> Sheet:
     """The sheet without parts that are out, and their kerfs.
 
-    Raises
-    ------
-    InputError
-        If a part that is kept lies in one that is out: its metal has fallen out with that.
+    Raises InputError if a part that is kept lies in one that is out: its metal has fallen out with that.
     """
     voids = [part.outer.polygon.buffer(kerf_mm, join_style="mitre") for part in out]
     for part in kept:
@@ -424,10 +421,7 @@ def _was_so(before: Mapping[str, Part], a: str, b: str, apart_mm: float) -> bool
 def contours_cut(inputs: Inputs, file: str | Path | None, old: Plan | str | Path | None, upto: int | None) -> set[str]:
     """The contours that a plan or program of a nest has cut, up to that cut; all of them where no number is given.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, or has fewer cuts.
+    Raises InputError if it cannot be read, or has fewer cuts.
     """
     if old is None:
         return set()

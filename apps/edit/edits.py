@@ -147,10 +147,7 @@ def added(text: str, reading: ReadOptions, tell: Tell = silent) -> Add:
 def job_text_for(job: Job, nest: Nest, beside: Path) -> str:
     """The text of a job file for an edited nest in its own file.
 
-    Raises
-    ------
-    InputError
-        If a lock names what the nest does not have any more, or the profile is named from another folder.
+    Raises InputError if a lock names what the nest does not have any more, or the profile is named from another folder.
     """
     old = Path(job.file)
     if job.profile_path != job.profile and old.resolve().parent != beside.resolve().parent:

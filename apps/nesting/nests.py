@@ -25,8 +25,6 @@ from .placement.fill import too_large
 from .placement.layout import Layout, nest_dxf, nest_json, nests_of
 from .placement.shapes import Shapes
 
-# The job: an order becomes nests, which are checked before anything is written.
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Nested:

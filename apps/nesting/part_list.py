@@ -40,8 +40,6 @@ from .tables import (
     yes_in,
 )
 
-# Lists of parts read, YAML or JSON: every mistake with its line and column.
-
 PARTS, SHEETS = "parts", "sheets"
 
 

@@ -31,8 +31,6 @@ from .placement.blocks import sides_on_axes
 from .placement.demand import QUARTERS, Demand, PartType, Stock, turns_along
 from .tables import WrongCell, is_table, length_in, whole_in
 
-# What was asked for, from files: the command line's parts, lists and sheets as one order.
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Order:

@@ -20,8 +20,6 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named
 from kerfwise.encoder.text import nearest
 
-# The columns that a table may have, and the words for them, without accents, blanks and capitals.
-
 TABLE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
 
 

@@ -41,9 +41,6 @@ if TYPE_CHECKING:
     from .programs import Programs
 
 
-# What nesting shows on a terminal while it looks, and Ctrl-C that keeps the best nests so far.
-
-
 class NestProgress(Watching):
     """Told after each round; answers False once the user has pressed Ctrl-C. In a pipe it is silent."""
 

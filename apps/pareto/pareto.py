@@ -82,10 +82,7 @@ class TradeOff:
     def at(self, price_mm: float, progress: Progress | None = None, off_price_mm: float = 0.0) -> Trade:
         """The plan at a price of an overheat or of a mm, simulated; what was simulated for other prices helps.
 
-        Raises
-        ------
-        RulesConflict
-            If no lawful plan exists, or none was found.
+        Raises RulesConflict if no lawful plan exists, or none was found.
         """
         facts, straightness = self._facts, self._straightness
         objective = replace(self._profile.objective, heat=price_mm, distortion=off_price_mm)

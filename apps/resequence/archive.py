@@ -48,14 +48,10 @@ def resequence_folder(
     """Put every program of a folder, and of the folders in it, into a better order, under the same name in `out`.
 
     A program that is refused stops no other; what an earlier run wrote for it is removed, so that nobody cuts by it.
-    Files in `out` that no earlier run wrote stay: a program in whose place one stands is refused.
-    What is finished is written at once, and known again by its content: the same program, profile, options and
-    `version` of kerfwise are not planned a second time.
-
-    Raises
-    ------
-    InputError
-        If the folder holds no program, or in the other a file cannot be written or removed.
+    Files in `out` that no earlier run wrote stay: a program in whose place one stands is refused. What is finished is
+    written at once, and known again by its content: the same program, profile, options and `version` of kerfwise are
+    not planned a second time. Raises InputError if the folder holds no program, or in the other a file cannot be
+    written or removed.
     """
     names = _programs(folder, out)
     if not names:

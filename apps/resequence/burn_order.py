@@ -73,10 +73,7 @@ def plan_order(
 ) -> VerifiedPlan:
     """The best order of the burns by the rules of the profile; what no order can keep is relaxed, and said.
 
-    Raises
-    ------
-    RulesConflict
-        If no order was found.
+    Raises RulesConflict if no order was found.
     """
     chains, turns = _chains(nest_of_burns), _turns(nest_of_burns, apart)
     request = make_request(kept.facts, job.profile, relax=True, limits=limits)
@@ -108,10 +105,7 @@ def _turns(nest_of_burns: NestOfBurns, apart: SplitProgram) -> Ints:
 def facts_of_burns(job: OldJob, nest_of_burns: NestOfBurns) -> FixedPaths:
     """The facts of the nest, with one candidate a contour: what its burn makes of it.
 
-    Raises
-    ------
-    NoNest
-        If a burn is not clearly the cut of its contours.
+    Raises NoNest if a burn is not clearly the cut of its contours.
     """
     profile, nest = job.profile, nest_of_burns.nest
     kerf_mm = profile.material.kerf_mm
@@ -207,11 +201,7 @@ def keep_rows(request: Request, profile: Profile, chains: Sequence[Chain], cuts:
 
     A burn that cuts the outline of a part, and then goes on to others, belongs to the run of that part: what is in the
     part comes before it. A run that a burn breaks, since it comes to the part from another, is asked of no order.
-
-    Raises
-    ------
-    RulesConflict
-        If no order keeps the burns whole and the hard rules as well.
+    Raises RulesConflict if no order keeps the burns whole and the hard rules as well.
     """
     if not chains and not len(turns):
         return request
@@ -359,10 +349,7 @@ def no_gain_message(before: Measured, after: Measured, profile: Profile) -> str:
 def read_back(text: str, job: OldJob, apart: SplitProgram, order: Sequence[int]) -> NcProgram:
     """The new program in the coordinates of the drawing, with every burn as it was.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read back, or if a burn is not what it was.
+    Raises InputError if it cannot be read back, or if a burn is not what it was.
     """
     try:
         written = old_on_machine(text, job.profile, job.trusted)

@@ -148,12 +148,8 @@ def order_by_rules(
     """Put the burns into the best order by the rules of the profile.
 
     Where they make no nest the rules cannot be asked. Then nothing is done, or `without_rules` what lies inside and
-    what touches keeps its turn, and no more than that is kept.
-
-    Raises
-    ------
-    InputError
-        If the program cannot be taken apart, the burns make no nest, or they cannot be read back in their new order.
+    what touches keeps its turn, and no more than that is kept. Raises InputError if the program cannot be taken apart,
+    the burns make no nest, or they cannot be read back in their new order.
     """
     apart = split_program(job.old, job.name)
     nest_of_burns, unclear = job.told, job.unclear

@@ -17,8 +17,6 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
 from kerfwise.encoder.nest import Contour, Kind
 
-# Where the torch can join a contour: an entry on it, and the place beside it on the torch's path.
-
 OFF_MM = 0.01
 """A joining point this far from where an entry asks for it is that of another entry."""
 

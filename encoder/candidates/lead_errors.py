@@ -24,8 +24,6 @@ from .lead_search import LeadAttempt, dense, longest_lead_mm, try_leads
 from .leads import lead_ins, least_clearance_mm, shapes
 from .obstacles import Surroundings
 
-# One message for all contours that cannot be cut, grouped by the one option that frees them.
-
 MOST_GROUPS = 8
 """With more groups than this, contours that the same options free at different values are taken together."""
 

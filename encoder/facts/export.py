@@ -260,11 +260,8 @@ HEADER = """\
 def facts_dzn(facts: Facts) -> str:
     """The facts as MiniZinc data text; its first lines say what each field is.
 
-    Raises
-    ------
-    InputError
-        If the nest has more than 2000 contours: relations are square arrays there, and exact models of that size
-        are out of reach. JSON has no such limit.
+    Raises InputError if the nest has more than 2000 contours: relations are square arrays there, and exact models of
+    that size are out of reach. JSON has no such limit.
     """
     n = facts.n
     if n > CONTOURS_MAX:

@@ -158,10 +158,7 @@ def blocks_of(
 ) -> Blocks:
     """The blocks of a nest; `respected` (k, 2) are pairs of contours, (n,) `heat_kj` may be nan.
 
-    Raises
-    ------
-    InputError
-        If `zone_pairs` name an unknown contour.
+    Raises InputError if `zone_pairs` name an unknown contour.
     """
     tops, of = np.unique(outermost_of(parent), return_inverse=True)
     before, after = of[np.concatenate([respected, locked_pairs(nest, options)])].T
@@ -178,10 +175,7 @@ def blocks_of(
 def locked_pairs(nest: Nest, options: FactOptions) -> Ints:
     """The pairs (before, after) of contours that `zone_pairs` name, (k, 2).
 
-    Raises
-    ------
-    InputError
-        If they name an unknown contour.
+    Raises InputError if they name an unknown contour.
     """
     pairs = [[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs]
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)

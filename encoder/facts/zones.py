@@ -62,12 +62,8 @@ def zones_of(
     `respected` (k, 2) are pairs of contours (before, after). `heat_kj` (n,) is what cutting each contour leaves in the
     sheet; nan counts as nothing. A part in `options.zone_fixed` stays where it is put, whatever heat that brings
     together; what must go before it is brought forward with it, and closing up empty zones may lower its number. Where
-    two fixed parts contradict a pair, the fixed zones stand.
-
-    Raises
-    ------
-    InputError
-        If `zone_pairs` or `zone_fixed` name an unknown contour or part, a zone below 1, or two zones for one part.
+    two fixed parts contradict a pair, the fixed zones stand. Raises InputError if `zone_pairs` or `zone_fixed` name an
+    unknown contour or part, a zone below 1, or two zones for one part.
     """
     if not outlines.n:
         return np.empty(0, dtype=np.int64)

@@ -18,8 +18,6 @@ from .layers import counted
 from .options import ReadOptions
 from .sheet import surrounding
 
-# Closed lines that are one line drawn twice, side by side: traced, outlined, copied; and metal too thin.
-
 LEAST_MM = 0.2
 """Metal narrower than this is none on any machine."""
 CORNER = 1.5

@@ -16,8 +16,6 @@ from kerfwise.encoder.nest import Contour, Nest, Note, Part
 
 from .drawing import checked_curve
 
-# Lines and arcs through a dense row of points: a flattened spline becomes a few arcs again.
-
 FLATTEN_MM = 0.003
 """Chord error when a spline, an ellipse or a Bézier curve is turned into points."""
 

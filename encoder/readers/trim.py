@@ -17,8 +17,6 @@ from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .drawing import SNAP_MM, DrawnCurve
 
-# Corners that overrun: two lines that cross a little before they end.
-
 OVERRUN_SHARE = 0.25
 """An end that is longer than this share of its line is no overrun of a corner."""
 

@@ -27,8 +27,6 @@ from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profile
 from kerfwise.rules.profile.overrides import Setting, read_lock, read_settings
 from kerfwise.rules.registry import RULES
 
-# A day, as job files have it: 2026-12-24.
-
 _WRITTEN = r"\d{4}-\d{2}-\d{2}"
 
 

@@ -24,8 +24,6 @@ from .ring_coverage import (
     union,
 )
 
-# A burn taken apart into the pieces that it cuts of rings, with what it runs on no ring before and after each.
-
 _SNAP = 10.0
 """A place is moved on to the next vertex of the burn where that is so near, in tolerances: there blocks end."""
 _ROUND_KERFS, _ROUND_SHARE = 4.0, 0.25

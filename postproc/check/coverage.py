@@ -35,8 +35,6 @@ from .ring_coverage import (
 )
 from .torch_run import TorchRun, line_of, tolerance_mm, torch_rings
 
-# Every contour once, and nothing else.
-
 _RULE = "every-contour-once"
 
 

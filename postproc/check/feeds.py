@@ -30,8 +30,6 @@ from .result import Judgement
 from .small_features import Shares
 from .torch_run import TorchRun, judgement, step_mm, tolerance_mm, written_from_profile
 
-# How a program has the machine run: its feeds, its waits at pierces, its torch on travel, and its way home.
-
 _FEED_SHARE, _WAIT_S, _POWER = 1e-3, 2e-3, 0.51
 
 

@@ -23,8 +23,6 @@ from .plan_conformance import PlanClaims
 from .result import Judgement
 from .torch_run import TorchRun, tolerance_mm, written_from_profile
 
-# Points that the machine cannot go to: of every path with the torch on, of every rapid, and of the way home.
-
 _RULE = "within-travel"
 
 

@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from ortools.sat.python.cp_model import CpModel
 
 
-# The orders that the hard rules ask for, by their own geometry, as numbers: large nests have hundreds of thousands.
-
-
 class HardOrders:
     """Pairs of contours, the first of which must be cut before the second, of every hard rule of a profile.
 

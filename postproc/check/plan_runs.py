@@ -24,8 +24,6 @@ from .result import ids_by_name, normalize_name
 from .ring_coverage import complement, tab_intervals
 from .torch_run import TorchRun, every_line_of, rings_of, tolerance_mm, torch_rings
 
-# A plan's cuts as torch-on paths, made here from the contour and the leads alone, with what is wrong with them.
-
 
 def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple[TorchRun, ...], tuple[Violation, ...]]:
     """The torch-on path of every new cut of a known contour, and where leads do not join what they should.

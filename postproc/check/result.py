@@ -19,8 +19,6 @@ from kerfwise.rules.plan_state import How, Place, PlanState
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Ids, Strength, Violation
 
-# What a check finds: a judgement on every rule, and whether any hard one is broken; and the same as text.
-
 MOST = 20
 MOST_SOFT = 3
 

@@ -14,8 +14,6 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour
 
-# When burns have covered a ring: a contour is out when its whole torch ring is burnt, but for its tabs.
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Covered:

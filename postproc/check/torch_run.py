@@ -21,8 +21,6 @@ from kerfwise.rules.rule import Violation
 from .result import Judgement
 from .ring_coverage import difference, tab_intervals
 
-# One torch-on path, taken apart: lead-in, once round, lead-out.
-
 _CHORD_MM = 0.005
 
 

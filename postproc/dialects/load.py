@@ -60,10 +60,7 @@ def dialect_names() -> tuple[str, ...]:
 def dialect_text(name: str) -> str:
     """The file of a dialect, as text: one that comes with kerfwise, or a plant's own when `name` ends in .yaml.
 
-    Raises
-    ------
-    InputError
-        For a name that is not there, and for a file that cannot be read.
+    Raises InputError for a name that is not there, and for a file that cannot be read.
     """
     if name.endswith((".yaml", ".yml")):
         try:
@@ -82,10 +79,8 @@ def dialect_text(name: str) -> str:
 def load_dialect(name: str) -> Dialect:
     """The dialect of that name, or of a plant's own file when `name` ends in .yaml.
 
-    Raises
-    ------
-    InputError
-        For a name that is not there, and for a file that lacks a key, has one too many or one of the wrong type.
+    Raises InputError for a name that is not there, and for a file that lacks a key, has one too many or one of the
+    wrong type.
 
     Examples
     --------
@@ -172,10 +167,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,60}")
 def new_dialect_text(name: str, like: str) -> str:
     """The file of the dialect `like` under another name, with nothing that verified it: what is changed nobody read.
 
-    Raises
-    ------
-    InputError
-        For a name that no dialect can have, and where `like` cannot be read.
+    Raises InputError for a name that no dialect can have, and where `like` cannot be read.
 
     Examples
     --------
@@ -198,12 +190,9 @@ def new_dialect_text(name: str, like: str) -> str:
 def fitting_dialect(profile: Profile) -> Dialect:
     """The dialect of the profile's machine.
 
-    Raises
-    ------
-    InputError
-        If there is none of that name, if it is for another process and the profile does not accept that, or if the
-        profile asks for edge starts, or a pierce pass, of a control that waits at every start, or for a pierce pass
-        where the torch waits for metal to cool: with the place in the profile's file.
+    Raises InputError if there is none of that name, if it is for another process and the profile does not accept that,
+    or if the profile asks for edge starts, or a pierce pass, of a control that waits at every start, or for a pierce
+    pass where the torch waits for metal to cool: with the place in the profile's file.
     """
     machine = profile.machine
     dialect = load_dialect(machine.dialect)
@@ -303,10 +292,8 @@ def _marks_too(dialect: Dialect, profile: Profile) -> bool:
 def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool = False) -> None:
     """Refuse a nest whose program a dialect has no words for; `resumes` says that it goes on after a stop.
 
-    Raises
-    ------
-    InputError
-        For marks where it cannot mark, and for a program that must tell what is cut where it knows no comments.
+    Raises InputError for marks where it cannot mark, and for a program that must tell what is cut where it knows no
+    comments.
     """
     marks = [contour.id for contour in profile.as_cut(nest).contours if contour.kind == "mark"]
     place = _said_at(profile, ("machine", "dialect"))
@@ -411,12 +398,8 @@ def own_wait_s(dialect: Dialect) -> float:
 def plant_words(dialect: Dialect, profile: Profile | None = None) -> Mapping[str, str]:
     """What a profile says of the material, by the names that stand for it in a dialect's blocks.
 
-    Without a profile a number stands for each, so that a dialect can be tried.
-
-    Raises
-    ------
-    InputError
-        Where a block of the dialect needs what the profile, and its chart's row, do not say.
+    Without a profile a number stands for each, so that a dialect can be tried. Raises InputError where a block of the
+    dialect needs what the profile, and its chart's row, do not say.
     """
     if profile is None:
         return dict.fromkeys(PLANT, "1")

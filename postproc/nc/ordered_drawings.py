@@ -27,8 +27,6 @@ from kerfwise.rules.profile.profile import Profile
 
 from .toolpaths import Toolpath, toolpaths
 
-# Where the lines of a drawing come in a plan: of which cut each is a piece, and how far along that cut.
-
 _NEAR_MM = 0.03
 """How far a drawn line may lie off the contour that it is a piece of, besides what loose ends are joined over."""
 _SAMPLES = 9

@@ -206,10 +206,7 @@ def sheet_around(
 ) -> tuple[Sheet, tuple[Note, ...]]:
     """The sheet of a given size from `zero` on, or else one around the burns, with a note that says so.
 
-    Raises
-    ------
-    InputError
-        If the sheet given does not hold the burns.
+    Raises InputError if the sheet given does not hold the burns.
     """
     bounds = np.array([burn.path.line().bounds for burn in burns])
     (x0, y0), (x1, y1) = bounds[:, :2].min(axis=0).tolist(), bounds[:, 2:].max(axis=0).tolist()

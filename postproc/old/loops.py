@@ -43,12 +43,7 @@ def rounds_of(path: Curve) -> tuple[Round, ...]:
     """The rounds of an open torch-on path, in order: what leads to each comes from the end of the one before.
 
     Block ends that coincide bound a round; where a lead runs along the contour itself, the path's first or last point
-    lies within a block.
-
-    Raises
-    ------
-    NoRound
-        If the path has no round, or one that crosses itself.
+    lies within a block. Raises NoRound if the path has no round, or one that crosses itself.
 
     Examples
     --------
@@ -179,11 +174,7 @@ def round_up_to_tab(path: Curve, most_mm: float) -> Round:
     """The round of a path that ends no more than `most_mm` before a block's end that it has passed, heading for it.
 
     What is missing is filled by the line or arc that goes on as the path ends, and comes to that block as it begins.
-
-    Raises
-    ------
-    NoRound
-        If there is no such block, or more than one.
+    Raises NoRound if there is no such block, or more than one.
 
     Examples
     --------

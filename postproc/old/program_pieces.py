@@ -71,10 +71,8 @@ class SplitProgram:
 def split_program(old: OldProgram, file: str = "") -> SplitProgram:
     """Take a program apart into its burns.
 
-    Raises
-    ------
-    InputError
-        With the line, for what belongs to the order of the burns and not to one of them; for a program of no burns.
+    Raises InputError with the line, for what belongs to the order of the burns and not to one of them; for a program of
+    no burns.
     """
     rows, burns, texts = old.lines, old.program.burns, [text.removesuffix("\r") for text in old.text.split("\n")]
     if not burns:
@@ -372,10 +370,7 @@ def _renumbered(lines: Sequence[str], numbering: tuple[int, int] | None) -> list
 def expect_same(apart: SplitProgram, order: Sequence[int], written: OldProgram) -> None:
     """Refuse a program whose burns, read back, are not the old ones in their new order.
 
-    Raises
-    ------
-    InputError
-        With the line of the old program.
+    Raises InputError with the line of the old program.
     """
     burns = written.program.burns
     again = split_program(written) if len(burns) == len(order) else None

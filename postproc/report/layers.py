@@ -21,8 +21,6 @@ from . import scene
 from .label_fit import Room, Shapes, TextPlace, find_rooms
 from .scene import Dot, Item, SceneLayer, Shape, Style, TextLine, View
 
-# The layers that show the work: contours, directions, leads, pierces, idle travel and numbers.
-
 INKS: Mapping[str, str] = {
     "outer": scene.OUTER, "hole": scene.HOLE, "mark": scene.MARK, "slit": scene.SLIT,
     "scrap": scene.SCRAP, "stretch": scene.STRETCH,

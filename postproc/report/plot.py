@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.path import Path as MatplotlibPath
 
 
-# A scene as SVG text: the same scene gives the same bytes.
-
 FONT = "DejaVu Sans, Verdana, Arial, sans-serif"
 
 

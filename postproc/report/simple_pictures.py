@@ -44,8 +44,6 @@ from .scene import (
     time_colour,
 )
 
-# Programs without a plan as a picture: what each burns, in which order, and the travel; several side by side.
-
 _LONG_PX, _GAP_PX, _HEAD_PX = 900.0, 24.0, 46.0
 _CHORD_MM = 0.05
 _NUMBER_PX = (7.0, 13.0)

@@ -122,12 +122,8 @@ def check_program(
 
     Given a plan, the program has to follow it, and what the program's comments do not say is taken from there. What it
     leaves to the machine's material is refused, unless that is `trusted`. `side` is the start side that it is judged by
-    where it states none. The rules do not judge once more what is `known` of the same cuts.
-
-    Raises
-    ------
-    InputError
-        With the line, for a program that is malformed or says something the reader does not understand.
+    where it states none. The rules do not judge once more what is `known` of the same cuts. Raises InputError with the
+    line, for a program that is malformed or says something the reader does not understand.
     """
     planned = None
     if plan is not None:
@@ -382,10 +378,7 @@ def other_nest_named(comments: Iterable[str], nest: Nest) -> str:
 def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "") -> int:
     """How many cuts of a program run along no contour of the nest; holes that are only pierced are no cuts.
 
-    Raises
-    ------
-    InputError
-        If most do, or the program says itself that it was made from another nest.
+    Raises InputError if most do, or the program says itself that it was made from another nest.
     """
     if named := other_nest_named(program.comments, nest):
         raise InputError(f"{named}; give the nest it was made from", file=file or None)

@@ -49,11 +49,8 @@ class _Line:
 def trusted_dialect(profile: Profile) -> Dialect:
     """The dialect of the profile's machine, once a small program in it has been read back as it was meant.
 
-    Raises
-    ------
-    InputError
-        As `fitting_dialect`; and where a word does not do on the control what it is there for: with the key, and its
-        place in the dialect's file.
+    Raises InputError as `fitting_dialect`; and where a word does not do on the control what it is there for: with the
+    key, and its place in the dialect's file.
     """
     dialect = fitting_dialect(profile)
     read_back(dialect, profile.machine.dialect, plant_words(dialect, profile))
@@ -63,12 +60,8 @@ def trusted_dialect(profile: Profile) -> Dialect:
 def read_back(dialect: Dialect, name: str, plant: Mapping[str, str] | None = None) -> None:
     """Write the small program in a dialect and read it; `name` is what a profile calls the dialect by.
 
-    `plant` is what the profile says of the material, for blocks that say it too.
-
-    Raises
-    ------
-    InputError
-        For the first word that the control does not know, or knows as something else.
+    `plant` is what the profile says of the material, for blocks that say it too. Raises InputError for the first word
+    that the control does not know, or knows as something else.
 
     Examples
     --------

@@ -38,8 +38,6 @@ from kerfwise.rules.stating.state_rules import Stated
 
 from .trial import PlanOf, Trial, lawful, profile_with_rule_alone, route
 
-# Whether the halves of a rule admit the same plans: its statements, its violations and its text in MiniZinc.
-
 STATED, JUDGED, WRITTEN = "its statements", "its violations", "its text in MiniZinc"
 
 

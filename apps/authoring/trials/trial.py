@@ -32,8 +32,6 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Statement
 
-# A small nest on which one rule is on, and every plan of it: each order, each way to cut each contour.
-
 MOST_PLANS = 800
 """Plans of one nest that are tried; nests with more are left out."""
 PlanOf = tuple[int, ...]

@@ -16,8 +16,6 @@ from .demand import Demand, Spacing
 from .nofit import SLIVER_MM2, Placed, allowed
 from .shapes import LOOSE_MM, Key, Shapes
 
-# One sheet filled: part after part to the place that a taste likes best, among all corners of where it may lie.
-
 Going = Callable[[], bool]
 """Whether to go on; asked before each part."""
 

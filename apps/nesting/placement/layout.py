@@ -25,8 +25,6 @@ from .fill import Going, Room, Taste, fill, largest_first, usable
 from .nofit import Placed
 from .shapes import Shapes
 
-# Which parts go on which sheets: remnants first, then sheet by sheet the one that its parts use best.
-
 
 @dataclass(frozen=True, eq=False)
 class Sheetful:

@@ -24,8 +24,6 @@ from .layout import Layout, Sheetful, allot, refill_sheet, squeeze_last_sheet
 from .nofit import Placed
 from .shapes import Shapes
 
-# Rounds of filling sheets, each in another order and taste; what they found is combined, and the best layout stays.
-
 Told = Callable[[int, Layout], bool]
 """Called after each round with its number and the best layout so far; whether to go on."""
 Method = Literal["own", "pavlov"]

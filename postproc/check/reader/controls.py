@@ -11,8 +11,6 @@ from typing import Literal, NamedTuple
 
 from kerfwise.encoder.errors import InputError
 
-# The rows of a program as its control splits them: at LF and CRLF, and nowhere else.
-
 LONGEST = 252
 """Bytes of a row without its LF: LinuxCNC stops at a longer one, in the middle of a sheet (`LINELEN` in its source)."""
 _NEVER_SHOWN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})

@@ -12,8 +12,6 @@ from .controls import Control
 from .program import Track
 from .words import SHORT_MM, Block, Word, arc_by_centre, arc_by_radius
 
-# Which words may stand in one block: one of each modal group, and no number that nothing uses.
-
 MOTION = frozenset({0.0, 1.0, 2.0, 3.0})
 ARCS = frozenset({2.0, 3.0})
 DWELL, NO_MOTION, ROUNDING, PER_MINUTE = 4.0, 80.0, 64.0, 94.0

@@ -11,8 +11,6 @@ from .grammar import DWELL
 from .program import NcProgram, Track
 from .words import Block, Word
 
-# The tools that are on, and what a program's halts and its end make of them.
-
 ALL = -1
 _NO_WAIT_S = 1e-6
 HALTS = frozenset({0.0, 1.0})
