@@ -235,9 +235,11 @@ class _Solving:
         return self.looked[route]
 
     def plan(self, solution: Solution, *, reasons: bool = True) -> Plan:
-        """The plan of a solution."""
-        seen = self.seen(solution.route)
-        return plan_of(self.request, self.profile, solution, self.limits, seen, self.method.named, reasons=reasons)
+        """The plan of a solution; a first one names the orders that its cuts keep."""
+        seen, first = self.seen(solution.route), self.method.first
+        return plan_of(
+            self.request, self.profile, solution, self.limits, seen, self.method.named, reasons=reasons, at_once=first
+        )
 
 
 def plan_request(
@@ -380,13 +382,14 @@ def plan_of(
     engine: str = "portfolio",
     *,
     reasons: bool = True,
+    at_once: bool = False,
 ) -> Plan:
     """The plan of a solution, timed, with what was `seen` in its order; without `reasons` in a tenth of the time."""
     facts = request.facts
     stated = replace(request.stated, statements=(*request.stated.statements, *seen))
     plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
     if reasons:
-        plan = with_reasons(plan, solved_context(facts, profile, stated, solution))
+        plan = with_reasons(plan, solved_context(facts, profile, stated, solution), at_once=at_once)
     plan = with_further_torches(plan, facts, stated, solution)
     plan = with_pierces(plan, facts.whole_nest, profile, limits)
     return with_times(plan, facts.whole_nest, profile)

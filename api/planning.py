@@ -102,8 +102,8 @@ def solve(
         A plan at hand (or its file), as of the nest before an edit: its order, entries and directions stay as far as
         the rules allow, and the new plan costs no more than that.
     first
-        Give the first lawful plan, which a moment's search finds, and stop. Moves over parts that are out cost nothing
-        then.
+        Give the first lawful plan, which a moment's search finds, and stop: each cut says which orders it keeps, and
+        not what would be without them. Moves over parts that are out cost nothing then.
     date
         Day that the program says at its top, as "2026-12-24"; "" for that of the job file.
     on_progress

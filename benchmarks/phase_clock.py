@@ -1,6 +1,6 @@
 """Plans, writes, checks and draws one plate, and tells the processor seconds of every phase.
 
-Usage: python benchmarks/phase_clock.py CONTOURS [--work W] [--minutes M]
+Usage: python benchmarks/phase_clock.py CONTOURS [--work W] [--minutes M] [--first]
 
 The plate is made by examples/gen_sheet.py, seed 1. Prints one line of JSON. `phases.py` runs this file for each
 checkout with the package of that one, so nothing of the benchmarks is imported here. A picture that is drawn in a
@@ -44,6 +44,8 @@ LOOK_S = 0.5
 REST, ALL, BUT_PLANNING, MEMORY = "all else", "all", "all but planning", "memory, MB"
 BY_CLOCK = "all but planning, by the clock"
 """Seconds that go by meanwhile: what is done side by side counts once, and what other programs take counts too."""
+STARTED, AFTER = "start and imports", "after reading, by the clock"
+"""Of a first plan: what is taken before the nest is read, numba included, and what goes by from then on."""
 
 
 class Clock:
@@ -92,21 +94,27 @@ class Clock:
         return run
 
 
-def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], most_s: float = math.inf) -> None:
+def spent(
+    contours: int, work: float, told: Callable[[dict[str, Any]], None], most_s: float = math.inf, first: bool = False
+) -> None:
     """Plan, write, check and draw one plate in this process; tell processor seconds by phase, and the memory.
 
-    After `most_s` of the processor that is told and the process ended; `running` and `missing` are then the phases that
-    it was in, and those that it never began.
+    Of a `first` plan all counts from the start of the process on. After `most_s` of the processor that is told and the
+    process ended; `running` and `missing` are then the phases that it was in, and those that it never began.
     """
     from kerfwise.apps.bench.bench_child import peak_mb
     from kerfwise.encoder.readers import ReadOptions
+    from kerfwise.jobs.by_engine import Method
     from kerfwise.jobs.inputs import Inputs
     from kerfwise.jobs.request import options_for
     from kerfwise.pipeline import plan_nest
     from kerfwise.rules.profile.load import load_profile
 
     text = json.dumps(make_sheet(1, contours)).encode()
-    profile = load_profile()
+    if first:
+        importlib.import_module("kerfwise.commands.solve")
+        importlib.import_module("kerfwise.jobs.warm_up").search_beside(contours)  # loads numba, as `solve` does
+    profile, started_s = load_profile(), time.process_time()
     clock = Clock()
     for name, steps in PHASES.items():
         for module, step in steps:
@@ -125,15 +133,19 @@ def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], mo
         sums = {REST: whole_s - sum(seconds.values()), ALL: whole_s, BUT_PLANNING: whole_s - seconds["planning"]}
         by_clock = {BY_CLOCK: time.perf_counter() - began_clock_s - clock.clock_s["planning"]}
         most = {MEMORY: peak_mb()}
+        if first:
+            sums[ALL] += started_s
+            most |= {STARTED: started_s, AFTER: time.perf_counter() - read_s}
         told({**seconds, **sums, **by_clock, **most, "ended": ended, "running": running, "missing": missing})
 
+    read_s = began_clock_s
     threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
     nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
-    limits = options_for(nest, profile, work=work)
+    read_s, limits = time.perf_counter(), options_for(nest, profile, work=work)
     home = profile.home_on(nest)
     with _beside(nest, home) as beside:
         watchers = Watchers(planned=None if beside is None else beside.begin)
-        made = plan_nest(Inputs(nest, profile), limits, watchers=watchers).made
+        made = plan_nest(Inputs(nest, profile), limits, Method(first=first), watchers).made
         if not made.verdict.ok:
             raise SystemExit("the check refuses the plan")
         with clock.phase("picture"):
@@ -176,9 +188,14 @@ def main() -> None:
     parser.add_argument("contours", type=int)
     parser.add_argument("--work", type=float, default=2.0)
     parser.add_argument("--minutes", type=float, default=math.inf)
+    parser.add_argument("--first", action="store_true")
     given = parser.parse_args()
     contours = contour_count(make_sheet(1, given.contours))
-    spent(given.contours, given.work, lambda told: print(json.dumps(told | {"contours": contours})), 60 * given.minutes)
+
+    def tell(told: dict[str, Any]) -> None:
+        print(json.dumps(told | {"contours": contours}))
+
+    spent(given.contours, given.work, tell, 60 * given.minutes, given.first)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, BY_CLOCK, MEMORY, PHASES, REST
+from kerfwise.benchmarks.phase_clock import AFTER, ALL, BUT_PLANNING, BY_CLOCK, MEMORY, PHASES, REST, STARTED
 
 Spent = dict[str, Any]
 """Seconds by phase and what goes with them, see `phase_clock.spent`; `contours` is how many there are."""
@@ -34,15 +34,20 @@ def exponent(sizes: tuple[float, float], seconds: tuple[float, float]) -> str:
     return f"{math.log(seconds[1] / seconds[0]) / math.log(sizes[1] / sizes[0]):.1f}"
 
 
-def phase_table(runs: Sequence[Sequence[Spent]]) -> str:
-    """Rows of phases; `runs` has for each size what each checkout took."""
+WHOLE = (*PHASES, REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY)
+FIRST = (STARTED, *PHASES, REST, ALL, AFTER, MEMORY)
+"""The rows, of whole plans and of first ones."""
+
+
+def phase_table(runs: Sequence[Sequence[Spent]], names: Sequence[str] = WHOLE) -> str:
+    """Rows of phases by those names; `runs` has for each size what each checkout took."""
     heads, aligned = ["phase"], ["---"]
     for of_size in runs:
         told = f"{of_size[-1]['contours']:.0f}"
         heads += [f"{told}, before", "after", "^"] if len(of_size) > 1 else [told, "^"]
         aligned += ["---:"] * (len(of_size) + 1)
     rows = []
-    for name in (*PHASES, REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY):
+    for name in names:
         cells = [name]
         for k, of_size in enumerate(runs):
             cells += [_cell(run, name) for run in of_size]
@@ -62,7 +67,7 @@ def _cell(run: Spent, name: str) -> str:
 
 def _cut_short(run: Spent, name: str) -> bool:
     """Whether a process was ended before, or in, a phase, or while what counts for all phases was counted."""
-    of_all = name in (REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY)
+    of_all = name in (REST, ALL, BUT_PLANNING, BY_CLOCK, AFTER, MEMORY)
     return bool(run.get("ended")) and (of_all or name in run["running"] or name in run["missing"])
 
 

@@ -2,6 +2,7 @@
 
 Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] [--work W] [--minutes M]
            [--starts NAME…] [--kept FOLDER] > docs/phases.md
+       python benchmarks/phases.py [OTHER] --first [--contours 115 300 1000 3000 10000]
 
 OTHER is an earlier checkout; with one, each figure stands twice, before and after, from the same run. Plates are made
 by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its own. Seconds are those of the
@@ -11,7 +12,8 @@ contours. What takes more than M minutes of
 those is ended: the phases that were over by then have their seconds, the others a stroke. With --kept the seconds of
 each plate are kept in FOLDER, in a file for each checkout, with the kernels, and plates that stand there are not run
 again: the largest take long. `--contours` without numbers measures the starts alone, `--starts` without names none.
-Below the tables stands what phases_remarks.md says of them.
+Below the tables stands what phases_remarks.md says of them. `--first` prints one table alone: what a first plan takes
+from the start of the process on, as `kerfwise solve --first` does, which goes into phases_remarks.md by hand.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ from pathlib import Path
 
 from kerfwise.benchmarks import phase_clock
 from kerfwise.benchmarks.checkout import Checkout
-from kerfwise.benchmarks.phase_tables import Spent, Start, phase_table, start_table
+from kerfwise.benchmarks.phase_tables import FIRST, WHOLE, Spent, Start, phase_table, start_table
 from kerfwise.examples.gen_sheet import make_sheet
 
 HERE = Path(__file__).resolve().parents[1]
@@ -111,12 +113,15 @@ class Tree(Checkout):
             raise SystemExit(f"{self.tree}: {done.stderr[-2000:]}")
         return done
 
-    def phases(self, contours: int, work: float, minutes: float, kept: Path | None = None) -> Spent:
+    def phases(
+        self, contours: int, work: float, minutes: float, kept: Path | None = None, first: bool = False
+    ) -> Spent:
         """See `phase_clock.spent`; from a file, or kept in one, where one is named."""
         if kept is not None and kept.exists():
             known: Spent = json.loads(kept.read_text(encoding="utf-8"))
             return known
         words = [phase_clock.__file__, str(contours), "--work", f"{work:g}", "--minutes", f"{minutes:g}"]
+        words += ["--first"] if first else []
         line = self.ended(words, "warm").stdout.splitlines()[-1]
         if kept is not None:
             kept.write_text(f"{line}\n", encoding="utf-8", newline="\n")
@@ -145,7 +150,10 @@ def main() -> None:
     parser.add_argument("--starts", nargs="*", choices=list(STARTS), default=list(STARTS))
     parser.add_argument("--minutes", type=float, default=MINUTES)
     parser.add_argument("--kept", type=Path, metavar="FOLDER")
+    parser.add_argument("--first", action="store_true")
     given = parser.parse_args()
+    if given.first:
+        given.starts = []
     with tempfile.TemporaryDirectory() as folder:
         checkouts = [*([given.other.resolve()] if given.other else []), HERE]
         trees, plates = (
@@ -166,9 +174,14 @@ def main() -> None:
             pairs_of = list(zip(plates, files, strict=True))
             for tree, file in pairs_of:
                 if (contours <= ALL_KERNELS or not runs) and (file is None or not file.exists()):
-                    tree.phases(contours, given.work, given.minutes)  # compiles
-            runs.append([tree.phases(contours, given.work, given.minutes, file) for tree, file in pairs_of])
+                    tree.phases(contours, given.work, given.minutes, first=given.first)  # compiles
+            runs.append(
+                [tree.phases(contours, given.work, given.minutes, file, given.first) for tree, file in pairs_of]
+            )
             print(runs[-1], file=sys.stderr, flush=True)
+    if given.first:
+        print(phase_table(runs, FIRST))
+        return
     words = [*(["OTHER"] if given.other else []), *_sizes(given, parser)]
     system = f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     compared = "\n`before` is an earlier checkout, OTHER, and `after` this one, in the same run."
@@ -179,7 +192,7 @@ def main() -> None:
             compared=compared if given.other else "",
             work=given.work,
             minutes=given.minutes,
-            phases=phase_table(runs) if runs else "",
+            phases=phase_table(runs, WHOLE) if runs else "",
             starts=start_table(starts) if starts else "",
             remarks=f"\n{REMARKS.read_text(encoding='utf-8')}" if REMARKS.exists() else "",
         ),

@@ -98,8 +98,8 @@ def recorded() -> Iterator[list[tuple[Plan, PlanContext]]]:
     made: list[tuple[Plan, PlanContext]] = []
     tells = pipeline.with_reasons
 
-    def told(plan: Plan, setting: PlanContext) -> Plan:
-        plan = tells(plan, setting)
+    def told(plan: Plan, setting: PlanContext, *, at_once: bool) -> Plan:
+        plan = tells(plan, setting, at_once=at_once)
         made.append((plan, setting))
         return plan
 

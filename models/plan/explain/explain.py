@@ -41,7 +41,7 @@ from .alternatives import (
 )
 from .context import PlanContext, make_context
 from .price_split import price_split
-from .reasons import EXEMPTION_UM, Reasons
+from .reasons import EXEMPTION_UM, KeptOrders, Reasons
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -112,7 +112,7 @@ def explained(
         planned.pierced_because,
         "".join(common_because(facts, facts.candidates[setting.candidates[k]], contour)),
         facts.nest.contours[number].source.told(),
-        reasons.of(number).lines(contour) or reasons.kept(number),
+        reasons.of(number).lines(contour) or KeptOrders(setting).sentences(number),
         tuple((rule, why, mm) for rule, names, why, mm in price_split(setting).breaches if contour in names),
     )
 

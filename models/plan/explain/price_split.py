@@ -45,9 +45,9 @@ def _paid(setting: PlanContext) -> Iterator[tuple[About, int]]:
     """What each soft statement costs on the plan's route, µm."""
     problem, route, order = setting.problem, setting.route, setting.order
     kinds = by_kind(setting.stated.statements)
-    used = set(route)
+    used, candidates = set(route), set(setting.candidates)
     for forbid in kinds.forbid:
-        if forbid.weight is not None and forbid.candidate in setting.candidates:
+        if forbid.weight is not None and forbid.candidate in candidates:
             yield forbid.about, cost_um(forbid.weight)
     for cost, about in broken_conditions(problem, route):
         if cost is not None:

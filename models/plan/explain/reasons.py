@@ -178,16 +178,6 @@ class Reasons:
             return WhyHere(tuple(single or found))
         return WhyHere(for_travel_um=None if turned or alone else self._for_travel(contour))
 
-    @cached_property
-    def _nearest(self) -> list[dict[int, Hold]]:
-        return [nearest_orders(self.setting, earlier) for earlier in (True, False)]
-
-    def kept(self, contour: int) -> tuple[str, ...]:
-        """The nearest orders that a contour keeps, where nobody has looked what would be without them."""
-        kept = tuple(f"kept: {near[contour].about.sentence}" for near in self._nearest if contour in near)
-        name = self.setting.name(contour)
-        return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)
-
     def _strongest(self, candidates: Sequence[tuple[tuple[About, ...], int, OtherPlace]]) -> Reason | None:
         """The reason of the fewest statements that saves most, with what geometry finds there; None if not looked."""
         ranked = sorted(candidates, key=lambda of: (_rank(of[0]), -of[1]))
@@ -250,12 +240,33 @@ def _rank(abouts: tuple[About, ...]) -> tuple[int, int]:
 # The same in a plan: a sentence or two for every cut.
 
 
-def with_reasons(plan: Plan, setting: PlanContext) -> Plan:
-    """The plan with why each of its cuts comes where it does, before how that is cut, and what its cost is made of."""
-    reasons = Reasons(setting)
+class KeptOrders:
+    """The nearest orders that contours keep, where nobody has looked what would be without them."""
+
+    def __init__(self, setting: PlanContext) -> None:
+        self._setting = setting
+
+    @cached_property
+    def _nearest(self) -> list[dict[int, Hold]]:
+        return [nearest_orders(self._setting, earlier) for earlier in (True, False)]
+
+    def sentences(self, contour: int) -> tuple[str, ...]:
+        """Those of one contour; that nothing was worked out where it has none."""
+        kept = tuple(f"kept: {near[contour].about.sentence}" for near in self._nearest if contour in near)
+        name = self._setting.name(contour)
+        return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)
+
+
+def with_reasons(plan: Plan, setting: PlanContext, *, at_once: bool = False) -> Plan:
+    """The plan with why each of its cuts comes where it does, before how that is cut, and what its cost is made of.
+
+    `at_once` names the orders that each keeps, without a look at what would be without them.
+    """
+    reasons, kept = None if at_once else Reasons(setting), KeptOrders(setting)
     cuts = []
     for contour, cut in zip(setting.order, plan.items, strict=True):
-        why = reasons.of(contour).sentences(setting.name(contour)) or reasons.kept(contour)
+        why = reasons.of(contour).sentences(setting.name(contour)) if reasons else ()
+        why = why or kept.sentences(contour)
         how = next((k for k, reason in enumerate(cut.because) if reason.startswith(ENTRY)), len(cut.because))
         cuts.append(replace(cut, because=(*cut.because[:how], *why, *cut.because[how:])))
     prices = price_split(setting)
