@@ -54,10 +54,9 @@ def test_the_first_plan_is_lawful_and_soon_there() -> None:
     assert made.plan.solve.status == "feasible"
     assert made.plan.solve.seconds < 0.1
     assert [dropped.rule for dropped in made.plan.dropped] == ["no-tip-travel"]
-    for cut in made.plan.items:  # no look at what would be without an order
-        assert any(
-            why.startswith(("kept: ", f"what decides where {cut.cut.contour} is cut was not")) for why in cut.because
-        )
+    for planned in made.plan.items:  # nobody looks what would be without an order
+        unknown = f"what decides where {planned.cut.contour} is cut was not"
+        assert any(why.startswith(("kept: ", unknown)) for why in planned.because)
 
 
 def test_an_edit_goes_on_from_the_plan_at_hand_and_costs_no_more() -> None:
