@@ -25,7 +25,7 @@ from pathlib import Path
 ASIDE = {"tests", "benchmarks", "examples", "docs", "build", "dist"}
 APPS = "apps"
 INTERFACE = {"kerfwise", "kerfwise.cli", "kerfwise.rule_kit", "kerfwise.api"}
-LARGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS = 500, 60, 8
+LARGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_IMPORTERS = 500, 60, 8, 60
 NEST = Path(__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
 TRACED = """
 import sys, threading, pathlib
@@ -104,6 +104,9 @@ def figures(modules: dict[str, Module]) -> Iterator[tuple[str, str, list[str]]]:
         f"{len(once)} ({near})",
         [f"{a} ← {b}" for a, b in once.items()],
     )
+    hubs = sorted(((len(by), name) for name, by in importers.items() if len(by) > MOST_IMPORTERS), reverse=True)
+    names = [f"{name}: {count}" for count, name in hubs]
+    yield f"modules with more than {MOST_IMPORTERS} importers", str(len(hubs)), names
     imports, code = sum(m.import_lines for m in modules.values()), sum(m.code_lines for m in modules.values())
     yield "import lines, share of lines of code", f"{imports / code:.1%}", []
     functions = {f"{m.name}:{name}": count for m in modules.values() for name, count in m.functions.items()}

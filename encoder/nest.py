@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 
 Kind = Literal["outer", "hole", "mark", "slit", "scrap", "stretch"]
+Ids = tuple[str, str]
+"""Two contours, by their ids; of orders, the one that is cut before first."""
 KINDS: tuple[Kind, ...] = get_args(Kind)
 CONTOUR_KINDS: tuple[Kind, ...] = tuple(kind for kind in KINDS if kind != "stretch")
 """Those of contours; a stretch is none."""

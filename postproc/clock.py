@@ -39,7 +39,7 @@ from kerfwise.postproc.check.reader.read_program import Trusted, read_on_machine
 from kerfwise.postproc.nc.program import blocks_of_plan, count_blocks
 from kerfwise.postproc.nc.toolpaths import Toolpath, outside, toolpaths, torch_path, unlit_on
 from kerfwise.rules.profile.plant_sections import MATERIALS
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,13 +56,13 @@ class Timed:
         return report_times(self.times, self.motion, self.job.nc_blocks)
 
 
-def time_job(job: Job, profile: Profile) -> Timed:
+def time_job(job: Job, profile: Technique) -> Timed:
     """The times of a job by the model of the profile."""
     motion = motion_of(profile, job.nc_blocks)
     return Timed(job, motion, times_of(job, motion, machine_feeds(profile)))
 
 
-def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
+def job_of_plan(plan: Plan, nest: Nest, profile: Technique) -> Job:
     """What the program of a plan will do; its blocks are counted without writing it.
 
     Raises InputError if the plan was made from another nest.
@@ -104,7 +104,9 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     return Job(tuple(runs), (math.dist(at, home),), blocks_of_plan(plan, nest, profile, paths))
 
 
-def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None, kerf_starts: bool = False) -> Job:
+def job_of_program(
+    program: NcProgram, nest: Nest | None, own: Technique | None = None, kerf_starts: bool = False
+) -> Job:
     """What a program does, as the check reads it; the nest, if there is one, tells which cuts come in from the edge.
 
     With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
@@ -128,13 +130,15 @@ def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = 
     return Job(tuple(runs), program.homing_mm, program.blocks)
 
 
-def time_program(program: NcProgram, nest: Nest | None, profile: Profile) -> Timed:
+def time_program(program: NcProgram, nest: Nest | None, profile: Technique) -> Timed:
     """The times of a program by the model of the profile: by its own words where that is the constant feed."""
     own = profile if profile.time.model == "constant" else None
     return time_job(job_of_program(program, nest, own, profile.kerf_starts), profile)
 
 
-def read_program(text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None) -> NcProgram:
+def read_program(
+    text: str, nest: Nest, profile: Technique, file: str = "", trusted: Trusted | None = None
+) -> NcProgram:
     """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
 
     Raises InputError with the line, for what is malformed or not understood.
@@ -142,7 +146,7 @@ def read_program(text: str, nest: Nest, profile: Profile, file: str = "", truste
     return read_on_machine(text, nest, profile, file, trusted)
 
 
-def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
+def with_times(plan: Plan, nest: Nest, profile: Technique) -> Plan:
     """The plan with the times of its program by the model of the profile, which it then states."""
     timed = time_job(job_of_plan(plan, nest, profile), profile)
     spans, pierced = iter(timed.times.spans), plan.sequence().pierced
@@ -199,7 +203,7 @@ def _end(path: Curve) -> Point:
 J_PER_KJ = 1000.0
 
 
-def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> NDArray[np.float64]:
+def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Technique) -> NDArray[np.float64]:
     """The most heat that cutting each contour leaves in the sheet, kJ, (n,); none for marks.
 
     No plan of these candidates, and no program of it, leaves more. At constant feeds it is exact for the entry that
@@ -239,7 +243,7 @@ def _straight(length_mm: float) -> Curve:
     return Curve.of([(0.0, 0.0), (length_mm, 0.0)], closed=False)
 
 
-def _slowest(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Motion:
+def _slowest(nest: Nest, candidates: Sequence[Candidate], profile: Technique) -> Motion:
     """How the machine moves through the longest program that a plan of these candidates may have.
 
     A program states the feed that was set, and is simulated at that: where it is lower than what the machine would
@@ -252,7 +256,7 @@ def _slowest(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> M
     return ConstantFeed(replace(feeds, cut_mm_s=min(feeds.cut_mm_s, feed)))
 
 
-def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> int:
+def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Technique) -> int:
     """How many blocks a program has at the most: an entry may divide a line or arc, and the torch may have to wait."""
     limit = profile.temperature_limit()
     dwells = limit is not None and limit.dwells
@@ -264,7 +268,7 @@ def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) 
     return count_blocks(paths, nest, profile, pierces) + (2 if dwells else 1) * len(nest.contours)
 
 
-def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Iterator[Toolpath]:
+def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Technique) -> Iterator[Toolpath]:
     """A path for every contour, of the candidate whose leads have most lines and arcs."""
     chosen: dict[int, Candidate] = {}
     for candidate in candidates:
@@ -288,7 +292,7 @@ def _lead_moves(candidate: Candidate) -> int:
 _M3_PER_MM3 = 1e-9
 
 
-def cost_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Cost | None:
+def cost_of_plan(plan: Plan, nest: Nest, profile: Technique) -> Cost | None:
     """What one sheet of a plan costs: machine, gas, power, consumables, the sheet less its remnant, and the total.
 
     Where a plan goes on after a stop, that is what the rest costs: the sheet was paid before.
@@ -324,14 +328,14 @@ def cost_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Cost | None:
     return None if plan.time is None else cost_of_sheet(plan.time, plan.totals.pierces, stock, profile)
 
 
-def cost_of_sheet(spent: Spent, pierces: int, nest: Nest | None, profile: Profile) -> Cost | None:
+def cost_of_sheet(spent: Spent, pierces: int, nest: Nest | None, profile: Technique) -> Cost | None:
     """What one sheet costs that takes so long and so many pierces; without its nest the sheet itself is left out."""
     prices, flow = profile.prices, profile.material.gas_flow_m3_h or 0.0
     sheet, remnant = (0.0, 0.0) if nest is None else _sheet(nest, profile)
     return cost_of(spent, prices, pierces, flow, sheet, remnant)
 
 
-def _sheet(nest: Nest, profile: Profile) -> tuple[float, float]:
+def _sheet(nest: Nest, profile: Technique) -> tuple[float, float]:
     """What the sheet costs, and what the remnant that the profile saves is still worth."""
     prices, area_mm2 = profile.prices, nest.sheet.polygon.area
     if not (prices.sheet_kg or prices.sheet_each) or not area_mm2:

@@ -22,7 +22,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.scrap import remnant_of
 from kerfwise.encoder.text import dxf_in_mm, escape_text
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 # Output files appear whole, all of them or none: written beside their places, which they then take one by one.
 
@@ -222,7 +222,7 @@ def _umask() -> int:
 LAYER = "SHEET"
 
 
-def remnant_names(program: str | Path, profile: Profile) -> tuple[Path, ...]:
+def remnant_names(program: str | Path, profile: ProfileValues) -> tuple[Path, ...]:
     """The files that stand beside a program which saves a remnant; none where the profile asks for none.
 
     Examples
@@ -240,7 +240,7 @@ def remnant_names(program: str | Path, profile: Profile) -> tuple[Path, ...]:
     return file.with_name(f"{file.stem}.remnant.json"), file.with_name(f"{file.stem}.remnant.dxf")
 
 
-def remnant_files(program: str | Path, nest: Nest, profile: Profile) -> Mapping[Path, str]:
+def remnant_files(program: str | Path, nest: Nest, profile: ProfileValues) -> Mapping[Path, str]:
     """The remnant of a nest in each of these files; none where the profile asks for none.
 
     Raises InputError if nothing is left to save.

@@ -9,8 +9,7 @@ from typing import Any, Literal
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet, as_scrap
-
-from .rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 CaseKind = Literal["passes", "fails", "boundary"]
 

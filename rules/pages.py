@@ -25,7 +25,7 @@ from .registry import RULES
 from .rule import Rule, Strength
 
 if TYPE_CHECKING:
-    from kerfwise.rules.profile.profile import Profile
+    from kerfwise.rules.profile.active_rules import ActiveRules
 
 
 # The pages of the rules, made from the rules themselves: `python -m kerfwise.rules.pages > docs/rules.md`.
@@ -60,7 +60,7 @@ class RuleRow:
     from_where: str = ""
 
 
-def rule_table(profile: Profile) -> list[RuleRow]:
+def rule_table(profile: ActiveRules) -> list[RuleRow]:
     """Every rule with the strength that the profile gives it: the catalogue by id, then those from outside and its own.
 
     `from_where` names the file or the package that has brought a rule.

@@ -5,15 +5,16 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.errors import naming_the_rule
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
 
 from .expression.over_cuts import out_of_order
+from .judging.violation import NoGoodIds, Violation
 from .lock import Lock
 from .statements import About, Precede, Statement
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 
 Strength = Literal["hard", "soft", "off"]
-Ids = tuple[str, str]
 Forced = Callable[[str], frozenset[str]]
 """Contour id → the contours that the hard order rules put before it in every plan."""
 OptionsT = TypeVar("OptionsT")
@@ -41,30 +41,6 @@ class RuleSetting:
     strength: Strength
     weight: float | None
     options: Any
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A rule broken: the contour ids, a sentence, and the positions (from 1) of the cuts that break it.
-
-    Where it is the place of one contour among others that is wrong, `orders` are the pairs of ids (before, after) that
-    would have to be turned round.
-    """
-
-    rule: str
-    contours: tuple[str, ...]
-    text: str
-    cuts: tuple[int, ...] = ()
-    orders: tuple[Ids, ...] = field(default=(), compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class NoGoodIds:
-    """At no moment are all of `out` cut while all of `left` are still in: found from geometry, in contour ids."""
-
-    out: tuple[str, ...]
-    left: tuple[str, ...]
-    sentence: str
 
 
 class Rule(ABC, Generic[OptionsT]):

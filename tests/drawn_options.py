@@ -10,8 +10,8 @@ import numpy as np
 
 from kerfwise.apps.authoring.trials.agreement import TRIES, drawn_value
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.profile.active_rules import resolve_defaults
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_sections import resolve_defaults
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
 

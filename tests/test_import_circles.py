@@ -1,4 +1,5 @@
-"""No module imports itself by way of others: imports within functions and those for types alone count as well."""
+"""No module imports itself by way of others, and few are imported by most: imports within functions and those for types
+alone count as well."""
 
 from __future__ import annotations
 
@@ -11,6 +12,19 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 NO_PRODUCT = {"tests", "benchmarks", "examples", "docs", "build", "node_modules"}
+MOST_IMPORTERS = 60
+IMPORTED_EVERYWHERE = {
+    "arrays": "types of arrays",
+    "encoder.cut": "geometry: a cut is a contour's entry, direction and leads",
+    "encoder.errors": "the one error that a user sees",
+    "encoder.facts.facts": "what rules state from: facts and statements are the words that all stages share",
+    "encoder.geometry.curve": "geometry",
+    "encoder.geometry.segment": "geometry",
+    "encoder.nest": "the nest",
+    "encoder.text": "names and lists in messages",
+    "rules.judging.violation": "what a judge says, of rules and of metal",
+    "rules.statements": "what rules state, and engines keep",
+}
 Sources = Mapping[str, tuple[str, bool]]
 """Module → its text, and whether it is a package's `__init__.py`."""
 
@@ -59,6 +73,16 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
     modules = product()
     assert len(modules) > 200
     assert circle(modules) == []
+
+
+def test_no_module_is_imported_by_most_others() -> None:
+    modules = product()
+    importers = dict.fromkeys(modules, 0)
+    for name, (text, package) in modules.items():
+        for other in set(imported(name, text, package, modules)) - {name}:
+            importers[other] += 1
+    many = {name.removeprefix("kerfwise.") for name, count in importers.items() if count > MOST_IMPORTERS}
+    assert many == set(IMPORTED_EVERYWHERE)
 
 
 @pytest.mark.parametrize(

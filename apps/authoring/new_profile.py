@@ -19,8 +19,8 @@ from kerfwise.rules.options.kind import OptionKind, Text, Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import compose, with_value
 from kerfwise.rules.profile.load import load_profile, profile_text, shipped_profiles
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import SECTIONS
+from kerfwise.rules.profile.values import ProfileValues
 
 _NAME = re.compile(r"[^\W_][\w.-]{0,60}")
 _EDITOR = re.compile(r"^# yaml-language-server:.*\n", re.MULTILINE)
@@ -50,7 +50,13 @@ class Question:
     process: str
 
     def answered(self, text: str) -> str:
-        """The answer as it is written. Raises InputError if the key cannot have it: with what was expected."""
+        """The answer as it is written.
+
+        Raises
+        ------
+        InputError
+            If the key cannot have it: with what was expected.
+        """
         node = compose(text, "")
         if node is None:
             raise InputError(f"expected {self.kind.expected()}")
@@ -67,7 +73,7 @@ class Question:
         return text.strip()
 
 
-def questions(like: Profile) -> Iterator[Question]:
+def questions(like: ProfileValues) -> Iterator[Question]:
     """What is asked of a new profile, with the answers of the one that it is like."""
     for section, key in _ASKED:
         option = next(o for o in options_of(SECTIONS[section]) if o.key == key)
@@ -79,7 +85,11 @@ def new_profile_text(name: str, like: str, answers: Mapping[Key, str] | None = N
     """The text of the profile `like` under another name, with other values where there are answers.
 
     What it is based on is named as seen from `folder`, where the text will stand; without one it stands beside `like`.
-    Raises InputError for a name that no profile can have or a shipped one has, and where `like` cannot be read.
+
+    Raises
+    ------
+    InputError
+        For a name that no profile can have or a shipped one has, and where `like` cannot be read.
 
     Examples
     --------
@@ -114,10 +124,13 @@ def _based_as_before(text: str, like: Path, folder: Path) -> str:
     return with_value(text, ["based_on"], Text().write((Path(there) / Path(base).name).as_posix()))
 
 
-def expect_usable(text: str, path: Path, trust: bool = False) -> Profile:
+def expect_usable(text: str, path: Path, trust: bool = False) -> ProfileValues:
     """The profile that a text will be at a path; files that it names are looked for from there.
 
-    Raises InputError if it cannot be used there: with what is wrong.
+    Raises
+    ------
+    InputError
+        If it cannot be used there: with what is wrong.
     """
     handle, name = tempfile.mkstemp(prefix=".kerfwise-", suffix=".yaml", dir=path.parent)
     try:

@@ -9,11 +9,11 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.inputs import expect_torches_fit
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.option import Members, options_of
+from kerfwise.rules.profile.contradictions import expect_bevels, expect_common_cuts, expect_snakes
 from kerfwise.rules.profile.load import SHIPPED, load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import Provenance
 from kerfwise.rules.profile.sections import SECTIONS
-from kerfwise.rules.profile.unfit_techniques import expect_bevels, expect_common_cuts, expect_snakes
 from kerfwise.rules.registry import RULES
 
 Reason = Callable[[Profile], str | None]
@@ -23,8 +23,10 @@ Reason = Callable[[Profile], str | None]
 def expect_plannable(profile: Profile) -> None:
     """Refuse what `solve` would refuse of a profile, whatever the nest.
 
-    Raises InputError if programs of its dialect would not run, options contradict each other, or a rule's model file is
-    no model.
+    Raises
+    ------
+    InputError
+        If programs of its dialect would not run, options contradict each other, or a rule's model file is no model.
     """
     trusted_dialect(profile)
     expect_common_cuts(profile)

@@ -21,7 +21,8 @@ from kerfwise.jobs.inputs import Inputs, Tell, common_cuts_not_made, drawn_nest,
 from kerfwise.jobs.nest_job import Job, job_beside, read_job
 from kerfwise.jobs.nest_job.request import NestRequest, job_for, locked_for, profile_for
 from kerfwise.rules.profile.load import DEFAULT, files_of
-from kerfwise.rules.profile.profile import Profile, placing_notes
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import placing_notes
 
 from .result import PLAN
 from .store import key_of

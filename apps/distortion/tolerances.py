@@ -12,7 +12,7 @@ from kerfwise.encoder.text import escape_text
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.quantities import LENGTH, positive
 from kerfwise.rules.options.yaml_positions import compose
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 if TYPE_CHECKING:
     from .part_errors import PartError
@@ -36,7 +36,7 @@ class Beyond:
         return f"{escape_text(self.part)} {self.max_mm:.2f} mm, {self.tolerance_mm:g} mm allowed"
 
 
-def tolerances_of(nest: Nest, profile: Profile) -> dict[str, float]:
+def tolerances_of(nest: Nest, profile: ProfileValues) -> dict[str, float]:
     """Part → how far it may be off, mm: its key `tolerance` in the nest, else that of the profile; others are left out.
 
     Raises

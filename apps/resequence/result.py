@@ -16,7 +16,7 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.clock import time_program
 from kerfwise.postproc.output_files import expect_outputs, write_files
 from kerfwise.postproc.report.legend import clock_text
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 Paths = Literal["keep", "new"]
 _TOLD = 3
@@ -38,7 +38,7 @@ class Measured:
     end: Point
 
     @staticmethod
-    def of(program: NcProgram, profile: Profile, nest: Nest | None, verdict: CheckResult | None) -> Measured:
+    def of(program: NcProgram, profile: Technique, nest: Nest | None, verdict: CheckResult | None) -> Measured:
         """What a program does by the time model of the profile."""
         timed = time_program(program, nest, profile)
         on_mm, pierces, time_s = timed.job.on_mm, timed.job.pierces, timed.times.total_s

@@ -19,7 +19,7 @@ from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.postproc.report.plot import A4, pdf_bytes
 from kerfwise.postproc.report.scene import FAINT, INK, Scene, SceneLayer, Shape, Style, TextLine
 from kerfwise.rules.profile.plant_sections import MATERIALS
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class PartKind:
     weight_kg: float
 
 
-def part_kinds(nest: Nest, profile: Profile) -> list[PartKind]:
+def part_kinds(nest: Nest, profile: ProfileValues) -> list[PartKind]:
     """The parts of a nest by kind, order and due date, as they come first in it.
 
     Copies of a list of parts are of one kind; else each part is by itself.
@@ -93,7 +93,7 @@ _EDGE = 14.0
 _CODE = 62.0
 
 
-def labels_pdf(nests: Sequence[tuple[Nest, Profile]], language: str = ENGLISH) -> bytes:
+def labels_pdf(nests: Sequence[tuple[Nest, ProfileValues]], language: str = ENGLISH) -> bytes:
     """A label for each part of each nest, in one PDF; the same nests give the same bytes."""
     labels = [label for nest, profile in nests for label in _labels(nest, profile, texts(language))]
     pages = [
@@ -109,7 +109,7 @@ class _Label:
     code: str
 
 
-def _labels(nest: Nest, profile: Profile, say: Texts) -> Iterator[_Label]:
+def _labels(nest: Nest, profile: ProfileValues, say: Texts) -> Iterator[_Label]:
     material, tr = profile.material, say.tr
     weights = {(row.name, row.order, row.due): row.weight_kg for row in part_kinds(nest, profile)}
     sheet = Path(nest.file or "nest").name

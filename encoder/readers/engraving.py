@@ -37,7 +37,10 @@ class Engraved:
 def engraved(texts: Sequence[DrawnText], layers: ByLayer, options: ReadOptions, asking: Asking) -> Engraved:
     """What becomes of texts and points, by the use of their layers; an answer for those of a layer goes before it.
 
-    Raises InputError for an answer that is none of the choices.
+    Raises
+    ------
+    InputError
+        For an answer that is none of the choices.
     """
     marked: list[DrawnText] = []
     failed: list[tuple[DrawnText, str]] = []

@@ -22,7 +22,7 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
 
 from . import Strategy
@@ -123,7 +123,7 @@ def _warmth_k(field: np.ndarray[tuple[int, int], np.dtype[np.float32]], along: I
 def solve_by(
     strategy: Strategy,
     facts: Facts,
-    profile: Profile,
+    profile: ProfileValues,
     statements: tuple[Statement, ...],
     limits: SolveOptions,
     progress: Progress | None = None,

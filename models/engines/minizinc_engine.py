@@ -17,7 +17,7 @@ from kerfwise.encoder.files import is_there
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.tuning import LISTENS_S, MOST_MOVES, NODES_PER_S
 from kerfwise.rules.minizinc.installation import driver, solver_named, unusable
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.state_rules import Stated
 
@@ -37,7 +37,7 @@ NONE_FOUND = "no plan that meets every hard rule was found within the limit (non
 
 def solve_minizinc(
     facts: Facts,
-    profile: Profile,
+    profile: ActiveRules,
     stated: Stated,
     options: SolveOptions,
     solver: str = "gecode",

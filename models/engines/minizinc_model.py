@@ -19,7 +19,7 @@ from kerfwise.encoder.minizinc_data import Fields, assignments, include, numbers
 from kerfwise.models.problem.problem import Durations
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import MODELS, TwinCase, rule_file, twin_of
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import (
@@ -136,7 +136,7 @@ class ConditionArray:
 
 
 def condition_arrays(
-    profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()
+    profile: ActiveRules, stated: Stated, afterwards: Sequence[Statement] = ()
 ) -> tuple[ConditionArray, ...]:
     """Everything that the rules of the profile and its own files ask, and the statements of rules without a file.
 
@@ -151,7 +151,7 @@ def condition_arrays(
     return (*arrays, *_in_words([*others, *afterwards]))
 
 
-def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
+def rules_in_files(profile: ActiveRules, stated: Stated) -> dict[str, RuleSetting]:
     """The rules that are on and whose files say all that is asked of them.
 
     Not so where single statements of a rule were relaxed or given a price of their own to resolve a conflict: such a
@@ -301,7 +301,7 @@ def _set(contours: Iterable[int]) -> str:
 # The data of the model: the facts as every engine sees them, what moves cost, and what single rules need.
 
 
-def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
+def data_text(facts: Facts, profile: ActiveRules, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
     """MiniZinc data for `sequence.mzn`, for `clock.mzn` if that is included, and for the rules of the profile.
 
     Raises

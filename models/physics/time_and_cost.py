@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.rules.profile.plant_sections import Prices
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 from .motion import Accelerated, ConstantFeed, Feeds, Motion
 
@@ -169,7 +169,7 @@ def report_times(times: RunTimes, motion: Motion, nc_blocks: int) -> TimeReport:
 # From a profile to its model of motion.
 
 
-def machine_feeds(profile: Profile) -> Feeds:
+def machine_feeds(profile: ProfileValues) -> Feeds:
     """The machine's speeds and waits as the profile sets them."""
     machine = profile.machine
     return Feeds(
@@ -183,7 +183,7 @@ def machine_feeds(profile: Profile) -> Feeds:
     )
 
 
-def feeds_of(profile: Profile) -> Feeds:
+def feeds_of(profile: ProfileValues) -> Feeds:
     """The speeds that plans are made with: none that the machine would pass, however short the program.
 
     What keeps a lag in seconds at these speeds keeps it at any that is lower, so it holds by every model of time.
@@ -194,7 +194,7 @@ def feeds_of(profile: Profile) -> Feeds:
     return replace(feeds, cut_mm_s=max(feeds.cut_mm_s, time.feed_by_blocks.fastest_mm_s))
 
 
-def motion_of(profile: Profile, nc_blocks: int) -> Motion:
+def motion_of(profile: ProfileValues, nc_blocks: int) -> Motion:
     """How the machine moves through a program of so many NC blocks, by the model that the profile names."""
     feeds, time = machine_feeds(profile), profile.time
     if time.model == "acceleration":

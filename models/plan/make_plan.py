@@ -26,7 +26,7 @@ from kerfwise.models.physics.motion import Leg, idle_mm, schedule
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.conditions import Condition, at_least_condition, no_good_condition
 from kerfwise.models.problem.problem import links_on
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 from kerfwise.rules.statements import (
     EXEMPTION_MM,
     Link,
@@ -37,7 +37,7 @@ from kerfwise.rules.stating.state_rules import Stated
 from .plan import LINKED, Dropped, LeftOut, Plan, PlannedCut, SolveReport, Totals
 
 
-def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
+def make_plan(facts: Facts, profile: Technique, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
     """The whole plan but for what only its program can tell: its times by the profile's model, and the verdicts.
 
     Until then its times are those at constant feeds, none of them too long. Why each cut comes where it does is told by
@@ -147,7 +147,7 @@ def _named(nest: Nest) -> dict[str, str]:
     return {"file": nest.file, "sha256": nest.sha256, **refit, **read}
 
 
-def _charted(profile: Profile) -> dict[str, str]:
+def _charted(profile: Technique) -> dict[str, str]:
     """What a plan says of the material chart: its file, the row, and what lies between two of them."""
     use = profile.chart
     if use is None:
@@ -314,13 +314,13 @@ def common_because(facts: Facts, candidate: Candidate, name: str) -> tuple[str, 
 # Why parts are held by tabs, and how bevels are cut, in a sentence for each.
 
 
-def bevels_because(facts: Facts, profile: Profile) -> dict[str, str]:
+def bevels_because(facts: Facts, profile: Technique) -> dict[str, str]:
     """For every contour with a bevel its passes, and what becomes of its sharp corners."""
     bevelling = profile.bevelling_of(facts.nest)
     return {} if bevelling is None else bevelling.reasons(facts.nest)
 
 
-def tabs_because(facts: Facts, profile: Profile) -> dict[str, str]:
+def tabs_because(facts: Facts, profile: Technique) -> dict[str, str]:
     """For every contour with tabs how many hold its part, how wide they are, and why."""
     options, part_of = profile.tabs(), facts.nest.part_of
     reasons: dict[str, str] = {}

@@ -16,7 +16,7 @@ from kerfwise.encoder.nest import Loss
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
 from kerfwise.rules.plan_state import Place, PlanState
 from kerfwise.rules.profile.plant_sections import Origin
-from kerfwise.rules.profile.profile_sections import ForOneNest
+from kerfwise.rules.profile.values import ForOneNest
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
 
 from .zones_cost import ZonesCost

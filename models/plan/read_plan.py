@@ -22,8 +22,7 @@ from kerfwise.encoder.nest import CONTOUR_KINDS, Loss, Nest
 from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
 from kerfwise.rules.plan_state import PlanState
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_sections import ForOneNest, changed_since
+from kerfwise.rules.profile.values import ForOneNest, ProfileValues, changed_since
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, Prices, RuleReport, SolveReport, Totals
 from .zones_cost import ZonesCost
@@ -284,7 +283,7 @@ def _record(kind: Any, data: dict[str, Any]) -> Any:
 _SHA_DIGITS = 12
 
 
-def source_changes(plan: Plan, nest: Nest, profile: Profile) -> Iterator[str]:
+def source_changes(plan: Plan, nest: Nest, profile: ProfileValues) -> Iterator[str]:
     """A sentence for each thing that is not as it was when the plan was made: nest, profile, what is for one nest."""
     if plan.nest.get("sha256") != nest.sha256:
         yield "the nest is not the one the plan was made with (its sha256 differs)"
@@ -293,7 +292,7 @@ def source_changes(plan: Plan, nest: Nest, profile: Profile) -> Iterator[str]:
     yield from changed_since(plan.made_with, profile.for_one_nest)
 
 
-def profile_change(plan: Plan, profile: Profile) -> str:
+def profile_change(plan: Plan, profile: ProfileValues) -> str:
     """That a plan was made with another profile than this, with which, and what to do; "" where it was not."""
     own, sha256 = plan.profile.get("name", ""), plan.profile.get("sha256", "")
     if sha256 == profile.sha256:

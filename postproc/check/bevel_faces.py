@@ -14,7 +14,7 @@ import shapely
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest, with_parts
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 from .bevel_edges import sides_of
 
@@ -53,7 +53,7 @@ def cut_away_mm(bevel: Bevel | None, depth_mm: float, thickness_mm: float) -> fl
     return max(away)
 
 
-def half_width_mm(lean_deg: float, profile: Profile) -> float:
+def half_width_mm(lean_deg: float, profile: ProfileValues) -> float:
     """Half of what a jet at this angle burns away, measured level."""
     rows = dict([(0.0, profile.material.kerf_mm), *profile.cuts.bevel.kerfs])
     angles = sorted(rows)
@@ -61,7 +61,7 @@ def half_width_mm(lean_deg: float, profile: Profile) -> float:
     return kerf_mm / (2 * math.cos(math.radians(lean_deg)))
 
 
-def as_burnt(nest: Nest, profile: Profile) -> Nest:
+def as_burnt(nest: Nest, profile: ProfileValues) -> Nest:
     """The nest with its bevelled contours where upright kerfs would have to run to cut them at their roots."""
     if profile.cuts.bevel.head is None or not any(c.bevel for c in nest.contours):
         return nest

@@ -24,8 +24,8 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.dialects import pierce_dwell_of
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.technique import Technique
 
 from .bevel_edges import sides_of
 from .bevel_faces import Slope, cut_away_mm, face_area, half_width_mm, section_of, slopes_of
@@ -53,13 +53,13 @@ class BevelsJudged:
     violations: tuple[Violation, ...] | None = None
 
 
-def upright(nest: Nest, program: NcProgram, profile: Profile) -> NcProgram:
+def upright(nest: Nest, program: NcProgram, profile: Technique) -> NcProgram:
     """The program with one upright burn along each contour with a bevel, for those who look for its cuts."""
     return judge_bevels(nest, program, profile, {}).program
 
 
 def judge_bevels(
-    nest: Nest, program: NcProgram, profile: Profile, shares: Mapping[str, tuple[float, float]]
+    nest: Nest, program: NcProgram, profile: Technique, shares: Mapping[str, tuple[float, float]]
 ) -> BevelsJudged:
     """Judge the tilted burns of a program; `nest` has its bevels as they are drawn.
 
@@ -113,7 +113,7 @@ def judge_bevels(
 
 
 def _passes(
-    bevelled: Sequence[Contour], jets: dict[int, Jet], profile: Profile, found: list[tuple[tuple[str, ...], str]]
+    bevelled: Sequence[Contour], jets: dict[int, Jet], profile: Technique, found: list[tuple[tuple[str, ...], str]]
 ) -> dict[str, list[int]]:
     """The burns that make each bevel, in the order of its slopes."""
     taken: dict[str, list[int]] = {}
@@ -142,7 +142,7 @@ def _passes(
 
 
 def _unsteady(
-    jets: dict[int, Jet], shares: Mapping[int, tuple[float, float]], changes: Collection[int], profile: Profile
+    jets: dict[int, Jet], shares: Mapping[int, tuple[float, float]], changes: Collection[int], profile: Technique
 ) -> Iterator[tuple[tuple[str, ...], str]]:
     """Burns whose torch changes its lean, turns too far, or waits or moves otherwise than it should.
 
@@ -178,7 +178,7 @@ def _paces(burn: Burn) -> list[tuple[float, float]]:
 
 
 def _upright_of(
-    bevelled: Sequence[Contour], program: NcProgram, profile: Profile
+    bevelled: Sequence[Contour], program: NcProgram, profile: Technique
 ) -> tuple[dict[str, int], dict[str, shapely.Geometry]]:
     """The upright burn along each contour that has a square face, and its way."""
     kerf_mm, found, lines = profile.material.kerf_mm, dict[str, int](), dict[str, shapely.Geometry]()
@@ -203,7 +203,7 @@ def _loose(
     bevelled: Sequence[Contour],
     passes: dict[str, list[int]],
     upright: dict[str, int],
-    profile: Profile,
+    profile: Technique,
 ) -> Iterator[tuple[tuple[str, ...], str]]:
     """Several passes: they follow each other, and what the first of them sets loose lies still by its weight."""
     material, least_kg = profile.material, profile.cuts.bevel.lies_still
@@ -215,7 +215,7 @@ def _loose(
             yield (contour.id,), f"{contour.id}: other cuts come between the passes of its bevel"
         if contour.edge_bevels:
             last = [slopes_of(bevel, material.thickness_mm) for bevel in contour.bevel_of_edge]
-            if [k for k in sorted(of) if _goes_round(program.burns[k], nest, contour, profile)] != [max(of)]:
+            if max(of) != max(of, key=lambda k: program.burns[k].path.length_mm):
                 yield (contour.id,), f"{contour.id}: an edge is cut on after the round that sets the part loose"
             if any(len(slopes) + square < 2 for slopes, square in last):
                 continue  # the round that comes last cuts the other edges
@@ -228,18 +228,6 @@ def _loose(
                 f"{contour.id}: its passes after the first cut in loose metal, and {part.id} of {mass_kg:.3g} kg does "
                 f"not lie still: {says} (cuts.bevel.lies_still)",
             )
-
-
-def _goes_round(burn: Burn, nest: Nest, contour: Contour, profile: Profile) -> bool:
-    """Whether a burn alone cuts a contour loose: at the top face it closes round what is inside of it."""
-    inside = contour.polygon
-    if contour.kind == "outer":
-        part = next(p for p in nest.parts if p.id == contour.part)
-        inside = section_of(part, 0.0, profile.material.thickness_mm)
-    middle = shapely.get_point(shapely.maximum_inscribed_circle(inside), 0)
-    (line,) = lines_of([burn.path], 0.005)
-    burnt = shapely.buffer(line, profile.material.kerf_mm / 2)
-    return not shapely.intersects(burnt, middle) and shapely.covers(shapely.Polygon(burnt.exterior), middle)
 
 
 def _depths(bevelled: Sequence[Contour], thickness_mm: float) -> list[float]:
@@ -255,7 +243,7 @@ def _metal(
     jets: dict[int, Jet],
     passes: dict[str, list[int]],
     upright: dict[str, shapely.Geometry],
-    profile: Profile,
+    profile: Technique,
 ) -> Iterator[tuple[tuple[str, ...], str]]:
     """Parts that are burnt, burns off the sheet, and faces that are not cut: each once, at the first depth found."""
     thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
@@ -339,7 +327,7 @@ def _meeting(
     passes: dict[str, list[int]],
     bevelled: Sequence[Contour],
     upright: dict[str, int],
-    profile: Profile,
+    profile: Technique,
 ) -> Iterator[tuple[tuple[str, ...], str]]:
     """Loops and leads of tilted burns that meet another cut: there the jet would find no metal, or leave it early."""
     thickness_mm, kerf_mm = profile.material.thickness_mm, profile.material.kerf_mm
@@ -371,7 +359,7 @@ def _meeting(
                 yield (), f"line {one}: a loop or a lead of a tilted burn meets what is cut from line {two} on"
 
 
-def _on(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) -> NDArray[np.bool_]:
+def _on(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Technique) -> NDArray[np.bool_]:
     """Which points of a burn run along its contour: at the root of a slope, or upright beside it."""
     on = np.zeros(len(jet.at), np.bool_)
     for root in roots:
@@ -387,7 +375,7 @@ def _on(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) -> 
     return on
 
 
-def _off(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) -> Iterator[slice]:
+def _off(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Technique) -> Iterator[slice]:
     """The stretches of a burn that do not run along its contour: leads and loops."""
     near = _on(jet, contour, roots, profile)
     k = 0
@@ -402,7 +390,7 @@ def _off(jet: Jet, contour: Contour, roots: Sequence[Root], profile: Profile) ->
         k = end
 
 
-def _made_upright(jet: Jet, contour: Contour, profile: Profile) -> Burn:
+def _made_upright(jet: Jet, contour: Contour, profile: Technique) -> Burn:
     """The burn as an upright one at its root, without its loops: they are judged above."""
     roots = list(roots_of(contour, profile))
     square = slopes_of(contour.bevel, profile.material.thickness_mm)[1]

@@ -11,7 +11,7 @@ import numpy as np
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 from .jets import jet_of
 
@@ -32,7 +32,7 @@ def settings_of(program: NcProgram, found: list[Found]) -> dict[int, Setting]:
     return settings
 
 
-def torch_burns(program: NcProgram, profile: Profile, found: list[Found]) -> Iterator[tuple[Burn, Burn | None]]:
+def torch_burns(program: NcProgram, profile: ProfileValues, found: list[Found]) -> Iterator[tuple[Burn, Burn | None]]:
     """What each torch burns, as a burn of its own that leans; with that of the block where it burns with others.
 
     A burn of the upright torch alone, that does not turn, is a plain burn.

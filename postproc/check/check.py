@@ -11,10 +11,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import NcProgram, expand_torches
 from kerfwise.postproc.check.reader.read_program import Trusted, origin_warning, read_on_machine, with_program_origin
 from kerfwise.rules.judging.pierces import starts_in_older_kerfs
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.contradictions import expect_bevels
 from kerfwise.rules.profile.sections import Scrap
-from kerfwise.rules.profile.unfit_techniques import expect_bevels
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.profile.technique import Technique
 
 from .bevels import judge_bevels
 from .coverage import (
@@ -99,7 +99,7 @@ class _Beside:
 def check_cuts(
     nest: Nest,
     cuts: CutSequence,
-    profile: Profile,
+    profile: Technique,
     claims: Claims | None = None,
     relaxed: Sequence[RelaxedStatement] = (),
     thermometer: Thermometer | None = None,
@@ -140,7 +140,7 @@ def check_cuts(
 def check_program(
     nest: Nest,
     nc_text: str,
-    profile: Profile,
+    profile: Technique,
     file: str = "",
     thermometer: Thermometer | None = None,
     tabs: Tabs | None = None,
@@ -153,10 +153,14 @@ def check_program(
 
     `tabs` are stretches of contours, by contour id, that are to stay uncut. Given what a plan says, the program has to
     follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's. Where the cuts that it
-    makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more. What
-    is `trusted` is taken as it stands: nobody judges what a material on the machine has. `side` is the start side that
-    it is judged by where it states none. Raises InputError with the line, for a program that is malformed or says
-    something the reader does not understand.
+    makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more.
+    What is `trusted` is taken as it stands: nobody judges what a material on the machine has. `side` is the start side
+    that it is judged by where it states none.
+
+    Raises
+    ------
+    InputError
+        With the line, for a program that is malformed or says something the reader does not understand.
     """
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
@@ -177,7 +181,7 @@ def check_program(
         return replace(result, warnings=(*result.warnings, *wrong_state(program.comments, result.state)))
 
 
-def _starts_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozenset[int]:
+def _starts_in_kerfs(nest: Nest, cuts: CutSequence, profile: Technique) -> frozenset[int]:
     """The positions of cuts that begin in the kerf of an older one, and pierce nothing."""
     return starts_in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.kerf_starts else frozenset()
 
@@ -185,7 +189,7 @@ def _starts_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozens
 def _judge_program(
     judged_by: JudgedNest,
     program: NcProgram,
-    profile: Profile,
+    profile: Technique,
     beside: _Beside,
     known: JudgedCuts | None = None,
     turned: int = 0,
@@ -226,7 +230,7 @@ def _judge_program(
     return CheckResult((*judged, *rules), tuple(warnings), ran, relaxed=tuple(relaxed))
 
 
-def _coarse(program: NcProgram, profile: Profile) -> Iterator[str]:
+def _coarse(program: NcProgram, profile: Technique) -> Iterator[str]:
     """A warning where the control counts in steps that are coarser than paths are judged by elsewhere."""
     allowed_mm = tolerance_mm(profile.material.kerf_mm)
     if program.step_mm and allowed_mm <= program.step_mm:
@@ -234,7 +238,7 @@ def _coarse(program: NcProgram, profile: Profile) -> Iterator[str]:
 
 
 def _judge_paths(
-    judged_by: JudgedNest, cut: _Cut, profile: Profile, relaxed: Sequence[RelaxedStatement], tabs: Tabs | None
+    judged_by: JudgedNest, cut: _Cut, profile: Technique, relaxed: Sequence[RelaxedStatement], tabs: Tabs | None
 ) -> tuple[list[Judgement], list[str]]:
     """What is wrong with the paths of cuts."""
     slots, cuts, runs, faults, comments = cut.slots, cut.cuts, cut.runs, cut.faults, cut.comments
@@ -305,7 +309,7 @@ def _judge_paths(
     ]
 
 
-def _accepted(profile: Profile) -> Accepted:
+def _accepted(profile: Technique) -> Accepted:
     """Which losses of parts that touch are: edges count as touching within what the check allows, too."""
     common = profile.cuts.common
     touch_mm = min(common.gap_tolerance_mm, tolerance_mm(profile.material.kerf_mm)) + _ROUNDING_MM
@@ -313,13 +317,13 @@ def _accepted(profile: Profile) -> Accepted:
     return Accepted(touch_mm, math.inf if shortest_mm is None else shortest_mm)
 
 
-def _overcut_mm(profile: Profile) -> float:
+def _overcut_mm(profile: Technique) -> float:
     """How far a cut may run on along what is burnt: its overcut or lead-out, and the kerfs at its ends."""
     leads = profile.leads
     return max(profile.length_mm(leads.hole_overcut_mm), leads.lead_out_length_mm) + 2 * profile.material.kerf_mm
 
 
-def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[RelaxedStatement]) -> Pairs | None:
+def _sharing(nest: Nest, profile: Technique, relaxed: Sequence[RelaxedStatement]) -> Pairs | None:
     """Pairs of parts that may burn each other's metal; None for all, where the profile lets contours touch."""
     book = profile.rulebook()
     guards = {name for name in profile.settings() if book[name].guards_metal}

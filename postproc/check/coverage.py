@@ -14,8 +14,8 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Violation
 
 from .burn_pieces import Piece, Stretch, adds_mm, find_shared_burns, is_whole, pieces, stretches_of
 from .matching import Match

@@ -16,7 +16,7 @@ from kerfwise.encoder.geometry.measures import beyond_mm
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 from .contour_following import surely_beside
 from .matching import Match

@@ -17,8 +17,8 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.torch_path import TabOptions
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.judging.pierces import starts_in_older_kerfs
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.values import ProfileValues
 
 from .coverage import TabsByContour, shared_cuts
 from .cut_from_burn import SplitBurn, cut_from_burn, split_burns
@@ -268,7 +268,7 @@ def holes_with_contours(pierces: Sequence[Pierce], cuts: Sequence[Cut]) -> tuple
     return tuple(told)
 
 
-def pierce_pass_violations(nest: Nest, cuts: CutSequence, profile: Profile) -> Iterator[Violation]:
+def pierce_pass_violations(nest: Nest, cuts: CutSequence, profile: ProfileValues) -> Iterator[Violation]:
     """What is wrong with the passes that the profile asks for: holes missing, left over, late, or in no metal."""
     passes = list(_passes(nest, cuts, profile))
     holes, left = cuts.pierces, dict.fromkeys(range(len(cuts.pierces)))
@@ -298,7 +298,7 @@ def pierce_pass_violations(nest: Nest, cuts: CutSequence, profile: Profile) -> I
     yield from _pierced_outside_metal(nest, cuts)
 
 
-def _passes(nest: Nest, cuts: CutSequence, profile: Profile) -> Iterator[tuple[int, list[int]]]:
+def _passes(nest: Nest, cuts: CutSequence, profile: ProfileValues) -> Iterator[tuple[int, list[int]]]:
     """The first position of each zone, and those of its cuts that begin at holes. Without zones all are of one.
 
     What is linked, marked, or cuts up the skeleton pierces nothing; nor does what begins off the sheet, or in the kerf

@@ -23,8 +23,8 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import lines_of
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.values import ProfileValues
 
 from .contour_following import surely_beside
 from .small_features import burns_by_contour
@@ -59,7 +59,7 @@ class Allowed:
     deep_mm: float = 0.0
 
     @staticmethod
-    def by(profile: Profile) -> Allowed:
+    def by(profile: ProfileValues) -> Allowed:
         """As the profile has it: features are left to any depth, to that of a bend relief, or not at all."""
         kerf_mm, narrow = profile.material.kerf_mm, profile.cuts.narrow
         deep_mm = {"leave": math.inf, "refuse": 0.0}.get(narrow, _RELIEF_KERFS * kerf_mm)

@@ -22,9 +22,9 @@ from kerfwise.postproc.check.reader.controls import Control
 from kerfwise.postproc.check.reader.program import Burn, NcProgram, at_holes, expand_torches
 from kerfwise.postproc.check.reader.read_program import control_of
 from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.quantities import length_at
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.profile.technique import Technique
 
 from .result import Judgement
 from .small_features import Shares
@@ -36,7 +36,7 @@ _FEED_SHARE, _WAIT_S, _POWER = 1e-3, 2e-3, 0.51
 def judge_running(
     nest: Nest,
     program: NcProgram,
-    profile: Profile,
+    profile: Technique,
     runs: Sequence[TorchRun] = (),
     shares: Mapping[str, Shares] | None = None,
     in_kerfs: Collection[tuple[str, int]] = (),
@@ -72,7 +72,7 @@ def judge_running(
 
 def _feeds(
     program: NcProgram,
-    profile: Profile,
+    profile: Technique,
     control: Control,
     runs: Sequence[TorchRun],
     shares: Mapping[str, Shares],
@@ -104,14 +104,14 @@ def _feeds(
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
 
 
-def _share_of_steps(profile: Profile) -> float:
+def _share_of_steps(profile: Technique) -> float:
     """By how much the share of the feed in a small hole may be off, whose diameter is known to two steps only."""
     limits = profile.hole_limits()
     span_mm = limits.full_feed_mm - limits.least_mm
     return 2 * step_mm() * (1 - limits.feed_share) / span_mm if span_mm > 0 else 0.0
 
 
-def _powers(program: NcProgram, profile: Profile, control: Control) -> Iterator[tuple[int, str]]:
+def _powers(program: NcProgram, profile: Technique, control: Control) -> Iterator[tuple[int, str]]:
     """Powers of a laser that are not the profile's, where that says one; else the dialect's, in programs from it."""
     material, full = profile.material, control.full_power
     if not full:
@@ -138,7 +138,7 @@ def _powers(program: NcProgram, profile: Profile, control: Control) -> Iterator[
 
 
 def _waits(
-    nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[tuple[str, int]], control: Control
+    nest: Nest, program: NcProgram, profile: Technique, in_kerfs: Collection[tuple[str, int]], control: Control
 ) -> Iterator[tuple[int, str]]:
     """Pierces too short or too long, of each torch: one may be over metal where another is off the sheet's edge.
 
@@ -179,7 +179,7 @@ def _torch(burn: Burn) -> str:
     return "the torch" if burn.torch == 1 else f"torch {burn.torch}"
 
 
-def _longest_dwell_s(profile: Profile) -> float:
+def _longest_dwell_s(profile: Technique) -> float:
     """How long the torch may wait for metal to cool, off, s."""
     limit = profile.temperature_limit()
     return 0.0 if limit is None else limit.allowed_dwell_s
@@ -203,13 +203,13 @@ _PLACE_MM, _STEP_MM = 0.15, 0.5
 _CORNER_FEED_SHARE = 1e-3
 
 
-def slow_at_corners(profile: Profile) -> bool:
+def slow_at_corners(profile: Technique) -> bool:
     """Whether the profile has corners cut more slowly."""
     return profile.corners.corner_feed < 1 and _reach_mm(profile) > 0
 
 
 def wrong_at_corners(
-    burn: Burn, asked_mm_s: tuple[float, float], profile: Profile, slack_mm_s: float = 0.0
+    burn: Burn, asked_mm_s: tuple[float, float], profile: Technique, slack_mm_s: float = 0.0
 ) -> Iterator[str]:
     """What is wrong with the feeds of a burn, `asked_mm_s` being the least and the greatest away from corners.
 
@@ -241,7 +241,7 @@ def wrong_at_corners(
             return
 
 
-def slowness_of(points: Floats, profile: Profile) -> Floats | None:
+def slowness_of(points: Floats, profile: Technique) -> Floats | None:
     """How many times longer each step (k - 1,) of a plan's path of chords (k, 2) takes; None where all are alike."""
     if not slow_at_corners(profile) or len(points) < 3:
         return None
@@ -261,7 +261,7 @@ def slowness_of(points: Floats, profile: Profile) -> Floats | None:
     return np.asarray(1.0 + slow * (1.0 / profile.corners.corner_feed - 1.0))
 
 
-def _reach_mm(profile: Profile) -> float:
+def _reach_mm(profile: Technique) -> float:
     return length_at(profile.corners.corner_reach, profile.material.thickness_mm)
 
 
@@ -347,7 +347,7 @@ def measured(cuts: CutSequence, heatings: Iterator[Heating], thermometer: Thermo
 
 
 def heatings_of_cuts(
-    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile, unpierced: Collection[int] = ()
+    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Technique, unpierced: Collection[int] = ()
 ) -> Iterator[Heating]:
     """The stretches of a plan, at the times that it states; marks heat nothing worth speaking of.
 
@@ -380,7 +380,7 @@ def heatings_of_program(program: NcProgram) -> Iterator[Heating]:
             yield Heating(f"line {burn.line}", points, burn.start_s, burn.end_s, stood_s, burn.start_s, slowness)
 
 
-def _preheat_s(profile: Profile) -> float:
+def _preheat_s(profile: Technique) -> float:
     """How long the torch stands where it pierces nothing: a flame heats the edge at least as long as for a pierce."""
     machine = profile.machine
     return machine.edge_preheat_s or (machine.pierce_time_s if machine.process == "oxyfuel" else 0.0)

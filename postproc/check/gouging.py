@@ -15,7 +15,7 @@ from kerfwise.encoder.geometry.curve import polygons_of
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
 from kerfwise.encoder.text import join_names
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 from .contour_following import surely_beside
 from .torch_run import Ring, TorchRun, rings_of, tolerance_mm

@@ -14,7 +14,7 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 from .bevel_edges import sides_of
 from .bevel_faces import Slope, half_width_mm, slopes_of
@@ -78,7 +78,7 @@ class Jet:
         return shapely.MultiLineString([points[piece] for piece in pieces if len(piece) > 1])
 
 
-def jet_of(burn: Burn, profile: Profile) -> Jet:
+def jet_of(burn: Burn, profile: ProfileValues) -> Jet:
     at, aside, leans, turns = [], [], [], []
     rows = burn.path.vertices.tolist()
     for k, ((x, y, bulge), after) in enumerate(zip(rows, [*rows[1:], rows[-1]], strict=True)):
@@ -108,7 +108,7 @@ class Root:
     rest_mm: float = 0.0
 
 
-def roots_of(contour: Contour, profile: Profile) -> Iterator[Root]:
+def roots_of(contour: Contour, profile: ProfileValues) -> Iterator[Root]:
     """The ways that the slopes of a contour want, pass by pass; those of single edges edge by edge."""
     if not contour.edge_bevels:
         for slope in slopes_of(contour.bevel, profile.material.thickness_mm)[0]:
@@ -120,7 +120,7 @@ def roots_of(contour: Contour, profile: Profile) -> Iterator[Root]:
             yield Root(slope, shapely.LineString(side.beside(half_mm)), rest_mm)
 
 
-def root_ring(contour: Contour, slope: Slope, profile: Profile) -> shapely.LinearRing | None:
+def root_ring(contour: Contour, slope: Slope, profile: ProfileValues) -> shapely.LinearRing | None:
     """The way of the jet's middle round a contour at the root of a slope."""
     out = half_width_mm(slope.lean_deg, profile) * (1 if contour.kind == "outer" else -1)
     area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)

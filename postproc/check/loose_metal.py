@@ -11,8 +11,8 @@ from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Bridge, Contour, Nest
 from kerfwise.rules.judging.holding import frame_of, is_in_frame, largest_of, wide_enough
 from kerfwise.rules.judging.loose_metal import OVER_MM, Face, beside_metal, crumbs, loosened
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.values import ProfileValues
 
 from .gouging import SLACK_MM, metal_of_parts, part_metal
 from .torch_run import TorchRun, tolerance_mm, torch_rings
@@ -140,7 +140,7 @@ _FILLED = 0.995
 
 
 def wrong_pieces(
-    nest: Nest, runs: Sequence[TorchRun], cut_contours: Sequence[Contour], profile: Profile
+    nest: Nest, runs: Sequence[TorchRun], cut_contours: Sequence[Contour], profile: ProfileValues
 ) -> Iterator[Violation]:
     """Pieces of the skeleton that are larger than the grid asked for, and a remnant that is not saved.
 

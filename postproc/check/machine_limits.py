@@ -15,9 +15,9 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.plant_sections import Torches
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.profile.values import ProfileValues
 
 from .plan_conformance import PlanClaims
 from .result import Judgement
@@ -27,7 +27,7 @@ _RULE = "within-travel"
 
 
 def paths_beyond_travel(
-    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile
+    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: ProfileValues
 ) -> Iterator[Violation]:
     """Torch paths, pierces and ends of the cuts, and the home, that lie beyond what the machine reaches."""
     reach = profile.reach_on(nest)
@@ -45,7 +45,7 @@ def paths_beyond_travel(
             yield Violation(_RULE, contours, f"{run.where}: the path of {run.name} is {text}", (run.position,))
 
 
-def rapids_beyond_travel(nest: Nest, program: NcProgram, profile: Profile) -> Iterator[Violation]:
+def rapids_beyond_travel(nest: Nest, program: NcProgram, profile: ProfileValues) -> Iterator[Violation]:
     """Rapids of a program that lead beyond what the machine reaches."""
     reach = profile.reach_on(nest)
     if reach is None:
@@ -71,7 +71,7 @@ def _beyond(points: Iterable[Point], reach: Box, corner: Point) -> str | None:
 _EDGE_START_RULE = "edge-start"
 
 
-def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: Profile) -> Iterator[Violation]:
+def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: ProfileValues) -> Iterator[Violation]:
     """Cuts that begin off the sheet although no edge start is allowed there."""
     torch = [run for run in runs if not run.marks and not run.linked]
     why = forbidden(nest, profile)
@@ -87,7 +87,7 @@ def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: Profile) -> Itera
         yield Violation(_EDGE_START_RULE, contours, text, (run.position,) if run.position else ())
 
 
-def forbidden(nest: Nest, profile: Profile) -> str | None:
+def forbidden(nest: Nest, profile: ProfileValues) -> str | None:
     """Why no cut may begin off this sheet; None where it may."""
     if not profile.leads.edge_start:
         return "the profile allows no edge start (leads.edge_start)"
@@ -98,7 +98,7 @@ def forbidden(nest: Nest, profile: Profile) -> str | None:
     return None
 
 
-def run_up_mm(nest: Nest, profile: Profile) -> float:
+def run_up_mm(nest: Nest, profile: ProfileValues) -> float:
     """How far off this sheet a cut may begin: as far as the longest lead goes from its kerf; 0 where it may not."""
     if forbidden(nest, profile) is not None:
         return 0.0
@@ -130,7 +130,7 @@ def torch_count(cuts: Sequence[Cut]) -> int:
     return max((cut.torch for cut in cuts), default=1)
 
 
-def wrong_torch_cuts(cuts: CutSequence, profile: Profile) -> Iterator[Violation]:
+def wrong_torch_cuts(cuts: CutSequence, profile: ProfileValues) -> Iterator[Violation]:
     """Cuts of further torches that are not those of the first one, shifted by what the torches are apart."""
     torches, kerf_mm = profile.machine.torches, profile.material.kerf_mm
     first = {cut.contour: (k, cut) for k, cut in enumerate(cuts, 1) if cut.torch == 1}
@@ -173,7 +173,7 @@ def _points(cut: Cut) -> list[tuple[float, float]]:
     return [cut.entry, cut.pierce, *of(cut.lead_in), *of(cut.lead_out)]
 
 
-def wrong_spacing(program: NcProgram, profile: Profile, told_by_plan: bool) -> Iterator[Violation]:
+def wrong_spacing(program: NcProgram, profile: ProfileValues, told_by_plan: bool) -> Iterator[Violation]:
     """Where a program does not say that it is for the profile's torches, though it lights several.
 
     One that says nothing may have a plan, which the program is held against.
@@ -262,7 +262,7 @@ def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> It
 
 
 def long_leads(
-    runs: Sequence[TorchRun], profile: Profile, comments: Iterable[str], run_up_mm: float
+    runs: Sequence[TorchRun], profile: ProfileValues, comments: Iterable[str], run_up_mm: float
 ) -> Iterator[Violation]:
     """Where the torch stays lit before or behind a contour for longer than a lead or an overcut asks for.
 

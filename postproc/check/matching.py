@@ -18,7 +18,7 @@ from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import LONGEST_MM
 from kerfwise.postproc.check.reader.program import Burn
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 from .contour_following import surely_cover
 from .torch_run import Side, TorchRun, line_of, rings_of, step_mm, tolerance_mm, torch_rings

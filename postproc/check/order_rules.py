@@ -13,7 +13,7 @@ import numpy as np
 from kerfwise.arrays import Ints, unique, unique_pairs
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.rule import Rule
 
@@ -27,7 +27,7 @@ class HardOrders:
     Contours are numbered as in `names`: those that are cut come first, in the order of their cuts.
     """
 
-    def __init__(self, nest: Nest, cuts: CutSequence, profile: Profile) -> None:
+    def __init__(self, nest: Nest, cuts: CutSequence, profile: ActiveRules) -> None:
         self.nest, self.cuts, self.profile = nest, cuts, profile
 
     @cached_property

@@ -12,8 +12,8 @@ import shapely
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.plant_sections import Origin
-from kerfwise.rules.rule import Violation
 
 from .result import Judgement, RelaxedStatement
 from .torch_run import TorchRun, step_mm, tolerance_mm

@@ -17,7 +17,7 @@ from kerfwise.encoder.cut import Cut, CutSequence, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 from .plan_conformance import end_of
 from .result import ids_by_name, normalize_name

@@ -13,11 +13,12 @@ import numpy as np
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.graphs import path
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.encoder.text import escape_text
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.plan_state import How, Place, PlanState
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Ids, Strength, Violation
+from kerfwise.rules.profile.active_rules import ActiveRules
+from kerfwise.rules.rule import Strength
 
 MOST = 20
 MOST_SOFT = 3
@@ -188,12 +189,12 @@ class JudgedCuts:
 
     nest: Nest
     cuts: CutSequence
-    profile: Profile
+    profile: ActiveRules
     relaxed: tuple[RelaxedStatement, ...]
     rules: tuple[Judgement, ...]
 
     def known(
-        self, nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[RelaxedStatement]
+        self, nest: Nest, cuts: CutSequence, profile: ActiveRules, relaxed: Sequence[RelaxedStatement]
     ) -> tuple[Judgement, ...] | None:
         """The judgements on other cuts, where these are the same; None where they are not, or were measured hot."""
         alike = nest is self.nest and profile == self.profile and tuple(relaxed) == self.relaxed
@@ -295,7 +296,11 @@ def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[RelaxedStatement,
 
 
 def excuse_relaxed(
-    nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement], relaxed: Sequence[RelaxedStatement]
+    nest: Nest,
+    cuts: CutSequence,
+    profile: ActiveRules,
+    judged: Sequence[Judgement],
+    relaxed: Sequence[RelaxedStatement],
 ) -> list[Judgement]:
     """The judgements, with violations of hard rules excused where a relaxed statement is all that asked for more.
 
@@ -315,7 +320,7 @@ def excuse_relaxed(
 
 
 def _excuse_relaxed(
-    nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement, statements: Sequence[tuple[str, ...]]
+    nest: Nest, cuts: CutSequence, profile: ActiveRules, judgement: Judgement, statements: Sequence[tuple[str, ...]]
 ) -> Judgement:
     rule, options = profile.rulebook()[judgement.id], profile.settings()[judgement.id].options
     orders = rule.pairs(nest, cuts, options)

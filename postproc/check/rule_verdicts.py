@@ -10,15 +10,18 @@ from typing import Any
 from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.graphs import EXACT_LINKS, components, contract_pairs, path
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.encoder.nest import Ids, Nest
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.active_rules import ActiveRules
+from kerfwise.rules.rule import Rule
 
 from .order_rules import Forcing, HardOrders, Room, applies_to, torch_of_each
 from .result import Excused, Judgement, RelaxedStatement, excuse_relaxed
 
 
-def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[RelaxedStatement] = ()) -> list[Judgement]:
+def judge(
+    nest: Nest, cuts: CutSequence, profile: ActiveRules, relaxed: Sequence[RelaxedStatement] = ()
+) -> list[Judgement]:
     """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged.
 
     `relaxed` are statements that the plan or program says are relaxed. Cuts that were made before a stop are facts,
@@ -44,7 +47,7 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
     return [*excuse_relaxed(nest, cuts, profile, excuse(nest, cuts, profile, judged), relaxed), *off]
 
 
-def about_nothing(nest: Nest, cuts: CutSequence, profile: Profile) -> list[str]:
+def about_nothing(nest: Nest, cuts: CutSequence, profile: ActiveRules) -> list[str]:
     """A warning for each rule that is on and selects nothing of this nest: a layer may be called otherwise here."""
     book = profile.rulebook()
     found = (
@@ -62,7 +65,7 @@ def about_nothing(nest: Nest, cuts: CutSequence, profile: Profile) -> list[str]:
 # given up is not judged, nor which rule gives way in a tangle of more orders than the planner resolves exactly.
 
 
-def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement]) -> list[Judgement]:
+def excuse(nest: Nest, cuts: CutSequence, profile: ActiveRules, judged: Sequence[Judgement]) -> list[Judgement]:
     """The judgements, with violations moved to the excused where their rule, or the others, leave no choice."""
     book = profile.rulebook()
     orders = HardOrders(nest, cuts, profile)
@@ -74,7 +77,7 @@ def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Jud
     return [_excused(judgement, why) if _yields(judgement, book) else judgement for judgement in judged]
 
 
-def _by_itself(nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement, forced: Forcing) -> Judgement:
+def _by_itself(nest: Nest, cuts: CutSequence, profile: ActiveRules, judgement: Judgement, forced: Forcing) -> Judgement:
     """The judgement of a hard rule, with what the rule itself excuses."""
     if judgement.strength != "hard" or not judgement.violations:
         return judgement

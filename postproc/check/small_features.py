@@ -18,8 +18,8 @@ from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.encoder.text import join_names
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.profile.technique import Technique
 
 from .bevel_faces import as_burnt
 from .burn_pieces import stretches_of
@@ -65,7 +65,7 @@ class JudgedNest:
     shares: Mapping[str, Shares] = field(default_factory=dict)
 
 
-def judged_nest(nest: Nest, profile: Profile) -> JudgedNest:
+def judged_nest(nest: Nest, profile: Technique) -> JudgedNest:
     """The drawing's nest as the profile has it cut; kept with the drawing, for a plan and its program."""
     scrap, drawn = profile.cuts.scrap, profile.without_losses(nest.drawn or nest)
     judged = _judged(drawn, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
@@ -161,7 +161,7 @@ def _cross(hole: Contour, area: shapely.Geometry, limits: HoleLimits) -> Contour
     return Contour(hole.id, hole.part, "mark", Curve.of(steps.tolist(), closed=False), source=hole.source)
 
 
-def small_holes(judged: JudgedNest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> list[Violation]:
+def small_holes(judged: JudgedNest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Technique) -> list[Violation]:
     """Holes that must not be cut through, and are; holes for which the profile refuses the nest."""
     limits, found = profile.hole_limits(), []
     strays = [run for run in runs if not run.marks and (run.contour is None or run.contour.kind == "mark")]
@@ -202,7 +202,7 @@ def _done(limits: HoleLimits) -> str:
     return "marked at their middle" if limits.under == "spot" else "left out"
 
 
-def small_hole_notes(judged: JudgedNest, profile: Profile) -> Iterator[str]:
+def small_hole_notes(judged: JudgedNest, profile: Technique) -> Iterator[str]:
     """What the profile does not have cut: a check never passes over it in silence."""
     limits = profile.hole_limits()
     names = [hole.contour.id for hole in judged.small if hole.why_not is None]
@@ -256,7 +256,7 @@ Pass = tuple[str, Point, Point]
 """The name of a pass along a slot, where it begins at the mouth, and where it ends."""
 
 
-def with_passes(nest: Nest, passes: Iterable[Pass], profile: Profile) -> tuple[Nest, Slots]:
+def with_passes(nest: Nest, passes: Iterable[Pass], profile: Technique) -> tuple[Nest, Slots]:
     """The nest with the passes as slits, where the profile has slots slit, and the slots that they open."""
     if profile.cuts.narrow != "slit":
         return nest, {}
@@ -284,7 +284,7 @@ def passes_of_cuts(cuts: CutSequence) -> Iterator[Pass]:
             yield cut.contour, cut.entry, cut.end
 
 
-def passes_of_program(nest: Nest, program: NcProgram, profile: Profile) -> list[Pass]:
+def passes_of_program(nest: Nest, program: NcProgram, profile: Technique) -> list[Pass]:
     """The passes that a program makes, and those that it says an earlier one has made.
 
     A pass is a path with the torch that goes round no contour. Its last block runs along the slot, what comes before

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.plan_state import PlanState
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 SHARE, _ROUNDED_S = 0.05, 1.0
 """How far apart the times may be: a share of the sum, and the whole second that a header rounds up to."""
@@ -47,7 +47,7 @@ def stated_time_s(comments: Iterable[str]) -> float | None:
     return None if found is None else 3600.0 * int(found["h"]) + 60.0 * int(found["min"]) + int(found["s"])
 
 
-def summed_time(program: NcProgram, profile: Profile) -> SummedTime:
+def summed_time(program: NcProgram, profile: ProfileValues) -> SummedTime:
     """The time of a program, as it says itself how fast it moves and how long it waits."""
     machine, time = profile.machine, profile.time
     burns = program.burns
@@ -72,7 +72,7 @@ def summed_time(program: NcProgram, profile: Profile) -> SummedTime:
     return SummedTime(words_s, words_s, words_s)
 
 
-def wrong_times(program: NcProgram, profile: Profile, planned_s: float | None = None) -> Iterator[str]:
+def wrong_times(program: NcProgram, profile: ProfileValues, planned_s: float | None = None) -> Iterator[str]:
     """A warning where the header's time, or the plan's, is not within 5 % of what the program's words come to."""
     stated = {"the program": stated_time_s(program.comments), "the plan": planned_s}
     if all(said_s is None for said_s in stated.values()):

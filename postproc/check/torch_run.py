@@ -16,7 +16,7 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve, lines_of, polygons_of
 from kerfwise.encoder.geometry.tolerances import tolerance_mm as _tolerance_mm
 from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 from .result import Judgement
 from .ring_coverage import difference, tab_intervals

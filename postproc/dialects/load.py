@@ -28,7 +28,7 @@ from kerfwise.rules.options.yaml_positions import (
     wrong_at,
 )
 from kerfwise.rules.profile.plant_sections import MACHINE_WAITS, PierceDwell
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 from .blocks import POWERS, Powers
 from .dialect import INCH_MM, PLANT, Dialect
@@ -40,7 +40,7 @@ _NOT_SHIFTED = {
 }  # fmt: skip
 
 
-def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
+def pierce_dwell_of(profile: Technique, dialect: Dialect | None = None) -> PierceDwell:
     """Who waits at a pierce: what the profile says, else the dialect of its machine."""
     return profile.machine.pierce_dwell or (dialect or load_dialect(profile.machine.dialect)).pierce_dwell
 
@@ -187,7 +187,7 @@ def new_dialect_text(name: str, like: str) -> str:
 # Whether a profile and the dialect that it names belong together.
 
 
-def fitting_dialect(profile: Profile) -> Dialect:
+def fitting_dialect(profile: Technique) -> Dialect:
     """The dialect of the profile's machine.
 
     Raises InputError if there is none of that name, if it is for another process and the profile does not accept that,
@@ -284,12 +284,12 @@ def fitting_dialect(profile: Profile) -> Dialect:
     return dialect
 
 
-def _marks_too(dialect: Dialect, profile: Profile) -> bool:
+def _marks_too(dialect: Dialect, profile: Technique) -> bool:
     """Whether a shipped dialect is for the profile's process, and can mark."""
     return dialect.marks and profile.machine.process in dialect.processes
 
 
-def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool = False) -> None:
+def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool = False) -> None:
     """Refuse a nest whose program a dialect has no words for; `resumes` says that it goes on after a stop.
 
     Raises InputError for marks where it cannot mark, and for a program that must tell what is cut where it knows no
@@ -344,7 +344,7 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
         )
 
 
-def _said_at(profile: Profile, *paths: tuple[str, ...]) -> Place | None:
+def _said_at(profile: Technique, *paths: tuple[str, ...]) -> Place | None:
     """Where the profile's file has the first of these keys that it has, else where one that it is based on has."""
     files = (profile.file, *reversed(profile.read_from))
     return next((place for file in files if file and (place := place_in(file, *paths)) is not None), None)
@@ -355,7 +355,7 @@ def _said_at(profile: Profile, *paths: tuple[str, ...]) -> Place | None:
 _NONE = Powers(0, 0, 0, 0)
 
 
-def powers_of(dialect: Dialect, profile: Profile | None = None) -> Mapping[str, int]:
+def powers_of(dialect: Dialect, profile: Technique | None = None) -> Mapping[str, int]:
     """S words by the names that stand for them in a dialect's blocks; where the profile says none, the dialect's own.
 
     Examples
@@ -395,7 +395,7 @@ def own_wait_s(dialect: Dialect) -> float:
     return waited_s
 
 
-def plant_words(dialect: Dialect, profile: Profile | None = None) -> Mapping[str, str]:
+def plant_words(dialect: Dialect, profile: Technique | None = None) -> Mapping[str, str]:
     """What a profile says of the material, by the names that stand for it in a dialect's blocks.
 
     Without a profile a number stands for each, so that a dialect can be tried. Raises InputError where a block of the

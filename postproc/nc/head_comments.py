@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.reading import DONE
 from kerfwise.postproc.dialects import Dialect
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import ProfileValues
 
 from .gcode import comment, number, plain, room_for
 from .toolpaths import SHA_DIGITS
@@ -91,7 +91,7 @@ def _folded(name: str) -> str:
 # CHART KERF 1.8 MM) (SET 85 A, GAS O2/AIR, PIERCE HEIGHT 3.8 MM, CUT HEIGHT 1.5 MM)
 
 
-def setting_comments(profile: Profile, dialect: Dialect) -> Iterator[str]:
+def setting_comments(profile: ProfileValues, dialect: Dialect) -> Iterator[str]:
     """The comments; none where the profile has no chart and says nothing of the machine's setting."""
     use = profile.chart
     if use is not None:
@@ -111,7 +111,7 @@ def setting_comments(profile: Profile, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, "SET", line)
 
 
-def _settings(profile: Profile) -> Iterator[str]:
+def _settings(profile: ProfileValues) -> Iterator[str]:
     material = profile.material
     quantities = (
         ("{} A", material.amps),

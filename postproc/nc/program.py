@@ -24,7 +24,7 @@ from kerfwise.postproc.dialects import (
     plant_words,
     powers_of,
 )
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 from .gcode import (
     GcodeWriter,
@@ -46,13 +46,17 @@ ARCS_REFITTED = "ARCS REFITTED WITHIN"
 """What a program of a nest says whose flattened outlines were made arcs again; a length in mm follows."""
 
 
-def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | None = None) -> str:
+def write_program(plan: Plan, nest: Nest, profile: Technique, dialect: Dialect | None = None) -> str:
     """The program of `plan` in the dialect of the profile's machine, or in one that has no file.
 
     Kerf compensation is in the path (the program keeps G40), unless the dialect has the control add it; pierce points,
     order and directions are the plan's. The same plan, nest and profile give the same bytes, and so does the plan once
-    written to a file and read back. Raises InputError if the plan was made from another nest, or the dialect is unknown
-    or cannot spell the program.
+    written to a file and read back.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
     """
     dialect = dialect or fitting_dialect(profile)
     expect_words(nest, profile, dialect, bool(plan.already))
@@ -64,7 +68,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     return NEWLINES[dialect.newline].join([*number_blocks(blocks, dialect), ""])
 
 
-def head_comments(plan: Plan, nest: Nest, profile: Profile) -> list[str]:
+def head_comments(plan: Plan, nest: Nest, profile: Technique) -> list[str]:
     """What a program of `plan` says at its top: what it was made of, what it assumes, what is excused in it."""
     dialect = fitting_dialect(profile)
     return [
@@ -72,7 +76,7 @@ def head_comments(plan: Plan, nest: Nest, profile: Profile) -> list[str]:
     ]
 
 
-def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
+def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Technique, dialect: Dialect) -> Iterator[str]:
     totals, material, nest = plan.totals, profile.material, profile.as_cut(nest)
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
     of_file = f"SHA256 {nest.sha256[:SHA_DIGITS]}" if nest.sha256 else "TOLD FROM AN OLDER PROGRAM"
@@ -130,7 +134,7 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield from out_comments(plan, names, dialect)
 
 
-def _order_comments(nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
+def _order_comments(nest: Nest, profile: Technique, dialect: Dialect) -> Iterator[str]:
     """What a nest of a list, and a job file, say of the sheet: size, orders, first due date, day, and what parts."""
     orders = {} if profile.for_one_nest is None else profile.for_one_nest.said
     parts = (nest.drawn or nest).parts
@@ -159,7 +163,7 @@ _MOST_ORDERS = 30
 """So many orders and kinds of parts are named at the top of a program."""
 
 
-def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:
+def _origin(nest: Nest, profile: Technique, dialect: Dialect) -> str:
     """Where the machine's zero lies on the drawing."""
     if profile.machine.origin == "drawing":
         return comment(dialect, "ORIGIN DRAWING")
@@ -167,7 +171,7 @@ def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:
     return comment(dialect, f"ORIGIN SHEET CORNER, AT X{x} Y{y} OF THE DRAWING")
 
 
-def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
+def _assumed(plan: Plan, profile: Technique, dialect: Dialect) -> Iterator[str]:
     """What the program takes for granted of the machine, and who waits at a pierce."""
     machine = profile.machine
     waits = pierce_dwell_of(profile, dialect)
@@ -208,7 +212,7 @@ class _Spelt:
     first: int
     program: str
     names: Mapping[str, str] = field(hash=False)
-    profile: Profile = field(hash=False)
+    profile: Technique = field(hash=False)
     dialect: Dialect = field(hash=False)
 
 
@@ -216,14 +220,18 @@ def body_of_plan(
     plan: Plan,
     names: Mapping[str, str],
     nest: Nest,
-    profile: Profile,
+    profile: Technique,
     dialect: Dialect,
     paths: Sequence[Toolpath] | None = None,
 ) -> tuple[str, ...]:
     """All blocks but the comments at the top; the last ones asked for are kept with the nest.
 
     `names` are those of contours, the profile has the plan's origin, and `paths` are the plan's, where they are known.
-    Raises InputError if the plan was made from another nest.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
     """
     expect_same_nest(plan, profile.as_cut(nest))
     cuts = tuple((*_geometry(planned.cut), planned.dwell_s) for planned in plan.burns)
@@ -239,7 +247,7 @@ def body_of_plan(
     return body
 
 
-def blocks_of_plan(plan: Plan, nest: Nest, profile: Profile, paths: Sequence[Toolpath]) -> int:
+def blocks_of_plan(plan: Plan, nest: Nest, profile: Technique, paths: Sequence[Toolpath]) -> int:
     """How many blocks the program of a plan has, comments left out; see `body_of_plan`."""
     dialect = load_dialect(profile.machine.dialect)
     names = program_names(profile.as_cut(nest), dialect)
@@ -261,7 +269,7 @@ def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) 
     return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, text)
 
 
-def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile, pierces: Sequence[Pierce] = ()) -> int:
+def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Technique, pierces: Sequence[Pierce] = ()) -> int:
     """How many blocks a program of these paths and pierces has, comments left out, without writing it."""
     dialect = load_dialect(profile.machine.dialect)
     body = _body(paths, {}, nest, profile, dialect, pierces=pierces)
@@ -272,7 +280,7 @@ def _body(
     paths: Iterable[Toolpath],
     names: Mapping[str, str],
     nest: Nest,
-    profile: Profile,
+    profile: Technique,
     dialect: Dialect,
     first: int = 1,
     pierces: Sequence[Pierce] = (),
@@ -342,7 +350,7 @@ def opening(dialect: Dialect) -> int:
     return sum(1 for _ in named)
 
 
-def program_number(dialect: Dialect, profile: Profile | None = None) -> str:
+def program_number(dialect: Dialect, profile: Technique | None = None) -> str:
     """The number that the program is called by on the control, as its header spells it: the job file's, or its own."""
     if dialect.program is None:
         return ""
@@ -350,7 +358,7 @@ def program_number(dialect: Dialect, profile: Profile | None = None) -> str:
     return str(int(said.get("number", dialect.program.number))).zfill(dialect.program.digits)
 
 
-def _pierce(count: int, name: str, at: Point, profile: Profile, pen: GcodeWriter) -> Iterator[str]:
+def _pierce(count: int, name: str, at: Point, profile: Technique, pen: GcodeWriter) -> Iterator[str]:
     """The blocks of one pierce of a pass: there, torch on, the dwell, off."""
     machine = profile.machine
     yield comment(pen.dialect, f"PIERCE {count}", name)
@@ -361,7 +369,7 @@ def _pierce(count: int, name: str, at: Point, profile: Profile, pen: GcodeWriter
 
 
 def _cut(
-    order: int, name: str, toolpath: Toolpath, profile: Profile, pen: GcodeWriter, stays_on: bool
+    order: int, name: str, toolpath: Toolpath, profile: Technique, pen: GcodeWriter, stays_on: bool
 ) -> Iterator[str]:
     """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
     cut, machine, mark, dialect = toolpath.planned.cut, profile.machine, toolpath.marks, pen.dialect
@@ -398,7 +406,7 @@ def _cut(
 
 
 def _shared(
-    paths: Sequence[Toolpath], profile: Profile, dialect: Dialect, like: GcodeWriter
+    paths: Sequence[Toolpath], profile: Technique, dialect: Dialect, like: GcodeWriter
 ) -> frozenset[tuple[str, ...]]:
     """The blocks of paths, each from where it begins, that come more than once."""
     often: Counter[tuple[str, ...]] = Counter()
@@ -409,7 +417,7 @@ def _shared(
     return frozenset(path for path, count in often.items() if count > 1)
 
 
-def _pace(toolpath: Toolpath, profile: Profile) -> tuple[float, CornerFeed | None]:
+def _pace(toolpath: Toolpath, profile: Technique) -> tuple[float, CornerFeed | None]:
     """The feed of a cut, mm/s, and how it slows at corners."""
     machine = profile.machine
     if toolpath.marks:

@@ -10,7 +10,7 @@ from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import pierce_dwell_of
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 from .gcode import GcodeWriter, comment, number
 from .toolpaths import Toolpath
@@ -20,7 +20,7 @@ _SAME_DEG = 10**-_DEG_DECIMALS / 2
 
 
 def bevel_passes(
-    order: int, name: str, toolpath: Toolpath, corner: Point, profile: Profile, pen: GcodeWriter
+    order: int, name: str, toolpath: Toolpath, corner: Point, profile: Technique, pen: GcodeWriter
 ) -> Iterator[str]:
     """The blocks of all passes; `corner` is the point of the drawing that is the program's zero.
 
@@ -75,7 +75,7 @@ BLOCK_TORCHES = {UPRIGHT: "UPRIGHT", OPEN_TO_TOP: "OPEN TO THE TOP", OPEN_TO_BOT
 
 
 def _by_block(
-    order: int, name: str, toolpath: Toolpath, corner: Point, profile: Profile, pen: GcodeWriter
+    order: int, name: str, toolpath: Toolpath, corner: Point, profile: Technique, pen: GcodeWriter
 ) -> Iterator[str]:
     """The blocks of a contour that a block of torches cuts at once; how these are set by hand stands before."""
     machine, words, cut = profile.machine, profile.cuts.bevel, toolpath.planned.cut
@@ -104,7 +104,7 @@ def _by_block(
     pen.upright = f"{words.turn}0" if pen.dialect.turning is None else ""
 
 
-def kerf_assumptions(plan: Plan, profile: Profile) -> Iterator[str]:
+def kerf_assumptions(plan: Plan, profile: Technique) -> Iterator[str]:
     """What is taken for the kerf at angles that the plant has no row for: as upright, square to the jet."""
     rows = {angle for angle, _ in profile.cuts.bevel.kerfs}
     for angle in sorted({abs(one.tilt_deg) for planned in plan.cuts for one in planned.passes} - rows - {0.0}):

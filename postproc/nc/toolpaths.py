@@ -20,7 +20,7 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.torch_path import compensated, torch_way
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.models.plan.read_plan import expect_plan_of
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 SHA_DIGITS = 12
 
@@ -66,10 +66,13 @@ class Toolpath:
         return self.planned.cut.linked
 
 
-def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
+def toolpaths(plan: Plan, nest: Nest, profile: Technique) -> tuple[Toolpath, ...]:
     """The paths of all cuts of the first torch, each with the cuts that further torches make `together` with it.
 
-    Raises InputError if the plan was made from another nest.
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
     """
     nest = profile.as_cut(nest)
     expect_same_nest(plan, nest)
@@ -108,7 +111,10 @@ def outside(nest: Nest, points: list[Point]) -> list[bool]:
 def expect_same_nest(plan: Plan, nest: Nest) -> None:
     """Refuse a plan that was made from another nest.
 
-    Raises InputError with both sums of bytes, or the contours that the nest does not have.
+    Raises
+    ------
+    InputError
+        With both sums of bytes, or the contours that the nest does not have.
     """
     sha = plan.nest.get("sha256", "")
     if sha and nest.sha256 and sha != nest.sha256:

@@ -15,7 +15,7 @@ from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, wrong_and_right
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 from . import scene
 from .layers import (

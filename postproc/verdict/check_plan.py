@@ -34,10 +34,11 @@ from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import SHA_DIGITS
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.plan_state import PlanState
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_sections import changed_since
-from kerfwise.rules.rule import RuleFile, Violation
+from kerfwise.rules.profile.technique import Technique
+from kerfwise.rules.profile.values import changed_since
+from kerfwise.rules.rule import RuleFile
 
 __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
 
@@ -45,12 +46,12 @@ __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"
 # The check of a plan and of its program: what they hold is handed to the check, and its verdicts back to the plan.
 
 
-def _of_plan(nest: Nest, plan: Plan, profile: Profile) -> str:
+def _of_plan(nest: Nest, plan: Plan, profile: Technique) -> str:
     return f"checking the plan of {nest.file or 'the nest'}"
 
 
 @long_job(_of_plan)
-def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
+def check_plan(nest: Nest, plan: Plan, profile: Technique) -> CheckResult:
     """Judge a plan by geometry and the profile alone, and what it states of itself.
 
     A plan whose `rules` are empty claims nothing about them; see `report_of` to fill them in.
@@ -74,7 +75,7 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     return replace(result, warnings=(*result.warnings, *told))
 
 
-def _told_otherwise(plan: Plan, result: CheckResult, profile: Profile) -> Iterator[str]:
+def _told_otherwise(plan: Plan, result: CheckResult, profile: Technique) -> Iterator[str]:
     """What a plan says of rules and of its state, where the check of it under the same profile finds otherwise."""
     found = {rule.id: rule for rule in report_of(result, profile)}
     for said in plan.rules:
@@ -111,7 +112,7 @@ def _unlike(said: Places, found: Places) -> str:
 def check_program(
     nest: Nest,
     nc_text: str,
-    profile: Profile,
+    profile: Technique,
     file: str = "",
     plan: Plan | None = None,
     known: JudgedCuts | None = None,
@@ -141,7 +142,7 @@ def _relaxed_of(plan: Plan) -> tuple[RelaxedStatement, ...]:
     return tuple(RelaxedStatement(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
 
 
-def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
+def thermometer_of(nest: Nest, profile: Technique) -> Thermometer | None:
     """What measures the temperatures of a sheet by simulation; None where no rule asks for any."""
     limit = profile.temperature_limit()
     if limit is None:
@@ -166,7 +167,7 @@ def judge(
     nest: Nest,
     plan: Plan,
     program: str,
-    profile: Profile,
+    profile: Technique,
     trusted: Trusted | None = None,
     planned: CheckResult | None = None,
 ) -> CheckResult:
@@ -200,7 +201,7 @@ def _check_written(
     nest: Nest,
     plan: Plan,
     program: str,
-    profile: Profile,
+    profile: Technique,
     known: JudgedCuts | None,
     trusted: Trusted | None = None,
 ) -> CheckResult:
@@ -233,7 +234,7 @@ def _block(program: str, line: int) -> str:
     return f"block {lines[line - 1].strip()!r}" if 0 < line <= len(lines) else f"line {line}"
 
 
-def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
+def report_of(result: CheckResult, profile: Technique) -> tuple[RuleReport, ...]:
     """The verdicts on the profile's rules as a plan states them."""
     book, files = profile.rulebook(), profile.rule_files()
     return tuple(
@@ -271,7 +272,7 @@ _OFF_MM, _SHARE, _NAMED = 0.1, 1e-3, 3
 Word = tuple[str, float]
 
 
-def held_to_plan(result: CheckResult, nest: Nest, text: str, plan: Plan, profile: Profile) -> CheckResult:
+def held_to_plan(result: CheckResult, nest: Nest, text: str, plan: Plan, profile: Technique) -> CheckResult:
     """The verdict on a program, and where its words are others than those of its plan under this profile.
 
     A plan that was told from an older program has that one's words: it is not asked.

@@ -24,7 +24,7 @@ from kerfwise.postproc.nc.gcode import GcodeWriter, comment, number_blocks, piec
 from kerfwise.postproc.nc.program import NEWLINES, header_blocks, opening
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.plant_sections import ENDINGS
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 
 _CUT = Curve.of([(20.0, 10.0, 0.0), (30.0, 10.0, 0.3), (40.0, 20.0, -0.4), (55.0, 25.0, 0.0)], closed=False)
 _MARK = Curve.of([(60.0, 5.0, 0.0), (70.0, 5.0, 0.0)], closed=False)
@@ -46,7 +46,7 @@ class _Line:
     block: str
 
 
-def trusted_dialect(profile: Profile) -> Dialect:
+def trusted_dialect(profile: Technique) -> Dialect:
     """The dialect of the profile's machine, once a small program in it has been read back as it was meant.
 
     Raises InputError as `fitting_dialect`; and where a word does not do on the control what it is there for: with the

@@ -12,14 +12,15 @@ import shapely
 from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
 from kerfwise.encoder.text import join_names
 from kerfwise.rules.judging.loose_metal import OVER_MM, beside_metal, crumbs, loosened, meeting
-from kerfwise.rules.rule import NoGoodIds, Rule
+from kerfwise.rules.judging.violation import NoGoodIds
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, NoGood, Precede, Statement, by_kind
 
 from .reduced_statements import GantryStatements, Remainder, remaining_no_good, rest_of
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Copies, Facts
-    from kerfwise.rules.profile.profile import Profile
+    from kerfwise.rules.profile.active_rules import ActiveRules
 
 
 # What geometry finds wrong with a whole order, as statements against it: for rules that no statement can say before.
@@ -33,7 +34,7 @@ LATER = 1.5
 """How much longer the same number of cuts takes to look at later on, when more is out."""
 
 
-def lazy_statements(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], tuple[Statement, ...]]:
+def lazy_statements(facts: Facts, profile: ActiveRules) -> Callable[[Sequence[int]], tuple[Statement, ...]]:
     """A function that says what is wrong with an order (contour numbers), each thing once.
 
     It answers with nothing when an order shows nothing new: a soft rule, or one that is excusable, may well be broken
@@ -72,7 +73,7 @@ def lazy_statements(facts: Facts, profile: Profile) -> Callable[[Sequence[int]],
     return look
 
 
-def forbids_later(facts: Facts, profile: Profile) -> bool:
+def forbids_later(facts: Facts, profile: ActiveRules) -> bool:
     """Whether something forbids what only geometry finds in a whole order; what has a price does not.
 
     A rule of the profile may, and whatever it says: kerfs that meet may cut metal off.
@@ -102,7 +103,7 @@ def _in_turn(facts: Facts, names: list[str]) -> Iterator[list[str]]:
         yield [name for row in rows for name in (*row[turn % len(row) :], *row[: turn % len(row)])]
 
 
-def look_takes_s(facts: Facts, profile: Profile, clock: Callable[[], float] = time.monotonic) -> float:
+def look_takes_s(facts: Facts, profile: ActiveRules, clock: Callable[[], float] = time.monotonic) -> float:
     """About how many seconds a look at one order takes: from looks at stretches of an order.
 
     Each stretch is another, as what a look has told of some parts is known to the next.

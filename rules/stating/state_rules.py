@@ -33,7 +33,7 @@ from .statement_costs import begun_first, late_parts, link_offers, open_ways, sl
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
-    from kerfwise.rules.profile.profile import Profile
+    from kerfwise.rules.profile.technique import Technique
 
 
 HOPELESS = "these hard rules cannot hold in any order"
@@ -79,7 +79,7 @@ class Stated:
     exempt: tuple[About, ...] = ()
 
 
-def state_rules(facts: Facts, profile: Profile, by_other_zones: Stated | None = None) -> Stated:
+def state_rules(facts: Facts, profile: Technique, by_other_zones: Stated | None = None) -> Stated:
     """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
 
     What is stated `by_other_zones` of facts that are else the same, nothing relaxed, is taken over of rules that do
@@ -113,7 +113,7 @@ def state_rules(facts: Facts, profile: Profile, by_other_zones: Stated | None = 
 
 
 def every_statement(
-    facts: Facts, profile: Profile, known: Mapping[str, Sequence[Statement]] = MappingProxyType({})
+    facts: Facts, profile: Technique, known: Mapping[str, Sequence[Statement]] = MappingProxyType({})
 ) -> tuple[list[Statement], tuple[About, ...]]:
     """What the rules that are on state, cycles and all, and the contours they exempt; some of it may be known."""
     book = profile.rulebook()
@@ -136,7 +136,7 @@ def every_statement(
     return statements, tuple(exempt)
 
 
-def _kept(stated: Stated, profile: Profile) -> dict[str, list[Statement]]:
+def _kept(stated: Stated, profile: Technique) -> dict[str, list[Statement]]:
     """What rules that do not mind zones have stated, by rule, in order; none of rules whose statements were dropped."""
     book, gave_way = profile.rulebook(), {dropped.rule for dropped in stated.dropped}
     blind = [name for name in profile.settings() if name not in gave_way and not book[name].minds_zones]
@@ -147,7 +147,7 @@ def _kept(stated: Stated, profile: Profile) -> dict[str, list[Statement]]:
     return kept
 
 
-def hopeless_anyway(facts: Facts, profile: Profile) -> tuple[About, ...]:
+def hopeless_anyway(facts: Facts, profile: Technique) -> tuple[About, ...]:
     """As `hopeless`, of the rules that look at contours alone: for nests that have no candidates."""
     book = profile.rulebook()
     on = {name: setting for name, setting in profile.settings().items() if book[name].relaxable}
@@ -192,7 +192,7 @@ def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement
     return remaining_statements(rule.statements(facts.past.whole, options), rest_of(facts))
 
 
-def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
+def too_much_at_once(facts: Facts, profile: Technique) -> dict[int, About]:
     """Contours of the first torch that cannot be cut together with others by the hard rules, and one reason of each.
 
     What is asked of them asks for an order of what is cut at one time, or leaves them no way to be cut.
@@ -220,7 +220,7 @@ def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
     return found
 
 
-def _objective(facts: Facts, profile: Profile) -> list[Statement]:
+def _objective(facts: Facts, profile: Technique) -> list[Statement]:
     """Idle travel at its price by the millimetre and the second, slower or open ways, parts that wait, and links."""
     price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
     return [

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import Candidate
     from kerfwise.encoder.facts.facts import Facts
     from kerfwise.encoder.nest import Contour, Part
-    from kerfwise.rules.profile.profile import Profile
+    from kerfwise.rules.profile.technique import Technique
 
 
 def soften(statements: Iterable[Statement], weight: float) -> Iterator[Statement]:
@@ -36,7 +36,7 @@ LINKS = "links"
 """What these statements come from: no rule, but the profile's `cuts.links`."""
 
 
-def link_offers(facts: Facts, profile: Profile) -> Iterator[Link]:
+def link_offers(facts: Facts, profile: Technique) -> Iterator[Link]:
     """Each link of the facts that takes less time than a pierce would, but for those that a lock rules out.
 
     A link costs its time at the feed of the contour that it leads to, less the pierce and the lead-in that it saves.
@@ -69,7 +69,7 @@ def link_offers(facts: Facts, profile: Profile) -> Iterator[Link]:
 _LEAST_S = 1e-3
 
 
-def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
+def slower_ways(facts: Facts, profile: Technique) -> Iterator[Forbid]:
     """Each candidate that takes longer than the quickest of its contour, at the price of the seconds it adds.
 
     Together with idle travel this is all of T = L_on / V_on + L_off / V_off + N · t (Tavaeva and Petunin) that a plan
@@ -93,7 +93,7 @@ def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
             yield Forbid(number, About("objective", (name,), sentence), more * price)
 
 
-def price_of_second(profile: Profile) -> float:
+def price_of_second(profile: Technique) -> float:
     """What a second costs beside idle travel, mm: as the profile says; with links or common cuts all time counts.
 
     It counts as idle travel does, then.
@@ -109,12 +109,12 @@ def price_of_second(profile: Profile) -> float:
     return profile.objective.time + profile.objective.idle * profile.machine.travel_mm_s
 
 
-def counts_time(profile: Profile) -> bool:
+def counts_time(profile: Technique) -> bool:
     """Whether pierces, leads and lengths of cuts are at stake, so that a plan's cost is its time."""
     return profile.link_options() is not None or profile.common_options() is not None
 
 
-def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+def start_s(candidate: Candidate, contour: Contour, profile: Technique) -> float:
     """Time until the torch moves."""
     machine = profile.machine
     if contour.kind == "mark":
@@ -122,17 +122,17 @@ def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
     return machine.unpierced_s if candidate.unpierced else machine.pierce_time_s
 
 
-def lead_in_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+def lead_in_s(candidate: Candidate, contour: Contour, profile: Technique) -> float:
     """Time along the lead-in."""
     return 0.0 if candidate.lead_in is None else candidate.lead_in.length_mm / _feed_mm_s(contour, profile)
 
 
-def _feed_mm_s(contour: Contour, profile: Profile) -> float:
+def _feed_mm_s(contour: Contour, profile: Technique) -> float:
     machine = profile.machine
     return machine.mark_feed_mm_s if contour.kind == "mark" else machine.cut_feed_mm_s * contour.feed_share
 
 
-def _seconds(candidate: Candidate, contour: Contour, profile: Profile, bare: bool = False) -> float:
+def _seconds(candidate: Candidate, contour: Contour, profile: Technique, bare: bool = False) -> float:
     """Time to cut a contour this way; `bare` without start, leads and overcut."""
     leads_mm = sum(lead.length_mm for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
     run_mm = candidate.cut_mm
@@ -151,7 +151,7 @@ MOST_PAIRS = 5000
 """From so many pairs on, whole parts are counted in place of their contours."""
 
 
-def late_parts(facts: Facts, profile: Profile) -> Iterator[Precede]:
+def late_parts(facts: Facts, profile: Technique) -> Iterator[Precede]:
     """For each part that others may wait for: what is cut before it is out costs the seconds that it takes.
 
     The sum over all of them is the weighted completion time, Σ w · C, without leads and travel: w is the price times
@@ -197,7 +197,7 @@ def _class_of(part: Part) -> tuple[float, str]:
     return (float(str(priority)) if number else math.inf), (due if isinstance(due, str) else "9999")
 
 
-def _alone_s(contour: Contour, profile: Profile) -> float:
+def _alone_s(contour: Contour, profile: Technique) -> float:
     """What a contour takes by itself, without leads and travel."""
     start = profile.machine.mark_time_s if contour.kind == "mark" else profile.machine.pierce_time_s
     return start + (contour.curve.length_mm + contour.corner_mm) / _feed_mm_s(contour, profile)

@@ -23,10 +23,10 @@ from kerfwise.jobs.request import options_for
 from kerfwise.models.engines import Engine, member_of
 from kerfwise.models.engines.solve import solve
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Violation
 from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, loose_orders, state_rules

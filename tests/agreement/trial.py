@@ -18,8 +18,8 @@ from kerfwise.models.physics.motion import Leg, schedule
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.check.plan_runs import runs_from_cuts
 from kerfwise.rules.catalogue.pierce import PierceOptions
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Violation
 from kerfwise.tests.agreement.stretches import Stretches, along_mm
 from kerfwise.tests.models.engines.cases import Case
 

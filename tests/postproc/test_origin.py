@@ -16,7 +16,8 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rules.case import part, rect
 from kerfwise.rules.profile.plant_sections import Machine
-from kerfwise.rules.profile.profile import Profile, placing_notes
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.values import placing_notes
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
 from kerfwise.tests.tools import canon
 

@@ -29,10 +29,11 @@ ALLOWED = {
 WORDS = {
     "locks": {
         "jobs/nest_job/job.py",
-        "rules/profile/profile_sections.py",
+        "rules/profile/contradictions.py",
         "rules/profile/load.py",
         "rules/profile/schema.py",
         "rules/profile/key_places.py",
+        "rules/profile/values.py",
     },
     "pierce": {
         "jobs/display.py",

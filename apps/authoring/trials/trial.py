@@ -28,8 +28,9 @@ from kerfwise.postproc.check.plan_runs import runs_from_cuts
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.flat.model_rule import ModelRule
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
+from kerfwise.rules.rule import Rule, RuleSetting, Strength
 from kerfwise.rules.statements import Statement
 
 MOST_PLANS = 800

@@ -17,8 +17,8 @@ from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
 from kerfwise.rules.options.kind import Choice, Flag, Text
 from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.profile.load import DEFAULT, shipped_profiles
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import RuleValue, with_rule_values
 from kerfwise.rules.rule import Rule, RuleSetting
 from kerfwise.rules.run_cases import cases_of
@@ -108,7 +108,7 @@ def profile_sha256(wanted: PlanRequest) -> str:
     return _plant(wanted).sha256
 
 
-def _plant(wanted: PlanRequest) -> Profile:
+def _plant(wanted: PlanRequest) -> ActiveRules:
     """The profile of a nest, without what its job file sets for it."""
     enter_nest_folder(wanted)
     job = job_in(wanted)
@@ -116,11 +116,11 @@ def _plant(wanted: PlanRequest) -> Profile:
     return plant_of(DEFAULT if named is None else named, wanted.trust)
 
 
-def _path(plant: Profile) -> Path:
+def _path(plant: ActiveRules) -> Path:
     return Path(plant.read_from[-1]).resolve()
 
 
-def _shipped(plant: Profile) -> bool:
+def _shipped(plant: ActiveRules) -> bool:
     return plant.read_from[-1] in {str(file) for file in shipped_profiles().values()}
 
 
@@ -134,13 +134,13 @@ def _new_path(wanted: PlanRequest, name: str) -> Path:
     return path
 
 
-def _from(folder: Path, plant: Profile) -> str:
+def _from(folder: Path, plant: ActiveRules) -> str:
     """The file of a profile, as one in this folder names it."""
     path = _path(plant)
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
 
 
-def _rule(plant: Profile, rule: Rule[Any], setting: RuleSetting, settable: bool = True) -> dict[str, Any]:
+def _rule(plant: ActiveRules, rule: Rule[Any], setting: RuleSetting, settable: bool = True) -> dict[str, Any]:
     key = f"rules.{rule.id}"
     options = options_of(setting.options) if settable else ()
     return {
@@ -158,7 +158,7 @@ def _rule(plant: Profile, rule: Rule[Any], setting: RuleSetting, settable: bool 
     }
 
 
-def _option(plant: Profile, key: str, option: Option, owner: Any) -> dict[str, Any]:
+def _option(plant: ActiveRules, key: str, option: Option, owner: Any) -> dict[str, Any]:
     kind = option.kind
     words = kind.words if isinstance(kind, Choice) else ("true", "false") if isinstance(kind, Flag) else ()
     return {

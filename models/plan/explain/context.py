@@ -26,7 +26,7 @@ from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 from kerfwise.rules.statements import About, Precede, by_kind
 from kerfwise.rules.stating.state_rules import Stated
 
@@ -50,7 +50,7 @@ class PlanContext:
     """
 
     facts: Facts
-    profile: Profile
+    profile: Technique
     stated: Stated
     problem: Problem
     route: tuple[int, ...]
@@ -73,7 +73,7 @@ class PlanContext:
         return self.problem.ids[contour]
 
 
-def make_context(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> PlanContext:
+def make_context(facts: Facts, profile: Technique, stated: Stated, plan: Plan) -> PlanContext:
     """The setting of a plan, under the facts and statements of today.
 
     Raises
@@ -90,7 +90,7 @@ def make_context(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
 
 def context_along(
     facts: Facts,
-    profile: Profile,
+    profile: Technique,
     stated: Stated,
     problem: Problem,
     candidates: Sequence[int],
@@ -120,7 +120,7 @@ def context_along(
     )
 
 
-def solved_context(facts: Facts, profile: Profile, stated: Stated, solution: Solution) -> PlanContext:
+def solved_context(facts: Facts, profile: Technique, stated: Stated, solution: Solution) -> PlanContext:
     """The setting of a plan that was just found: by the problem that was solved, where the engine has kept it."""
     problem = solution.problem
     if problem is None:

@@ -17,7 +17,7 @@ from kerfwise.encoder.text import join_names, unknown
 from kerfwise.models.heat_prices import HEAT
 from kerfwise.models.plan.make_plan import bevels_because, common_because, tabs_because
 from kerfwise.models.plan.plan import Plan
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.technique import Technique
 from kerfwise.rules.statements import (
     EXEMPTION_MM,
     About,
@@ -44,7 +44,7 @@ from .price_split import price_split
 from .reasons import EXEMPTION_UM, KeptOrders, Reasons
 
 
-def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
+def explain(facts: Facts, profile: Technique, stated: Stated, plan: Plan, contour: str) -> Explanation:
     """Explain one contour of a plan under the facts and statements as they are now.
 
     Raises

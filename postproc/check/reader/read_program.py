@@ -11,7 +11,8 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
 from kerfwise.rules.profile.plant_sections import Origin
-from kerfwise.rules.profile.profile import Frame, Profile
+from kerfwise.rules.profile.technique import Technique
+from kerfwise.rules.profile.values import Frame
 
 from .controls import QTPLASMAC, Control, in_file
 from .essi import read_essi
@@ -34,13 +35,17 @@ _ORIGINS: Mapping[str, Origin] = {"DRAWING": "drawing", "SHEET CORNER": "sheet-c
 
 
 def read_on_machine(
-    text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None
+    text: str, nest: Nest, profile: Technique, file: str = "", trusted: Trusted | None = None
 ) -> NcProgram:
     """Read a program as the machine runs it; where the control holds the pierce delay itself, its clock has it too.
 
     Where the machine's zero lies on the drawing the program's own comment says, else the profile. Words that leave the
-    feed, and what else a material has, to the machine are refused, unless they are `trusted`. Raises InputError with
-    the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
+    feed, and what else a material has, to the machine are refused, unless they are `trusted`.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
     """
     machine = profile.machine
     if trusted is None:
@@ -55,10 +60,13 @@ def read_on_machine(
     return replace(shift_program(program, zero), origin=origin, zero=zero if origin else None)
 
 
-def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = "") -> OldProgram:
+def old_on_machine(text: str, profile: Technique, trusted: Trusted, file: str = "") -> OldProgram:
     """Read a program of which there is no nest, line by line, in its own coordinates.
 
-    Raises InputError as `read_old` does; for a dialect that does not fit the profile's process.
+    Raises
+    ------
+    InputError
+        As `read_old` does; for a dialect that does not fit the profile's process.
     """
     machine, (control, held_s) = profile.machine, control_of(profile)
     unlit_mm, torches = _unlit_mm(profile), _torches(profile)
@@ -67,22 +75,26 @@ def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = ""
     )
 
 
-def _torches(profile: Profile) -> int:
+def _torches(profile: Technique) -> int:
     """How many torches words select: with a block the first is that of a machine without one, and never burns."""
     return 4 if profile.cuts.bevel.head == "block" else profile.machine.torches.count
 
 
-def _unlit_mm(profile: Profile) -> float:
+def _unlit_mm(profile: Technique) -> float:
     """How far the torch may move on unlit within a burn: over tabs, where the profile has any but at the end."""
     tabs = profile.tabs()
     return 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
 
 
-def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
+def control_of(profile: Technique) -> tuple[Control, tuple[float, float]]:
     """The control that runs the profile's programs, and how long it holds the torch by itself to cut, and to mark.
 
-    That of a laser tells marks from cuts by the profile's power, where it says one. Raises InputError for a dialect
-    that does not fit the profile's process.
+    That of a laser tells marks from cuts by the profile's power, where it says one.
+
+    Raises
+    ------
+    InputError
+        For a dialect that does not fit the profile's process.
     """
     machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
     by_machine = pierce_dwell_of(profile, dialect) == "machine"
@@ -101,12 +113,12 @@ def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
     return replace(control, marks_up_to=marks_up_to), held_s
 
 
-def with_program_origin(program: NcProgram, profile: Profile) -> Profile:
+def with_program_origin(program: NcProgram, profile: Technique) -> Technique:
     """The profile with the origin that the program says it has."""
     return profile if program.origin is None else profile.at_origin(program.origin)
 
 
-def origin_warning(program: NcProgram, profile: Profile) -> Iterator[str]:
+def origin_warning(program: NcProgram, profile: Technique) -> Iterator[str]:
     """A warning where a program says another origin than the profile."""
     if program.origin is not None and program.origin != profile.machine.origin:
         origin = profile.machine.origin
@@ -183,8 +195,12 @@ def read_old(
 ) -> OldProgram:
     """Read a program that somebody else wrote; `feed_mm_min` is what the machine's material has for a feed.
 
-    `tab_mm` and `torches` are as for `read_nc`. Raises InputError with line and column, as `read_nc` does; and for a
-    torch that is on in a rapid, or units that nobody states.
+    `tab_mm` and `torches` are as for `read_nc`.
+
+    Raises
+    ------
+    InputError
+        With line and column, as `read_nc` does; and for a torch that is on in a rapid, or units that nobody states.
 
     Examples
     --------

@@ -3,7 +3,7 @@
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.case import Case, circle, cut, nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 PLATE = nest(200, 200, part("P1", rect(10, 10, 100, 100), [circle(40, 60, 10)], [[(60, 60), (90, 60)]]))
 PLASMA = CutDirectionOptions(outer="cw", hole="ccw")

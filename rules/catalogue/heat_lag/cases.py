@@ -5,7 +5,7 @@ from dataclasses import replace
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 ROW = nest(
     500,

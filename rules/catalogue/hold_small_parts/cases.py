@@ -8,7 +8,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, cut, nest, part, rect
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 SMALL = nest(400, 200, part("A", rect(20, 20, 80, 50), [rect(50, 35, 20, 20)]))
 WIDE = nest(400, 200, part("A", rect(20, 20, 120, 50)))

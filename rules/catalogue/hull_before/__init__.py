@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
+from kerfwise.encoder.nest import Contour, Ids, Nest, cached_with_nest
 from kerfwise.rules.judging.metal import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule, Strength
+from kerfwise.rules.rule import OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """Cases of rule hull-before."""
 
 from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 CHANNEL = part("C", [(10, 10), (210, 10), (210, 40), (40, 40), (40, 160), (210, 160), (210, 190), (10, 190)])
 MOUTH = nest(400, 200, CHANNEL, part("D", circle(120, 100, 40)))

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.metal import host_holes
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule, Strength
+from kerfwise.rules.rule import OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:

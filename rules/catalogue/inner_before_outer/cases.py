@@ -2,7 +2,7 @@
 
 from kerfwise.encoder.slits import with_slits
 from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 PLATE = nest(300, 200, part("P1", rect(10, 10, 100, 100), [circle(40, 60, 10)], [[(60, 60), (90, 60)]]))
 RING = part("H", rect(10, 10, 150, 150), [rect(30, 30, 110, 110)])

@@ -10,10 +10,10 @@ import shapely
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.nest import Nest, cached_with_nest
+from kerfwise.encoder.nest import Ids, Nest, cached_with_nest
 from kerfwise.rules.judging.metal import same_place, well_within
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule, Strength
+from kerfwise.rules.rule import OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """Cases of rule level-ahead."""
 
 from kerfwise.rules.case import Case, in_order, nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 ROW = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(110, 10, 80, 80)))
 # B's lower edge at y = 50, the level of A's centroid: the ray along it grazes B. And a micrometre higher it misses.

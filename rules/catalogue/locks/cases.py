@@ -5,9 +5,9 @@ from dataclasses import replace
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.case import Case, cut, in_order, nest, part, rect
 from kerfwise.rules.catalogue.locks import LocksOptions
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.yaml_positions import Place
-from kerfwise.rules.rule import Violation
 
 ROW = nest(
     400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80))

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import Contiguous, Precede
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 TWO = nest(
     300,

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, Side
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.metal import host_holes
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.rule import OrderRule
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:

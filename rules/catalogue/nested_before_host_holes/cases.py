@@ -1,7 +1,7 @@
 """Cases of rule nested-before-host-holes."""
 
 from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 HOST = part("H", rect(10, 10, 200, 100), [rect(20, 20, 80, 80), circle(150, 60, 20)])
 ONE = nest(300, 200, HOST, part("G", rect(30, 30, 40, 40)))

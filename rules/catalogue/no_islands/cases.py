@@ -5,7 +5,7 @@ from dataclasses import replace
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 # Three by three, 10 mm apart and from the edges: M in the middle faces nothing but its neighbours.
 NAMES = ("A", "B", "C", "D", "M", "E", "F", "G", "H")

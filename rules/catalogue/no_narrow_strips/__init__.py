@@ -10,10 +10,11 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.judging.strips_and_islands import Cutting, strips_and_islands
+from kerfwise.rules.judging.violation import NoGoodIds, Violation
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH, likely
-from kerfwise.rules.rule import Forced, NoGoodIds, Rule, Violation
+from kerfwise.rules.rule import Forced, Rule
 from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:

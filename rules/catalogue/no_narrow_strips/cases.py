@@ -2,7 +2,7 @@
 
 from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 # Long parts side by side, 10 mm apart: A and C 150 mm wide, B between them.
 ROWS = nest(1200, 450, part("A", rect(50, 50, 1000, 150)), part("B", rect(50, 210, 1000, 40)),

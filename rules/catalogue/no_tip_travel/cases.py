@@ -5,7 +5,7 @@ from dataclasses import replace
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.case import Case, cut, nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 ROW = nest(400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80)))
 

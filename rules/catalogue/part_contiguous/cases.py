@@ -2,7 +2,7 @@
 
 from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 PLATE = part("P1", rect(10, 10, 100, 60), [circle(35, 40, 10), circle(80, 40, 10)], [[(50, 20), (70, 20)]])
 NEST = nest(300, 100, PLATE, part("P2", rect(120, 10, 50, 60)))

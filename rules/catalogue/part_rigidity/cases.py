@@ -8,7 +8,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, cut, nest, part, rect
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 ALONE = nest(200, 200, part("P", rect(10, 10, 180, 180)))
 HOST = nest(400, 400, part("H", rect(50, 50, 300, 300), [rect(70, 70, 120, 120)]), part("G", rect(80, 80, 100, 100)))

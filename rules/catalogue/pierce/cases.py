@@ -7,7 +7,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.slits import with_slits
 from kerfwise.rules.case import Case, CaseKind, circle, nest, part, rect
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 PLATE = nest(
     400, 300, part("A", rect(50, 50, 100, 100), [circle(100, 100, 20)]), part("B", rect(160, 50, 100, 100))

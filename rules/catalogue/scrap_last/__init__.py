@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.holding import loose_scrap_cuts
-from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Precede
 
 if TYPE_CHECKING:

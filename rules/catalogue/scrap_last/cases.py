@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.rules.case import Case, in_order, nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 A = part("A", rect(550, 50, 100, 100), [rect(580, 80, 20, 20)])
 STRIPS = nest(1000, 200, A, scrap=[[(100, 0), (100, 200)], [(200, 0), (200, 200)]])

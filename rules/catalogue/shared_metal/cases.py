@@ -5,7 +5,7 @@ from dataclasses import replace
 from kerfwise.encoder.nest import Nest, Note
 from kerfwise.rules.case import Case, CaseKind, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 
 def side_by_side(gap_mm: float) -> Nest:

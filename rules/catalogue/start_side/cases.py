@@ -4,7 +4,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.rules.case import Case, circle, in_order, nest, part, rect
 from kerfwise.rules.catalogue.start_side import StartSideOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 # Long strips (80 x 20) near the right side, though the offcut on the left would ask for the left's opposite as well.
 LONG = nest(400, 200, part("A", rect(280, 10, 100, 20)), part("B", rect(30, 60, 60, 60)))

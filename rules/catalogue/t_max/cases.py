@@ -5,7 +5,7 @@ from dataclasses import replace
 from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.t_max import TMaxOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 # Two parts 10 mm apart; A is cut from 1 s on, B from 31 s on.
 PAIR = nest(400, 200, part("A", rect(50, 50, 100, 100)), part("B", rect(160, 50, 100, 100)))

@@ -6,7 +6,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, in_order, nest, part, rect
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 
 ROW = nest(
     400,

@@ -17,7 +17,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.overrides import read_lock, read_setting
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_sections import ForOneNest
+from kerfwise.rules.profile.values import ForOneNest
 from kerfwise.tests.tools.amount import examples
 
 PLATE = nest(

@@ -15,9 +15,9 @@ from kerfwise.postproc.check import CheckResult, check_cuts, gouging
 from kerfwise.postproc.check.torch_run import TorchRun, rings_of
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.sections import RuleSetting, default_settings
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Violation
 from kerfwise.tests.postproc.plans import cut_of, profile
 
 REACHING = replace(profile().machine, travel_x_mm=(-20.0, 3000.0), travel_y_mm=(-20.0, 1500.0))

@@ -19,7 +19,7 @@ from kerfwise.postproc.check import check_cuts
 from kerfwise.postproc.check.features_kept import Allowed, Uncut, features_lost
 from kerfwise.postproc.check.torch_run import TorchRun, torch_rings
 from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, contour, slot
 from kerfwise.tests.postproc.plans import cut_of, profile
 from kerfwise.tests.tools.amount import examples

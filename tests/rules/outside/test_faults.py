@@ -8,7 +8,7 @@ import pytest
 
 import kerfwise as api
 from kerfwise.encoder.errors import RuleFault
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, rule_file
 

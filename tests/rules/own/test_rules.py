@@ -11,12 +11,13 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.rules.case import cut, in_order, nest, part, rect
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
 from kerfwise.rules.own.demands import MOST
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import profile_yaml
-from kerfwise.rules.rule import Plate, Violation
+from kerfwise.rules.rule import Plate
 from kerfwise.rules.statements import Precede
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.rules.own.made import rules_of

@@ -11,7 +11,7 @@ import pytest
 from kerfwise.apps.viewer.compare.comparison import _pays
 from kerfwise.postproc.check.result import Excused, Judgement
 from kerfwise.rules.case import rect
-from kerfwise.rules.rule import Violation
+from kerfwise.rules.judging.violation import Violation
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 

@@ -1,0 +1,298 @@
+"""What does not go together in a profile, or with a nest: values, and techniques."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import yaml
+
+from kerfwise.encoder.bevels.cut_nest import bevelled
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.quantities import length_at
+from kerfwise.rules.options.yaml_positions import Problems, deepest
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Plant, Rule
+
+from .active_rules import resolve_defaults
+from .plant_sections import MACHINE_WAITS, Heat, Machine, Material, Prices
+from .sections import Common, LeadsSection, RuleSetting, SmallHoles
+from .technique import Technique
+from .time_section import Time
+from .values import plant_of_sections
+
+# What only the values of a profile taken together can get wrong.
+
+
+SLOWEST_MM_S = 1 / 3
+"""The slowest feed that anything but a water jet cuts at; slower ones are mostly m/min without their unit."""
+
+
+def check_together(values: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
+    """Note values that contradict each other, at the one that the file gives."""
+    leads: LeadsSection = values["leads"]
+    machine: Machine = values["machine"]
+    material: Material = values["material"]
+    rules: dict[str, RuleSetting] = values["rules"]
+    time: Time = values["time"]
+    heat: Heat = values["heat"]
+    holes: SmallHoles = values["small_holes"]
+
+    lead_in_mm = length_at(leads.lead_in_mm, material.thickness_mm)
+    if leads.lead_in_min_mm > lead_in_mm:
+        problems.add(
+            deepest(root, "leads", "lead_in_min"),
+            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm",
+        )
+    pierce = next((name for name, setting in rules.items() if hasattr(setting.options, "clearance_mm")), "")
+    if leads.lead == "none" and pierce and rules[pierce].strength != "off":
+        problems.add(
+            deepest(root, "leads", "lead"),
+            f"leads.lead: without a lead the torch pierces on its path, {material.kerf_mm / 2:g} mm from the contour, "
+            f"and rules.{pierce} asks for more: give a lead (line, arc), or switch that off: rules: {{{pierce}: off}}",
+        )
+    if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
+        problems.add(
+            deepest(root, "leads", "edge_start"),
+            "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
+            "7 s",
+        )
+    feed_node = deepest(root, "machine", "cut_feed")
+    slow = machine.process != "water-jet" and machine.cut_feed_mm_s < SLOWEST_MM_S
+    if slow and isinstance(feed_node, yaml.ScalarNode):
+        feed, least = (f"{mm_s * 60:.6g}" for mm_s in (machine.cut_feed_mm_s, SLOWEST_MM_S))
+        problems.add(
+            feed_node,
+            f"machine.cut_feed: {feed} mm/min is not likely for {machine.process}, expected {least} mm/min and more: "
+            f"did you mean {feed} m/min?",
+        )
+    for path, text in common_cut_problems(values["cuts"].common, machine, material, values["cuts"].in_stretches):
+        problems.add(deepest(root, *path), text)
+    if leads.edge_start and machine.pierce_dwell == "machine":
+        problems.add(
+            deepest(root, "leads", "edge_start"),
+            f"leads.edge_start: {MACHINE_WAITS}",
+        )
+    if machine.torches.several and machine.torches.spacing_mm <= 0:
+        problems.add(
+            deepest(root, "machine", "torches"),
+            f"machine.torches.spacing: {machine.torches.count} torches stand apart: say how far, such as 500 mm",
+        )
+    if machine.torches.up_to_mm is not None and machine.torches.up_to_mm < machine.torches.spacing_mm:
+        problems.add(
+            deepest(root, "machine", "torches", "up_to"),
+            f"machine.torches.up_to: {machine.torches.up_to_mm:g} mm is less than the least spacing, "
+            f"{machine.torches.spacing_mm:g} mm",
+        )
+    for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
+        if span is not None and not span[0] <= at_mm <= span[1]:
+            problems.add(
+                deepest(root, "machine", "home"),
+                f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
+            )
+    least_mm, full_mm = (length_at(length, material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
+    if holes.small_hole_feed < 1 and full_mm < least_mm:
+        problems.add(
+            deepest(root, "small_holes", "full_feed_hole"),
+            f"small_holes.full_feed_hole: {full_mm:g} mm is less than min_hole, {least_mm:g} mm",
+        )
+    if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
+        problems.add(
+            deepest(root, "time", "model"),
+            "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
+        )
+    if heat.limit_c <= heat.ambient_c:
+        problems.add(
+            deepest(root, "heat", "limit_c"),
+            f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
+        )
+    if heat.logical_conduction * 8 > 1:
+        problems.add(
+            deepest(root, "heat", "logical_conduction"),
+            f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
+            "the scheme is stable up to 0.125",
+        )
+    for key, text in _wrong_prices(values["prices"], material):
+        problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
+    plant = plant_of_sections(machine, material, heat, values["locks"], values["cuts"])
+    for name, key, text in rule_option_problems(plant, rules, RULES | values["further_rules"]):
+        problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
+
+
+def rule_option_problems(
+    plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]]
+) -> Iterator[tuple[str, str, str]]:
+    """Rule, key of an option, and what is wrong, where options do not go with the plant, its locks among it."""
+    for name, setting in rules.items():
+        if setting.strength != "off":
+            for key, text in known[name].check_with(
+                resolve_defaults(setting.options, plant, rules, known), plant, rules
+            ):
+                yield name, key, text
+
+
+def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str]]:
+    """Keys of prices that the other values leave without a meaning, and why."""
+    worn = prices.consumables
+    if prices.gas_m3 and material.gas_flow_m3_h is None:
+        yield "gas_m3", "nobody says how much gas flows: give material.gas_flow, or a chart with that column"
+    if prices.gas_m3 and prices.gas_hour:
+        yield "gas_m3", "the gas has a price by the hour too (gas_hour): keep one"
+    if prices.sheet_kg and prices.sheet_each:
+        yield "sheet_each", "the sheet has a price by the kilogram too (sheet_kg): keep one"
+    if prices.kwh and not (prices.torch_kw or prices.standby_kw):
+        yield "kwh", "nobody says how much power is drawn: give torch_kw, standby_kw or both"
+    if worn.set_price and not (worn.pierces or worn.torch_hours):
+        yield "consumables", "nobody says how long a set lasts: give consumables.pierces, torch_hours or both"
+
+
+# What of common cuts does not go with the machine and the material.
+
+
+def common_cut_problems(
+    common: Common, machine: Machine, material: Material, stretches: str = ""
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Where the mistake stands in a profile, by its keys, and what it is; so of the group that asks for `stretches`."""
+    asked = "common" if common.shortest_mm is not None else stretches
+    if not asked:
+        return
+    if common.gap_tolerance_mm > tolerance_mm(material.kerf_mm):
+        yield (
+            ("cuts", "common", "gap_tolerance"),
+            f"cuts.common.gap_tolerance: {common.gap_tolerance_mm:g} mm is more than a torch may be off at this kerf, "
+            f"{tolerance_mm(material.kerf_mm):g} mm",
+        )
+    if machine.kerf_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
+        yield (
+            ("cuts", asked),
+            f"cuts.{asked}: a flame has to heat the edge of a kerf before it cuts on from there: give "
+            "machine.edge_preheat, such as 7 s, or say machine.kerf_start: false",
+        )
+    if machine.kerf_start and machine.pierce_dwell == "machine":
+        yield (("machine", "kerf_start"), f"machine.kerf_start: {MACHINE_WAITS}")
+
+
+# Whether common edges can be cut once as a profile asks.
+
+
+def expect_common_cuts(profile: Technique) -> None:
+    """Refuse what does not go together with common cuts.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    strict = profile.rules_of_direction("outer")
+    if profile.common_options() is not None and strict and profile.cuts.common.good_side == "part":
+        raise InputError(
+            f"cuts.common: {' and '.join(strict)} leaves outer contours one direction, so that of two parts with a "
+            "common edge one gets the bad side of the kerf: free the direction, or accept that "
+            "(cuts.common.good_side: any)",
+            file=profile.file or None,
+        )
+
+
+# Whether rows can be cut as snakes as a profile asks.
+
+
+def expect_snakes(profile: Technique, nest: Nest | None = None) -> None:
+    """Refuse what does not go together with snakes.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    if (group := profile.cuts.in_stretches) and (why := next(_no_snakes(profile, nest), None)):
+        raise InputError(f"cuts.{group}: {why}, or leave cuts.{group} out", file=profile.file or None)
+
+
+def _no_snakes(profile: Technique, nest: Nest | None) -> Iterator[str]:
+    cuts, limit = profile.cuts, profile.temperature_limit()
+    if profile.tabs() is not None:
+        yield "a part that tabs hold is cut in one round: turn off the rule that leaves tabs"
+    if cuts.pierce_pass is not None:
+        yield "what is left of a part begins at no hole: say cuts.pierce_pass: off"
+    if profile.machine.torches.several:
+        yield "stretches are planned for one torch: say machine: {torches: {count: 1}}"
+    if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
+        yield "a way over the gaps of a row may cut metal off in which scrap lines are cut: leave these out"
+    if profile.corner_feed() is not None:
+        yield "slower corners are counted for whole rounds: say corners.corner_feed: 1"
+    if limit is not None:
+        yield f"{limit.rule} simulates whole rounds: turn it off"
+    if profile.prices_overheats:
+        yield "the price of heat is simulated for whole rounds: say objective: {heat: 0}"
+    if profile.objective.distortion:
+        yield "the price of distortion is simulated for whole rounds: say objective: {distortion: 0}"
+
+
+# Whether bevels can be cut as a profile asks.
+
+
+def expect_bevels(profile: Technique, nest: Nest | None = None, resumed: bool = False) -> None:
+    """Refuse what does not go together with bevels: of a profile that has a head for them, or of a nest that has some.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    contours = [] if nest is None else list(bevelled(nest))
+    section = profile.cuts.bevel
+    if section.head is not None and section.tilt == section.turn:
+        raise InputError(
+            f"cuts.bevel: tilt and turn are both {section.tilt}: give each axis its own", file=profile.file or None
+        )
+    if not contours:
+        return
+    if section.head is None:
+        first = contours[0]
+        raise InputError(
+            f"{first.id} has a bevel ({first.bevel}), and the profile has no head that tilts: say cuts: {{bevel: "
+            "{head: tilting}}, or take the bevel out of the nest",
+            file=(nest.file if nest is not None else "") or None,
+        )
+    if section.head == "block" and len(kinds := {str(b) for c in contours for b in c.bevel_of_edge if b}) > 1:
+        raise InputError(
+            f"the block of torches is set by hand to one bevel, and the nest has {' and '.join(sorted(kinds))}: cut it "
+            "as two nests, or take a head that tilts",
+            file=(nest.file if nest is not None else "") or None,
+        )
+    if (why := next(_no_bevels(profile, nest, resumed), None)) is not None:
+        raise InputError(f"{contours[0].id} has a bevel: {why}", file=profile.file or None)
+
+
+def _no_bevels(profile: Technique, nest: Nest | None, resumed: bool) -> Iterator[str]:
+    cuts, limit = profile.cuts, profile.temperature_limit()
+    if profile.tabs() is not None:
+        yield "a tilted torch leaves no tabs: turn off the rule that leaves them"
+    if cuts.pierce_pass is not None:
+        yield "holes are not pierced for a tilted torch beforehand: say cuts.pierce_pass: off"
+    if profile.machine.torches.several:
+        yield "one head tilts: say machine: {torches: {count: 1}}"
+    if cuts.links.longest_mm > 0:
+        yield "the torch does not stay on from a bevel to the next contour: say cuts: {links: {longest: 0 mm}}"
+    if profile.common_options() is not None:
+        yield "an edge with a bevel is no common edge: say cuts: {common: {shortest: off}}"
+    if cuts.in_stretches:
+        yield f"a contour with a bevel is cut in whole rounds: leave cuts.{cuts.in_stretches} out"
+    if cuts.narrow == "slit":
+        yield "slots of parts with bevels are not opened by one pass: say cuts.narrow: refuse, or leave"
+    if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
+        yield "loops lie where scrap lines are cut: leave these out"
+    if nest is not None and nest.bridges:
+        yield "parts with bevels are not joined by bridges: leave the bridges out"
+    if profile.corner_feed() is not None:
+        yield "slower corners are counted for upright torches: say corners.corner_feed: 1"
+    if limit is not None:
+        yield f"{limit.rule} simulates upright torches: turn it off"
+    if profile.prices_overheats:
+        yield "the price of heat is simulated for upright torches: say objective: {heat: 0}"
+    if profile.objective.distortion:
+        yield "the price of distortion is simulated for upright torches: say objective: {distortion: 0}"
+    if resumed:
+        yield "a nest with bevels is not gone on with after a stop: cut it from the old program"
