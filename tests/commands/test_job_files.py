@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.models.plan.read_plan import read_plan
+from kerfwise import read_plan
 from kerfwise.tests.commands.run_cli import kerfwise
 
 PLATE = {

@@ -10,8 +10,7 @@ import ezdxf
 import pytest
 from jsonschema import Draft202012Validator
 
-from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.tools import canon
 

@@ -10,9 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from kerfwise.encoder.readers import read_nest
-from kerfwise.models.plan.read_plan import read_plan
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest, read_plan
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import by_kind, simulate

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.models.plan.read_plan import read_plan
+from kerfwise import read_plan
 from kerfwise.tests.docs.stopwatch import INSTALLING, ROOT, Command, follow, steps
 
 IN_A_CHECKOUT = "\n## A rule of the catalogue\n"

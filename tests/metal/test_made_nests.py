@@ -6,8 +6,7 @@ from pathlib import Path
 
 import shapely
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
+from kerfwise import InputError, read_nest
 from kerfwise.tests.metal.made_nests import FAMILIES, GAPS_MM, SLOTS_MM, made
 
 MANY = range(300)

@@ -8,7 +8,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from kerfwise.encoder.nest import Nest
+from kerfwise import Nest
 from kerfwise.tests.metal.burns import burns_of
 from kerfwise.tests.metal.drawing import drawing_of
 from kerfwise.tests.metal.hand_made import CUTS, KERF_MM, A, around, program, sheet, straight, with_cut

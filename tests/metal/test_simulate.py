@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise import Nest
+from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import moved
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import (  # fmt: skip

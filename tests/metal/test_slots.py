@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import nest, part
+from kerfwise import Nest
+from kerfwise.rule_kit import nest, part
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import KERF_MM, Blocks, program, straight
 from kerfwise.tests.metal.simulate import by_kind, simulate

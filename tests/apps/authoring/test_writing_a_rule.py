@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.models.plan.read_plan import read_plan
+from kerfwise import read_plan
 
 ROOT = Path(kerfwise.__file__).parent
 WHOLE = (ROOT / "docs" / "writing-a-rule.md").read_text(encoding="utf-8")

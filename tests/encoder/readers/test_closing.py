@@ -5,9 +5,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Questions
+from kerfwise import InputError, Nest, Questions
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, sheet, square, texts
 
 Ends = tuple[tuple[float, float], tuple[float, float]]

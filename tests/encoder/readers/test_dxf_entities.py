@@ -10,8 +10,8 @@ import pytest
 import shapely
 from scipy.interpolate import BSpline
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Contour
+from kerfwise import InputError
+from kerfwise.rule_kit import Contour
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, sheet, square, texts
 
 SLOT = [(50, 50, 0, 0, 0), (100, 50, 0, 0, 1), (100, 80, 0, 0, 0), (50, 80, 0, 0, 1)]

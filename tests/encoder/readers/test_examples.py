@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.encoder.readers import read_nest
+from kerfwise import read_nest
 
 NESTS = Path(kerfwise.__file__).parent / "examples" / "nests"
 

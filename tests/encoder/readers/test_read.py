@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
+from kerfwise import InputError, read_nest
 
 SMALL = {
     "format": "kerfwise-nest/1",

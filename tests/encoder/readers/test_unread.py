@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.readers import read_nest
+from kerfwise import read_nest
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, sheet, square, texts
 
 

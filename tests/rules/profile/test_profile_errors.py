@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import InputError, load_profile
 
 
 def error_of(tmp_path: Path, text: str) -> list[str]:

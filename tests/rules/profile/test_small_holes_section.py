@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import InputError, load_profile
 
 
 def test_the_limits_follow_the_thickness_and_the_room_of_a_pierce(tmp_path: Path) -> None:

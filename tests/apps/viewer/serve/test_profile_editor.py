@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect
 
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile
 from kerfwise.tests.apps.viewer.serve.served import Open, Served, Tab
 
 pytestmark = pytest.mark.slow
