@@ -179,7 +179,8 @@ def _with_ways_along(
     out = [nest.index[name] for name in already.contours]
     left = [c.id for c in nest.contours if c.id not in begun.union(already.contours, loose)]
     rows = [] if asked is None else rows_of(nest, kerf_mm, asked, left, leads.directions["outer"])
-    rows = [replace(row, name=f"{row.name}.{len(already.cuts)}") for row in rows] if past else rows
+    if past:
+        rows = [replace(one, name=f"{one.name}.{len(already.cuts)}") for row in rows for one in row.of or (row,)]
     taken = frozenset[str]().union(*(row.members for row in rows))
     split = to_be_split(nest, kerf_mm, profile.split_options(), [name for name in left if name not in taken])
     shared = CommonOptions(0.0, profile.cuts.common.gap_tolerance_mm, profile.machine.kerf_start)
@@ -200,7 +201,7 @@ def _with_ways_along(
                 return made.rest, of_rest, made
             unfit = {made}
             bare = {way.along[0].contour for way in halves if way.id == made}
-        rows = [row for row in rows if row.name not in unfit]
+        rows = [one for row in rows for one in (row.of if row.name in unfit else (row,))]
         split = {name: half for name, half in split.items() if name not in bare}
     return (*builder.build(), None)
 

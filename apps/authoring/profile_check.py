@@ -132,6 +132,7 @@ WITHOUT_EFFECT: dict[str, Reason] = {
     "cuts.common.good_side": _NO_COMMON,
     "cuts.common.accept_loss": _NO_COMMON,
     "cuts.snake.parts": _NO_SNAKE,
+    "cuts.snake.rows": _NO_SNAKE,
     **dict.fromkeys(
         (f"cuts.bevel.{key}" for key in ("tilt", "turn", "most_turn", "kerfs", "corner", "run", "lies_still")),
         _NO_BEVEL,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -24,7 +25,8 @@ from .stretches import joined_at, way_of
 # A row runs along the normals of the edges by which its parts face each other. The way out begins at one end of it,
 # follows the side of each part that lies to the right of the row (or to the left), and crosses each gap straight: in
 # line with the sides, where these are in one line, else square to the edges that face each other, a kerf from the end
-# of what faces. What is left of each part is one stretch, from where the way leaves it round to where it came to it.
+# of what faces. Rows beside each other may follow each other in one way: out along one, back along the next. What is
+# left of each part is one stretch, from where the way leaves it round to where it came to it.
 
 _TURN = math.sin(math.radians(0.2))
 _CHORD_MM = 0.01
@@ -34,9 +36,12 @@ _LEAST_SHARE = 0.1
 """At the ends of a row a stretch is between this share of its ring and the rest of it."""
 
 
+Link = tuple[Point, Point]
+
+
 @dataclass(frozen=True, slots=True)
 class SnakeOptions:
-    """Neighbours in a row are `gap_mm` apart at the most, and `parts` in number at the least.
+    """Neighbours in a row are `gap_mm` apart at the most, and `parts` in number at the least; so are `rows` of a snake.
 
     Those a kerf apart share the edge between them, as `shared` says, if they `may_share` it.
     """
@@ -45,20 +50,24 @@ class SnakeOptions:
     parts: int
     shared: CommonOptions
     may_share: bool = True
+    rows: int = 1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Row:
     """Contours that follow each other in a direction (a unit vector), and which side the way out takes.
 
-    `links` lead from each to the next, from ring to ring; the side is to the right of the row, or to the left.
+    `links` lead from each to the next, from ring to ring; the side is to the right of the row, or to the left. Where
+    one row follows another, `of` are these rows, and the last goes in the direction `last_along`.
     """
 
     name: str
     contours: tuple[Contour, ...]
     along: Point
     right: bool
-    links: tuple[tuple[Point, Point], ...]
+    links: tuple[Link, ...]
+    last_along: Point
+    of: tuple[Row, ...] = ()
 
     @property
     def direction(self) -> Direction:
@@ -101,10 +110,86 @@ def rows_of(
             names = {nest.contours[k].id for edge in part for k in (edge.contour, edge.other)}
             if len(names) < options.parts or apart.crowded(names):
                 continue
-            if (row := _row(nest, part, apart, kerf_mm, options.gap_mm, len(rows) + 1)) is not None:
+            if (row := _row(nest, part, apart, len(rows) + 1, options)) is not None:
                 rows.append(row)
                 taken |= row.members
-    return rows
+    return rows if options.rows < 2 else _stacked(nest, rows, found, apart, options)
+
+
+def _stacked(
+    nest: Nest, rows: Sequence[Row], edges: Sequence[FacingEdge], apart: _Apart, options: SnakeOptions
+) -> list[Row]:
+    """Rows beside each other as one: out along the first, back along the next, and so on, all the same way round."""
+    facing = {(edge.contour, edge.other): edge for edge in sorted(edges, key=lambda edge: edge.length_mm)}
+    left, found = list(rows), list[Row]()
+    while left:
+        tried = [
+            _grid(nest, first, onwards, left, facing, apart, options) for first in left for onwards in (True, False)
+        ]
+        best = max((left[0], *tried), key=lambda row: len(row.of))
+        found.append(best)
+        left = [row for row in left if row not in (best, *best.of)]
+    return found
+
+
+def _grid(
+    nest: Nest,
+    first: Row,
+    onwards: bool,
+    rows: Sequence[Row],
+    facing: Mapping[tuple[int, int], FacingEdge],
+    apart: _Apart,
+    options: SnakeOptions,
+) -> Row:
+    """A row with those that follow it: each begins at a part that the last part of the row before faces.
+
+    The first goes along its outer side, so do all others: between two rows the metal hangs to the sheet at one end.
+    """
+    up = np.array([-first.along[1], first.along[0]])
+    grid, back = _towards(nest, first, onwards, onwards, facing, apart, options), not onwards
+    while grid is not None and len(grid.of) < options.rows:
+        end, outside = grid.contours[-1], onwards == (len(grid.of) % 2 == 1)
+        longer = None
+        for row in rows:
+            edge = facing.get((nest.index[end.id], nest.index[row.contours[0 if back else -1].id]))
+            level = abs(first.along[0] * row.along[1] - first.along[1] * row.along[0]) <= _TURN
+            if row in grid.of or edge is None or not level or float(_normal(edge) @ up) < 1 - _TURN:
+                continue
+            over = _links(nest, [edge], up, outside, apart, options)
+            more = _towards(nest, row, back, onwards, facing, apart, options)
+            if over is not None and more is not None:
+                longer = replace(
+                    grid,
+                    contours=(*grid.contours, *more.contours),
+                    links=(*grid.links, *over, *more.links),
+                    last_along=more.along,
+                    of=(*grid.of, row),
+                )
+                break
+        if longer is None:
+            break
+        grid, back = longer, not back
+    return first if grid is None or len(grid.of) < 2 else grid
+
+
+def _towards(
+    nest: Nest,
+    row: Row,
+    onwards: bool,
+    right: bool,
+    facing: Mapping[tuple[int, int], FacingEdge],
+    apart: _Apart,
+    options: SnakeOptions,
+) -> Row | None:
+    """The row the same way, or backwards, with its way on this side; None where a link there is not free."""
+    contours = row.contours if onwards else row.contours[::-1]
+    edges = [facing[nest.index[one.id], nest.index[other.id]] for one, other in pairwise(contours)]
+    along = row.along if onwards else (-row.along[0], -row.along[1])
+    if any(float(_normal(edge) @ np.array(along)) < 1 - _TURN for edge in edges):
+        return None
+    if (links := _links(nest, edges, np.array(along), right, apart, options)) is None:
+        return None
+    return replace(row, contours=contours, along=along, right=right, links=links, last_along=along, of=(row,))
 
 
 def _by_direction(edges: Sequence[FacingEdge]) -> list[list[FacingEdge]]:
@@ -202,7 +287,7 @@ class _Apart:
         near = frozenset[str]().union(*(self.near.get(name, frozenset()) for name in names))
         return not self.hosted.isdisjoint(names) or not near <= {*names}
 
-    def free(self, link: tuple[Point, Point], joined: Collection[str]) -> bool:
+    def free(self, link: Link, joined: Collection[str]) -> bool:
         """Whether a link burns no part, stays on the sheet, and keeps off the contours that it does not join."""
         line = shapely.LineString(link)
         if not shapely.covers(self.sheet, line):
@@ -213,9 +298,7 @@ class _Apart:
         return {self.nest.contours[k].id for k in met.tolist()} <= {*joined}
 
 
-def _row(
-    nest: Nest, chain: Sequence[FacingEdge], apart: _Apart, kerf_mm: float, most_mm: float, number: int
-) -> Row | None:
+def _row(nest: Nest, chain: Sequence[FacingEdge], apart: _Apart, number: int, options: SnakeOptions) -> Row | None:
     """A row of the parts of a chain along the side that lies nearer to the sheet's edge; None where no link is free."""
     contours = [nest.contours[edge.contour] for edge in chain] + [nest.contours[chain[-1].other]]
     along = _normal(chain[0])
@@ -232,18 +315,24 @@ def _row(
         return float(shapely.distance(met, around)) if not met.is_empty else math.inf
 
     for right in sorted((True, False), key=lambda right: (round(room_mm(right), 3), not right)):
-        links = [_link(nest, edge, along, right, apart, kerf_mm) for edge in chain]
-        if all(link is not None and math.dist(*link) <= most_mm + _CHORD_MM for link in links):
+        if (links := _links(nest, chain, along, right, apart, options)) is not None:
             at = (float(along[0]), float(along[1]))
-            sure = tuple(link for link in links if link is not None)
-            return Row(f"snake{number}", tuple(contours), at, right, sure)
+            return Row(f"snake{number}", tuple(contours), at, right, links, at)
     return None
 
 
-def _link(
-    nest: Nest, edge: FacingEdge, along: Floats, right: bool, apart: _Apart, kerf_mm: float
-) -> tuple[Point, Point] | None:
+def _links(
+    nest: Nest, chain: Sequence[FacingEdge], along: Floats, right: bool, apart: _Apart, options: SnakeOptions
+) -> tuple[Link, ...] | None:
+    """The ways over all gaps of a row on one side; None where one is not free, or too long."""
+    found = [_link(nest, edge, along, right, apart) for edge in chain]
+    fit = [link for link in found if link is not None and math.dist(*link) <= options.gap_mm + _CHORD_MM]
+    return tuple(fit) if len(fit) == len(found) else None
+
+
+def _link(nest: Nest, edge: FacingEdge, along: Floats, right: bool, apart: _Apart) -> Link | None:
     """The way over one gap: in line with the sides of both, else square to the edges that face each other."""
+    kerf_mm = apart.kerf_mm
     one, other = nest.contours[edge.contour], nest.contours[edge.other]
     joined = one.id, other.id
     beside, ahead = _side(one, along, right, kerf_mm), _side(other, along, right, kerf_mm)
@@ -328,7 +417,7 @@ def _end(
 ) -> _End:
     """Where the way begins, or ends: where a candidate joins, as near as may be to the corner at the end of the row."""
     ring = compensated(contour, kerf_mm).towards(row.direction)
-    along = np.array(row.along)
+    along = np.array(row.along if sign < 0 else row.last_along)
     aside = np.array([along[1], -along[0]]) * (1 if row.right else -1)
     points = ring.flatten(_CHORD_MM)
     corner = points[np.argmax(points @ (sign * along + aside))]

@@ -69,7 +69,7 @@ class Profile(Technique):
             return None
         shared = CommonOptions(0.0, self.cuts.common.gap_tolerance_mm, self.machine.kerf_start)
         one_way = bool(strict) and self.cuts.common.good_side == "part"
-        return SnakeOptions(snake.gap_mm, snake.parts, shared, may_share=not one_way)
+        return SnakeOptions(snake.gap_mm, snake.parts, shared, may_share=not one_way, rows=snake.rows)
 
     def as_answered(self) -> Profile:
         """The profile with what `drawing.answers` says of slots narrower than the kerf, small holes and shared edges.

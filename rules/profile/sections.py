@@ -129,6 +129,9 @@ class Snake:
     parts: int = field(
         default=2, metadata=option(Number(2, 1000, whole=True), "so many parts make a row, at the least")
     )
+    rows: int = field(
+        default=1, metadata=option(Number(1, 1000, whole=True), "one way goes through so many rows, at the most")
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,6 +103,41 @@ def test_sides_that_are_not_in_line_are_joined_square_over_the_gap(folder: Path)
     assert made["totals"]["pierces"] == 1
 
 
+def test_a_grid_takes_one_pierce_and_the_length_known_by_hand(folder: Path) -> None:
+    """Out along the outer side of the first row, up at its end, back along the second, and along the third."""
+    rows = []
+    for k in range(12):
+        x, y = 20 + 90 * (k % 4), 20 + 72 * (k // 4)
+        rows.append({"id": f"P{k + 1}", "outer": [[x, y], [x + 80, y], [x + 80, y + 60], [x, y + 60]]})
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 256}, "parts": rows}
+    write(folder, nest, PLASMA + SNAKE.replace("20 mm", "20 mm, rows: 3"))
+    done = solve("-o", "out.nc")
+    assert done.code == 0, done.err
+    made = plan(folder)
+    begun = [row for row in made["cuts"] if "stretch" in row]
+    lead_mm = math.dist(*begun[0]["lead_in"])
+    by_hand = 12 * (2 * (80 + 60) + 2 * math.pi * 0.75) + 9 * 10.0 + 2 * 12.0 + lead_mm
+    assert made["totals"]["pierces"] == 1
+    assert made["totals"]["cut_mm"] == pytest.approx(by_hand, abs=0.01)
+    assert len(begun) == 12
+    assert {row["stretch"]["way"] for row in begun} == {"snake1"}
+    assert len({row["direction"] for row in begun}) == 1, "all the same way round"
+    assert kerfwise("check", "nest.json", "out.nc", "--plan", "plan.json", "-p", "plant.yaml").code == 0
+    write(folder, nest, PLASMA + SNAKE.replace("20 mm", "20 mm, rows: 2"))
+    assert solve().code == 0
+    assert plan(folder)["totals"]["pierces"] == 2, "two rows, and one"
+
+
+def test_a_row_that_no_other_row_s_end_faces_has_a_way_of_its_own(folder: Path) -> None:
+    rows = []
+    for k, (x, y) in enumerate([(20, 20), (110, 20), (20, 110), (110, 110)]):
+        rows.append({"id": f"P{k + 1}", "outer": [[x, y], [x + 80, y], [x + 80, y + 60], [x, y + 60]]})
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 256}, "parts": rows}
+    write(folder, nest, LASER + SNAKE.replace("20 mm", "20 mm, rows: 2"))
+    assert solve().code == 0
+    assert {row["stretch"]["way"] for row in plan(folder)["cuts"] if "stretch" in row} == {"snake1", "snake2"}
+
+
 def test_explain_and_pictures_know_stretches(folder: Path) -> None:
     write(folder, nest_of(10.0, 3), LASER + SNAKE)
     solve()

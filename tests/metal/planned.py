@@ -68,6 +68,7 @@ BEYOND: Mapping[str, str] = {
     "common cuts, scrap": COMMON + ", scrap: {grid: 150 mm}}\n",
     "edges that touch": COMMON.removesuffix("}") + ", accept_loss: true}}\n",
     "snake": SNAKE + "}\n",
+    "snake of rows": SNAKE.removesuffix("}") + ", rows: 4}}\n",
     "snake, common": SNAKE + f", {EDGES}}}}}\n",
     "snake, split": SNAKE + ", split: {halves: 4, last: 15 mm}}\n",
     "split": SNAKE.replace("snake: {gap: 30 mm}", "split: {halves: 3, last: 15 mm}") + "}\n",
