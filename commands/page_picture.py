@@ -152,10 +152,7 @@ def _draw(way: Connection) -> None:
 def planned_picture(inputs: Inputs, verified: VerifiedPlan, suffix: str, beside: DrawnBeside) -> bytes:
     """The content of a picture's file, of the type that its suffix says, the one that was drawn beside if there is one.
 
-    Raises
-    ------
-    InputError
-        If it is none of a picture.
+    Raises InputError if it is none of a picture.
     """
     if suffix.lower() == PAGE:
         page = app_module("viewer.page.page_data")

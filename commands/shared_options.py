@@ -170,10 +170,7 @@ def reading_of(inputs: Inputs, options: Mapping[str, Any]) -> ReadOptions:
 def protect(inputs: Inputs, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
     """Say before the work that a file would be written over which is read: the nest, the profile's, or others.
 
-    Raises
-    ------
-    InputError
-        Naming the file.
+    Raises InputError naming the file.
     """
     from kerfwise.postproc.output_files import expect_outputs
 
@@ -378,10 +375,7 @@ def old_options(verb: ProgramVerb) -> ProgramVerb:
 def program_alone(nest: str, made: str | None) -> bool:
     """Whether a program is given without its nest: one file, and that is no nest.
 
-    Raises
-    ------
-    click.UsageError
-        If a nest is given alone.
+    Raises click.UsageError if a nest is given alone.
     """
     if made is not None:
         return False
@@ -393,10 +387,7 @@ def program_alone(nest: str, made: str | None) -> bool:
 def read_program_alone(feed: float | None, kerf: float | None, options: Mapping[str, Any]) -> OldJob:
     """An old program in the place of the nest; options that are about a drawing are refused.
 
-    Raises
-    ------
-    InputError
-        With file and line, for what cannot be read or be sure of.
+    Raises InputError with file and line, for what cannot be read or be sure of.
     """
     from kerfwise.jobs.programs import read_old_job
 
@@ -430,10 +421,7 @@ def program_request(feed: float | None, kerf: float | None, sheet: str | None) -
 def _answering(verb: Verb, *args: Any, **options: Any) -> Any:
     """What a verb gives; on a terminal it runs once more with the answers to the questions that it raises.
 
-    Raises
-    ------
-    Questions
-        Where nobody sits before a terminal.
+    Raises Questions where nobody sits before a terminal.
     """
     while True:
         try:
@@ -448,10 +436,7 @@ def _answering(verb: Verb, *args: Any, **options: Any) -> Any:
 def _asked(question: Question) -> str:
     """The value of the choice that somebody types, or the number of.
 
-    Raises
-    ------
-    click.Abort
-        Where somebody ends it there, with Ctrl-C or the end of input: nothing was written then.
+    Raises click.Abort where somebody ends it there, with Ctrl-C or the end of input: nothing was written then.
     """
     values = [choice.value for choice in question.choices]
     wide = max(map(len, values), default=0)

@@ -111,10 +111,7 @@ def bare(stream: TextIO) -> TextIO:
 def expect_printed() -> None:
     """Where what is printed is all that the command makes: refuse to end well if it was not printed whole.
 
-    Raises
-    ------
-    InputError
-        If standard output takes no more; not where its reader has gone, who wants no more.
+    Raises InputError if standard output takes no more; not where its reader has gone, who wants no more.
     """
     sys.stdout.flush()
     lost = sys.stdout.lost if isinstance(sys.stdout, Stream) else None

@@ -89,10 +89,7 @@ def solve_by(
 ) -> Solution:
     """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones.
 
-    Raises
-    ------
-    RulesConflict
-        If no lawful plan exists, or none was found.
+    Raises RulesConflict if no lawful plan exists, or none was found.
     """
     facts, stated = request.facts, request.stated
     refine = lazy_statements(facts, profile)

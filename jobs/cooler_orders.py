@@ -100,10 +100,7 @@ class SimulatedOrders(Protocol):
     ) -> BestSimulated:
         """The best route found where a unit costs as much as `price_mm` of idle travel.
 
-        Raises
-        ------
-        RulesConflict
-            If round 0 has no plan.
+        Raises RulesConflict if round 0 has no plan.
         """
 
 
@@ -147,10 +144,7 @@ class CoolerOrders:
     def start(self, going: MayGoOn = _always) -> None:
         """Simulate random orders, if that was not done before.
 
-        Raises
-        ------
-        RulesConflict
-            If no lawful order came of many attempts at random.
+        Raises RulesConflict if no lawful order came of many attempts at random.
         """
         if not self._started:
             self._simulate((random_order(self._problem, seed) for seed in range(ORDERS)), 1.0, going)
@@ -176,10 +170,7 @@ class CoolerOrders:
     ) -> BestSimulated:
         """The best route found where an overheat costs as much as `price_mm` of idle travel.
 
-        Raises
-        ------
-        RulesConflict
-            If round 0 has no plan.
+        Raises RulesConflict if round 0 has no plan.
         """
         problem, chance = self._problem, random.Random(seed)
         plan = self._sites(planner(0, ()))

@@ -90,13 +90,7 @@ NO_PANDAS = "a table needs pandas, which is not installed: pip install pandas"
 
 
 def data_frame(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = None) -> pandas.DataFrame:
-    """The rows as a table.
-
-    Raises
-    ------
-    InputError
-        If pandas is not installed.
-    """
+    """The rows as a table. Raises InputError if pandas is not installed."""
     try:
         loaded: Any = importlib.import_module("pandas")
     except ImportError:

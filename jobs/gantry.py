@@ -25,10 +25,7 @@ _LOOKED_AT = 40
 def first_groups(nest: Nest, profile: Profile) -> list[Group]:
     """The contours that torches would cut together by their outlines alone.
 
-    Raises
-    ------
-    InputError
-        If no part has a copy as far away as the torches are apart.
+    Raises InputError if no part has a copy as far away as the torches are apart.
     """
     torches = profile.machine.torches
     if not torches.several:
@@ -87,10 +84,7 @@ def drop_parts(groups: Sequence[Group], without: Sequence[Group]) -> list[Group]
 def facts_of_torches(whole: Facts, groups: Sequence[Group], profile: Profile) -> Facts:
     """The facts of what the first torch cuts; groups of which a hard rule asks an order are cut one by one.
 
-    Raises
-    ------
-    InputError
-        If none is left.
+    Raises InputError if none is left.
     """
     step = profile.machine.torches.step
     why = ""

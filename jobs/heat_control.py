@@ -60,11 +60,7 @@ def with_heat_prices(facts: Facts, profile: Profile, stated: Stated) -> Stated:
     """The statements with the prices that random orders tell; as they are where overheats cost nothing.
 
     The prices that a plan was made with in the end are fitted to routes near to it as well, and so differ somewhat.
-
-    Raises
-    ------
-    RulesConflict
-        If no lawful order came of many attempts at random.
+    Raises RulesConflict if no lawful order came of many attempts at random.
     """
     if not profile.objective.heat or not profile.heat.absorbed_power_w:
         return stated
@@ -86,12 +82,7 @@ def solve_priced(
 
     Other `orders` have a price on what another simulation shows. The objective is what the plan costs by the rules and
     by what is simulated. A sheet might have none of that, so the bound is that of the rules alone. A time limit ends
-    the simulations, too.
-
-    Raises
-    ------
-    RulesConflict
-        If no lawful plan exists, or none was found.
+    the simulations, too. Raises RulesConflict if no lawful plan exists, or none was found.
     """
     facts, stated = request.facts, request.stated
     orders = orders or cooler_orders(facts, profile, stated)
@@ -180,12 +171,8 @@ class Cooler:
     def find(self, again: bool = True) -> tuple[Solution, Plan]:
         """The first plan that keeps to the limit as it is; else, of those that waits make keep it, the one done first.
 
-        `again` says that other orders may be asked for.
-
-        Raises
-        ------
-        RulesConflict
-            If none does: with the temperature of the coolest, and the waits that would do.
+        `again` says that other orders may be asked for. Raises RulesConflict if none does: with the temperature of the
+        coolest, and the waits that would do.
         """
         grid = make_grid(self.facts.nest, self.profile.heat.grid_mm)
         tried: list[TriedPlan] = []

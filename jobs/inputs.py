@@ -196,12 +196,8 @@ def is_plan_file(path: str | Path) -> bool:
 def read_program_of(path: str | Path, inputs: Inputs, tell: Tell = silent, trusted: Trusted | None = None) -> NcProgram:
     """An NC program of the nest; cuts that are along none of its contours are told.
 
-    What it leaves to the machine's material is refused, unless that is `trusted`.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read or understood, or is one of another nest.
+    What it leaves to the machine's material is refused, unless that is `trusted`. Raises InputError if it cannot be
+    read or understood, or is one of another nest.
     """
     from kerfwise.postproc.clock import read_program
     from kerfwise.postproc.verdict.check_plan import cuts_elsewhere
@@ -215,10 +211,7 @@ def read_program_of(path: str | Path, inputs: Inputs, tell: Tell = silent, trust
 def program_text(path: str | Path) -> str:
     """The text of an NC program, its line ends as they are in the file.
 
-    Raises
-    ------
-    InputError
-        If there is none to read; with the place, if it is not UTF-8.
+    Raises InputError if there is none to read; with the place, if it is not UTF-8.
     """
     return decoded(read_named(path, "the program"), path)
 
@@ -291,10 +284,7 @@ def refit_as_made(given_mm: float | None, plan: Plan | str | Path | None, profil
 def expect_torches(profile: Profile, resumes: bool) -> None:
     """Refuse what does not go together with several torches; `resumes` says that some of the nest is cut already.
 
-    Raises
-    ------
-    InputError
-        With what to change.
+    Raises InputError with what to change.
     """
     if resumes and profile.machine.torches.several:
         raise _no_torches(
@@ -306,10 +296,7 @@ def expect_torches(profile: Profile, resumes: bool) -> None:
 def expect_torches_fit(profile: Profile) -> None:
     """Refuse what a profile has beside several torches and does not go together with them, whatever the nest.
 
-    Raises
-    ------
-    InputError
-        With what to change.
+    Raises InputError with what to change.
     """
     if profile.machine.torches.several and (why := next(_why_not(profile), None)):
         raise _no_torches(profile, why)
@@ -338,10 +325,7 @@ def _why_not(profile: Profile) -> Iterator[str]:
 def expect_one_torch(profile: Profile, what: str, plan: Plan | None = None) -> None:
     """Refuse what knows one torch only, where the profile has several, or a plan uses them.
 
-    Raises
-    ------
-    InputError
-        That says so.
+    Raises InputError that says so.
     """
     if profile.machine.torches.several or (plan is not None and any(c.cut.torch > 1 for c in plan.cuts)):
         whose = "the profile has" if profile.machine.torches.several else "the plan uses"
@@ -357,10 +341,7 @@ def of_first_torch(plan: Plan) -> Plan:
 def expect_of_first(plan: Plan, contour: str) -> None:
     """Refuse what only the cuts of the first torch can be asked.
 
-    Raises
-    ------
-    InputError
-        If the contour is one that another torch cuts: what it is cut with is named.
+    Raises InputError if the contour is one that another torch cuts: what it is cut with is named.
     """
     for planned in plan.cuts:
         if planned.cut.contour == contour and planned.cut.torch > 1:

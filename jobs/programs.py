@@ -97,13 +97,7 @@ class OldJob:
 
     @property
     def nest(self) -> Nest:
-        """The nest told from the burns.
-
-        Raises
-        ------
-        InputError
-            If they make none, with the lines of those at fault.
-        """
+        """The nest told from the burns. Raises InputError if they make none, with the lines of those at fault."""
         if self.told is not None:
             return self.told.nest
         first = self.unclear[0]
@@ -134,10 +128,7 @@ def read_old_job(
 ) -> OldJob:
     """Read an old program; `afresh` keeps the profile's feeds and the kerf, since all paths will be new.
 
-    Raises
-    ------
-    InputError
-        With file and line, for what cannot be read or be sure of.
+    Raises InputError with file and line, for what cannot be read or be sure of.
     """
     expect_one_torch(profile, "a program of which there is no nest")
     request, file = request or ProgramRequest(), str(path)
@@ -301,10 +292,7 @@ def check_made(
 def check_old(job: OldJob) -> CheckResult:
     """The verdict on an old program, on the nest that is told from its burns.
 
-    Raises
-    ------
-    InputError
-        If they make no nest.
+    Raises InputError if they make no nest.
     """
     return check_program(job.nest, job.text, job.profile, job.name, trusted=job.trusted)
 

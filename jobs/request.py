@@ -220,10 +220,7 @@ def _beside_bevels(
 def expect_no_shared_edges(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> None:
     """Ask about parts that share an edge, or are a kerf apart, of a nest without a plan, where common cuts would do.
 
-    Raises
-    ------
-    Questions
-        With that question alone.
+    Raises Questions with that question alone.
     """
     if already or profile.common_options() is not None or profile.machine.torches.several:
         return
@@ -297,15 +294,10 @@ def make_request(
 ) -> Request:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
 
-    The look for them ends within `limits`, and so does the compiling of rules in model files.
-
-    Raises
-    ------
-    InputError
-        If a rule's model file cannot be compiled, or not within a limit in seconds.
-    RulesConflict
-        If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
-        if contours are left in metal that has fallen out.
+    The look for them ends within `limits`, and so does the compiling of rules in model files. Raises InputError if a
+    rule's model file cannot be compiled, or not within a limit in seconds; RulesConflict if hard orders contradict each
+    other (and nothing that may give way helps), or, unless `relax` leaves them out, if contours are left in metal that
+    has fallen out.
     """
     with _compiling(profile, None if limits is None else limits.time_s):
         return _requested(facts, profile, relax, limits)

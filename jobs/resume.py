@@ -78,12 +78,8 @@ def lock_broken_cut_first(profile: Profile, already: AlreadyCut) -> Profile:
 def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, file: str = "") -> AlreadyCut:
     """The first `upto` cuts of a plan; those that it found already made count among them.
 
-    With `redo_last` the last of them has broken off.
-
-    Raises
-    ------
-    InputError
-        If the plan has fewer cuts, begins later, does not fit the nest, or has a pierce pass.
+    With `redo_last` the last of them has broken off. Raises InputError if the plan has fewer cuts, begins later, does
+    not fit the nest, or has a pierce pass.
     """
     if plan.pierces:
         raise _with_a_pass("plan", file)
@@ -107,12 +103,8 @@ def stopped_program(
 ) -> AlreadyCut:
     """The first `upto` cuts of an NC program, a mark counting as one; a program that was resumed itself counts on.
 
-    Which contour each of them is of is seen from the torch's path alone.
-
-    Raises
-    ------
-    InputError
-        If the program cannot be read, has fewer cuts, begins later, does not fit the nest, or has a pierce pass.
+    Which contour each of them is of is seen from the torch's path alone. Raises InputError if the program cannot be
+    read, has fewer cuts, begins later, does not fit the nest, or has a pierce pass.
     """
     program = read_on_machine(text, nest, profile, file)
     if any(burn.pierces_only for burn in program.burns):

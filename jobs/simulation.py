@@ -170,10 +170,7 @@ def simulate_made(
 def simulate_old(job: OldJob, model: HeatModel | None = None, tell: Tell = silent, frames: int = 0) -> Simulation:
     """Simulate an old program, on the nest that is told from its burns.
 
-    Raises
-    ------
-    InputError
-        If they make no nest; else as `simulate_made` does.
+    Raises InputError if they make no nest; else as `simulate_made` does.
     """
     _expect_model(model)
     return _simulated(job.given, path_of_program(job.program, job.name), model, tell, frames)
@@ -342,10 +339,7 @@ _CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
 def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     """Where the torch burns by the plan, at the times that the plan states.
 
-    Raises
-    ------
-    InputError
-        If the plan was made from another nest, or its times are missing or contradict each other.
+    Raises InputError if the plan was made from another nest, or its times are missing or contradict each other.
     """
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
         raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
@@ -376,12 +370,8 @@ def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
 def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:
     """Where the torch burns by a program, at its own feeds and for its own waits.
 
-    Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
-
-    Raises
-    ------
-    InputError
-        With file and line, for a program of more than a week: it cannot be simulated.
+    Rapids are as profiled, and so are pierces where the dialect leaves them to the machine. Raises InputError with file
+    and line, for a program of more than a week: it cannot be simulated.
     """
     burns: list[TorchOn] = []
     for burn in program.burns:

@@ -50,13 +50,7 @@ class Question:
     process: str
 
     def answered(self, text: str) -> str:
-        """The answer as it is written.
-
-        Raises
-        ------
-        InputError
-            If the key cannot have it: with what was expected.
-        """
+        """The answer as it is written. Raises InputError if the key cannot have it: with what was expected."""
         node = compose(text, "")
         if node is None:
             raise InputError(f"expected {self.kind.expected()}")
@@ -85,11 +79,7 @@ def new_profile_text(name: str, like: str, answers: Mapping[Key, str] | None = N
     """The text of the profile `like` under another name, with other values where there are answers.
 
     What it is based on is named as seen from `folder`, where the text will stand; without one it stands beside `like`.
-
-    Raises
-    ------
-    InputError
-        For a name that no profile can have or a shipped one has, and where `like` cannot be read.
+    Raises InputError for a name that no profile can have or a shipped one has, and where `like` cannot be read.
 
     Examples
     --------
@@ -127,10 +117,7 @@ def _based_as_before(text: str, like: Path, folder: Path) -> str:
 def expect_usable(text: str, path: Path, trust: bool = False) -> ProfileValues:
     """The profile that a text will be at a path; files that it names are looked for from there.
 
-    Raises
-    ------
-    InputError
-        If it cannot be used there: with what is wrong.
+    Raises InputError if it cannot be used there: with what is wrong.
     """
     handle, name = tempfile.mkstemp(prefix=".kerfwise-", suffix=".yaml", dir=path.parent)
     try:

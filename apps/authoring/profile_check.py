@@ -23,10 +23,8 @@ Reason = Callable[[Profile], str | None]
 def expect_plannable(profile: Profile) -> None:
     """Refuse what `solve` would refuse of a profile, whatever the nest.
 
-    Raises
-    ------
-    InputError
-        If programs of its dialect would not run, options contradict each other, or a rule's model file is no model.
+    Raises InputError if programs of its dialect would not run, options contradict each other, or a rule's model file is
+    no model.
     """
     trusted_dialect(profile)
     expect_common_cuts(profile)

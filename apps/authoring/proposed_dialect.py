@@ -86,10 +86,7 @@ class Proposal:
 def propose_dialect(texts: Sequence[str], like: str | None = None) -> Proposal:
     """A dialect for the control that these programs were written for; `like` is the one to begin with, where known.
 
-    Raises
-    ------
-    InputError
-        If a program holds no travel with a line or an arc behind it.
+    Raises InputError if a program holds no travel with a line or an arc behind it.
     """
     programs = [list(_lines(text)) for text in texts]
     for program, text in zip(programs, texts, strict=True):

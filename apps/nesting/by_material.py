@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.questions import OF_LISTS, Answers, Choice, Question, Questions
 from kerfwise.rules.charts import Chart, read_chart, shipped_charts
-from kerfwise.rules.charts.chart import COLUMNS, family_of
+from kerfwise.rules.charts.chart import column_of, family_of
 from kerfwise.rules.profile.overrides import read_setting, with_settings
 from kerfwise.rules.profile.profile import Profile
 
@@ -193,8 +193,10 @@ def _as_row(plant: Profile, chart: tuple[str, ...], group: Group, thickness: str
     settings = (*chart, f"material.thickness={thickness}", *_settings(group)[1:])
     at = with_settings(plant, [read_setting(one) for one in settings])
     assert at.chart is not None
-    taken = ((COLUMNS[one.column], one.text) for one in at.chart.taken)
-    rows = (f"{column.section}.{column.option}={_quoted(text)}" for column, text in taken if column.option)
+    taken = [(column_of(one.column), one.text) for one in at.chart.taken]
+    rows = [f"{'.'.join(c.key)}={_quoted(text)}" for c, text in taken if c.option and c.angle_deg is None]
+    kerfs = ", ".join(f"{c.angle_deg:g}: {text}" for c, text in taken if c.angle_deg is not None)
+    rows += [f"cuts.bevel.kerfs={{{kerfs}}}"] if kerfs else []
     named = ("material.name=", "material.thickness=")
     return ("material.chart=none", *_settings(group), *(row for row in rows if not row.startswith(named)))
 
@@ -255,10 +257,7 @@ def cuttings_of(
 ) -> tuple[list[tuple[Group, Cutting]], list[BadRow]]:
     """Each group with how it is cut, and the parts of those that answers leave out.
 
-    Raises
-    ------
-    ListQuestions
-        If nobody can know how a group is cut: all of them at once.
+    Raises ListQuestions if nobody can know how a group is cut: all of them at once.
     """
     found: list[tuple[Group, Cutting]] = []
     left_out: list[BadRow] = []

@@ -70,12 +70,8 @@ def find_nests(
 ) -> NestingResult:
     """Lay the parts, and weigh layouts for cutting where that is asked for.
 
-    Raises
-    ------
-    InputError
-        If a part fits on no sheet, or the check refuses the nests; where several are weighed, all of them.
-    KeyboardInterrupt
-        If somebody ended the look before a part was laid.
+    Raises InputError if a part fits on no sheet, or the check refuses the nests; where several are weighed, all of
+    them; KeyboardInterrupt if somebody ended the look before a part was laid.
     """
     order = with_held(request.wanted, request.plant), request.spacing, request.effort, request.engine, watching, tell
     with watching:
@@ -177,10 +173,7 @@ _ROUNDING_MM = 1e-9
 def spacing_of(profile: Profile, gap_mm: float | None = None, edge_mm: float | None = None) -> Spacing:
     """The distances of a profile; each may be given in its place.
 
-    Raises
-    ------
-    InputError
-        If the torch would run off the sheet, or along its edge: `solve` refuses that.
+    Raises InputError if the torch would run off the sheet, or along its edge: `solve` refuses that.
 
     Examples
     --------

@@ -197,10 +197,7 @@ _FILES = "files"
 def expect_folder(out: Path) -> None:
     """Say before the work that a folder cannot be that of nests: it is a file, or holds files of others.
 
-    Raises
-    ------
-    InputError
-        With what to do.
+    Raises InputError with what to do.
     """
     expect_place(out)
     if not is_folder(out):

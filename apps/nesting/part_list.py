@@ -77,10 +77,7 @@ def is_list(path: Path, head: bytes) -> bool:
 def read_list(path: Path, skip_bad: bool = False) -> PartList:
     """Read a list of parts; with `skip_bad` rows of a table that are wrong are left out, and named in `bad`.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
+    Raises InputError if it cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
     """
     if is_table(path):
         return _list_of_tables(path, skip_bad)

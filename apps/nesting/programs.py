@@ -71,12 +71,8 @@ def make_programs(
 ) -> Programs:
     """Plan every sheet as `kerfwise solve` would; with `skip_bad` one that has no plan is passed over, and told.
 
-    `plant` gives the profile of each sheet: of the nests, and of the number from 0 on.
-
-    Raises
-    ------
-    InputError, RulesConflict
-        If a sheet has no plan, not even with its parts moved apart: `RulesConflict` names the sheet.
+    `plant` gives the profile of each sheet: of the nests, and of the number from 0 on. Raises InputError, RulesConflict
+    if a sheet has no plan, not even with its parts moved apart: `RulesConflict` names the sheet.
     """
     heard = Listeners(listener)
     plans: list[FinishedPlan | None] = []
@@ -112,10 +108,7 @@ def plan_sheet(
 ) -> FinishedPlan:
     """Plan the nest in a text, as `kerfwise solve` would plan its file.
 
-    Raises
-    ------
-    InputError, RulesConflict
-        As `plan_nest` does; also if the check refuses the plan.
+    Raises InputError, RulesConflict as `plan_nest` does; also if the check refuses the plan.
     """
     inputs = Inputs(profile.as_cut(_as_read(name, text)), profile)
     done = plan_nest(inputs, options_for(inputs.nest, profile, work=work), watchers=Watchers(listener), relax=relax)

@@ -169,10 +169,7 @@ class NamePattern:
     def row(self, stem: str) -> PartRow:
         """What the name of a file says of its part.
 
-        Raises
-        ------
-        InputError
-            If the name is not like the pattern, or says a number that cannot be.
+        Raises InputError if the name is not like the pattern, or says a number that cannot be.
         """
         found = self._pattern.fullmatch(stem)
         if found is None:
@@ -354,12 +351,7 @@ def read_sheet(path: str | Path, options: ReadOptions = ReadOptions()) -> Sheet:
     """The sheet in a file: JSON (kerfwise-nest/1 without parts), DXF or SVG.
 
     Of a drawing it is the closed line on the sheet's layer, or the outer one of all closed lines; those in it are its
-    holes.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, holds parts, or holds no sheet.
+    holes. Raises InputError if the file cannot be read, holds parts, or holds no sheet.
     """
     file = Path(path)
     suffix = file.suffix.lower()

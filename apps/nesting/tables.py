@@ -127,10 +127,7 @@ def is_table(path: Path) -> bool:
 def read_tables(path: Path) -> list[Table]:
     """The tables of a file.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, or no row names a column of parts or sheets: with the words that it has.
+    Raises InputError if it cannot be read, or no row names a column of parts or sheets: with the words that it has.
     """
     data = read_named(path, "the list of parts", MOST_BYTES_OF_YAML)
     grids = list(_workbook(data, path)) if path.suffix.lower() in (".xlsx", ".xlsm") else [("", _csv(data, path))]

@@ -63,10 +63,7 @@ def common_cut_paths(
 def whole_for_tabs(nest: Nest, kerf_mm: float, options: CommonOptions, tabs: TabOptions) -> tuple[list[str], list[str]]:
     """Ids of the contours that have common edges but for tabs, and of those among them that tabs hold.
 
-    Raises
-    ------
-    InputError
-        If the kerf leaves nothing of a contour to cut.
+    Raises InputError if the kerf leaves nothing of a contour to cut.
     """
     numbers = [nest.index[part.outer.id] for part in nest.parts]
     held = {k for k, part in zip(numbers, nest.parts, strict=True) if tabs.reason(part) is not None}
@@ -80,10 +77,7 @@ def whole_for_tabs(nest: Nest, kerf_mm: float, options: CommonOptions, tabs: Tab
 def whole_for_want_of_an_order(nest: Nest, kerf_mm: float, options: CommonOptions, held: Collection[int]) -> list[str]:
     """Ids of the contours with common edges that are yet cut all round, for no order cuts every edge once.
 
-    Raises
-    ------
-    InputError
-        If the kerf leaves nothing of a contour to cut.
+    Raises InputError if the kerf leaves nothing of a contour to cut.
     """
     numbers = [nest.index[part.outer.id] for part in nest.parts]
     every = common_edges(nest, numbers, kerf_mm, options, held).of.keys()

@@ -200,11 +200,7 @@ def with_stretches(
 
     Ways that are `past` were burnt before a stop, and so were contours that are `gone`. In place of all that the name
     of a way that has no lead, would leave a contour in several pieces, or has a link over all leads of another contour.
-
-    Raises
-    ------
-    InputError
-        If a contour that was begun before the stop cannot be finished in one go.
+    Raises InputError if a contour that was begun before the stop cannot be finished in one go.
     """
     made = replace(nest, stretches=(*ways, *past))
     begun = {made.index[name] for name in begun_by(made.stretches)}

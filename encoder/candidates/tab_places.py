@@ -62,10 +62,7 @@ class TabPlaces:
     ) -> TabPlaces:
         """Where tabs go on these contours; `entries` are those that an operator asks for.
 
-        Raises
-        ------
-        InputError
-            With every contour that has no room for its tabs, and what to do.
+        Raises InputError with every contour that has no room for its tabs, and what to do.
         """
         if options is None:
             return TabPlaces()

@@ -119,10 +119,8 @@ def look_of(piece: DrawnCurve) -> Look:
 def by_layer(pieces: Sequence[DrawnCurve], options: ReadOptions, asking: Asking) -> ByLayer:
     """The pieces by the purpose of their layers; colours and line types that differ on cut layers are asked about.
 
-    Raises
-    ------
-    InputError
-        When there is nothing to cut, or a profile that says which layers are cut says nothing of one that is drawn on.
+    Raises InputError when there is nothing to cut, or a profile that says which layers are cut says nothing of one that
+    is drawn on.
     """
     if not pieces:
         raise InputError("nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline")

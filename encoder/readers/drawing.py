@@ -237,10 +237,7 @@ def brought_near(
 ) -> tuple[tuple[DrawnCurve, ...], tuple[DrawnText, ...], list[Note]]:
     """The pieces and texts, moved to the origin where the pieces begin further from it than any machine reaches.
 
-    Raises
-    ------
-    InputError
-        If they reach further than a kilometre, with the piece that lies farthest from the others.
+    Raises InputError if they reach further than a kilometre, with the piece that lies farthest from the others.
 
     Examples
     --------
@@ -274,10 +271,7 @@ def brought_near(
 def checked_curve(rows: Iterable[Sequence[float]] | Floats, closed: bool, scale: float = 1.0) -> Curve:
     """A curve of x, y (times `scale`) and bulge, without repeated vertices and arcs as flat as a line.
 
-    Raises
-    ------
-    InputError
-        When a number is not finite or lies beyond `FAREST_MM`, or the curve is larger than `LIMIT_MM`.
+    Raises InputError when a number is not finite or lies beyond `FAREST_MM`, or the curve is larger than `LIMIT_MM`.
 
     Examples
     --------

@@ -243,10 +243,7 @@ def mm_per_unit(path: Path, document: Document, options: ReadOptions) -> float:
 def document_of(path: Path) -> Document:
     """The file as its library reads it, rules of the format broken or not.
 
-    Raises
-    ------
-    InputError
-        If it is no DXF that can be read.
+    Raises InputError if it is no DXF that can be read.
     """
     try:
         return readfile(path)
@@ -308,12 +305,8 @@ def _is_real(code: int) -> bool:
 def _check_numbers(data: bytes) -> None:
     """Refuse a file with a coordinate that is no number: libraries read as far as it looks like one.
 
-    `120,75` would be 120, and a contour a little smaller than it is drawn. Binary files hold no text.
-
-    Raises
-    ------
-    InputError
-        With the line of the first one, the layer, and what was expected.
+    `120,75` would be 120, and a contour a little smaller than it is drawn. Binary files hold no text. Raises InputError
+    with the line of the first one, the layer, and what was expected.
     """
     if data.startswith(b"AutoCAD Binary DXF"):
         return

@@ -37,10 +37,7 @@ class Engraved:
 def engraved(texts: Sequence[DrawnText], layers: ByLayer, options: ReadOptions, asking: Asking) -> Engraved:
     """What becomes of texts and points, by the use of their layers; an answer for those of a layer goes before it.
 
-    Raises
-    ------
-    InputError
-        For an answer that is none of the choices.
+    Raises InputError for an answer that is none of the choices.
     """
     marked: list[DrawnText] = []
     failed: list[tuple[DrawnText, str]] = []

@@ -34,10 +34,7 @@ PART_KEYS = ("id", "outer", "holes", "marks", "tabs", "bevel")
 def read_json(data: bytes, options: ReadOptions) -> Nest:
     """The nest in a kerfwise-nest/1 file, not yet validated.
 
-    Raises
-    ------
-    InputError
-        When it is not JSON, not of this format, or a number in it cannot be a coordinate.
+    Raises InputError when it is not JSON, not of this format, or a number in it cannot be a coordinate.
     """
     text, document = _parsed(data)
     if isinstance(document, dict) and isinstance(parts := document.get("parts"), list):
@@ -79,10 +76,7 @@ def _size(sheet: Sheet) -> tuple[float, float]:
 def sheet_in_json(data: bytes, options: ReadOptions) -> Sheet:
     """The sheet of a kerfwise-nest/1 file without parts, not yet validated.
 
-    Raises
-    ------
-    InputError
-        When it is not such a file, or has parts.
+    Raises InputError when it is not such a file, or has parts.
     """
     text, document = _parsed(data)
     check_schema(document, text)
@@ -241,11 +235,7 @@ def check_schema(document: object, text: str) -> None:
 
     A part whose rings are rows of plain numbers is known to pass and is not shown to the schema, which would take
     minutes over the vertices of a large nest. Where the rest of the file is as plain, the schema is not even loaded.
-
-    Raises
-    ------
-    InputError
-        With a line for each mismatch (the first twenty), naming part, contour, vertex and line.
+    Raises InputError with a line for each mismatch (the first twenty), naming part, contour, vertex and line.
     """
     parts = document.get("parts") if isinstance(document, dict) else None
     parts = parts if isinstance(parts, list) else []

@@ -180,13 +180,8 @@ class Use(NamedTuple):
 class Layers:
     """Which layers (DXF) or groups (SVG) hold what: a regular expression each, searched without regard to case.
 
-    A pattern that is not the default is a plant's own, and is tried before all defaults. Among a plant's own, and
-    among the defaults, the order is that of `PURPOSES`.
-
-    Raises
-    ------
-    InputError
-        For a pattern that is no regular expression.
+    A pattern that is not the default is a plant's own, and is tried before all defaults. Among a plant's own, and among
+    the defaults, the order is that of `PURPOSES`. Raises InputError for a pattern that is no regular expression.
 
     Examples
     --------

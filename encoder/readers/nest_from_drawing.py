@@ -40,10 +40,7 @@ MOST_NOTES = 100
 def nest_of(drawing: Drawing, options: ReadOptions, asking: Asking | None = None) -> Nest:
     """The nest in a drawing, not yet validated, with its reading; what is not decided is put to `asking`.
 
-    Raises
-    ------
-    InputError
-        When nothing in it can be cut, when several sheets are drawn, or when outlines do not close.
+    Raises InputError when nothing in it can be cut, when several sheets are drawn, or when outlines do not close.
     """
     asking = Asking(dict(options.answers)) if asking is None else asking
     if not drawing.pieces:
@@ -345,12 +342,8 @@ def with_tabs(
     """The parts with the tabs that are drawn, in the order in which they are drawn.
 
     The middle of a line says where its tab is. A line along the contour is as long as its tab is wide; of one across
-    it, and of anything that closes, the profile says how wide the tab is. `cut` are the layers that are cut.
-
-    Raises
-    ------
-    InputError
-        If something on their layers touches no outer contour, or those of two parts.
+    it, and of anything that closes, the profile says how wide the tab is. `cut` are the layers that are cut. Raises
+    InputError if something on their layers touches no outer contour, or those of two parts.
     """
     if not pieces:
         return tuple(parts)
@@ -394,10 +387,7 @@ def bridges_of_drawing(
 ) -> tuple[Bridge, ...]:
     """The bridges in the order in which they are drawn; `cut` are the layers that are cut.
 
-    Raises
-    ------
-    InputError
-        If something on their layers is no rectangle, or none whose ends lie in two parts.
+    Raises InputError if something on their layers is no rectangle, or none whose ends lie in two parts.
     """
     joined = join(pieces, options.join_tolerance_mm)
     for piece in (*joined.chains, *joined.specks):

@@ -53,12 +53,7 @@ def decide_open_lines(
     `open_lines` says. With `repair`, a stub on a closed line is left out if it is shorter than the widest gap that
     repair closes, and so is a line that can be no broken contour, on another layer that holds nothing closed. What is
     open on all other layers is asked about, layer by layer: closed lines beside open ones may be marks too. An outline
-    with a gap is refused.
-
-    Raises
-    ------
-    OpenLines
-        With every line that is left, and by layer what a profile can say of it.
+    with a gap is refused. Raises OpenLines with every line that is left, and by layer what a profile can say of it.
     """
     crumbs = [c for c in chains if c.curve.length_mm <= options.join_tolerance_mm]
     chains = [c for c in chains if c.curve.length_mm > options.join_tolerance_mm]

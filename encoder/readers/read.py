@@ -140,10 +140,7 @@ class Seen:
 def seen(path: str | Path, options: ReadOptions) -> Seen:
     """How a file is understood, whether it can be cut or not.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read at all, such as one that is damaged.
+    Raises InputError if the file cannot be read at all, such as one that is damaged.
     """
     file = Path(path)
     try:
@@ -353,10 +350,7 @@ _GZIP = b"\x1f\x8b"
 def unpacked(data: bytes, file: Path) -> bytes:
     """What a file holds; one that was packed by gzip, as .svgz is, is unpacked.
 
-    Raises
-    ------
-    InputError
-        If what is packed is damaged, or too large.
+    Raises InputError if what is packed is damaged, or too large.
     """
     if not data.startswith(_GZIP):
         return data

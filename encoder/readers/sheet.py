@@ -96,10 +96,7 @@ def _is_page_of(page: Sheet, box: tuple[float, float, float, float], options: Re
 def drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
     """The sheet that closed lines are the outline and the holes of.
 
-    Raises
-    ------
-    InputError
-        When several sheets are drawn, or a line encloses nothing.
+    Raises InputError when several sheets are drawn, or a line encloses nothing.
     """
     again = {k for _, k in coincident([p.curve for p in drawn])}
     drawn = [p for k, p in enumerate(drawn) if k not in again]

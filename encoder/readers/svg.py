@@ -260,10 +260,7 @@ def _clip_area(shape: Any, to_mm: Any) -> shapely.Geometry:
 def sound_svg(data: bytes) -> tuple[bytes, Seen]:
     """The file as it is shown, and what of it is not.
 
-    Raises
-    ------
-    InputError
-        If it is no XML, or holds what cannot be read.
+    Raises InputError if it is no XML, or holds what cannot be read.
     """
     try:
         return validate_svg(data)
@@ -272,13 +269,7 @@ def sound_svg(data: bytes) -> tuple[bytes, Seen]:
 
 
 def parsed_svg(data: bytes) -> Any:
-    """The root of a file, as its library has it.
-
-    Raises
-    ------
-    InputError
-        If it is no SVG that can be read.
-    """
+    """The root of a file, as its library has it. Raises InputError if it is no SVG that can be read."""
     return _parsed(sound_svg(data)[0])
 
 

@@ -30,10 +30,7 @@ class _Rule:
 def styled(root: Element) -> None:
     """Give every element, in its `style`, all that the style sheets and its own style say of it.
 
-    Raises
-    ------
-    InputError
-        For a selector that is not known: what it selects may be what is hidden.
+    Raises InputError for a selector that is not known: what it selects may be what is hidden.
     """
     sheets = [element for element in root.iter() if tag_of(element) == "style"]
     rules = [rule for sheet in sheets if _applies(sheet) for rule in _rules("".join(sheet.itertext()))]
@@ -72,10 +69,7 @@ _KNOWN_FEATURES = {
 def _on_screens(media: str) -> bool:
     """Whether a list of media queries holds for a plain screen.
 
-    Raises
-    ------
-    InputError
-        For one of which that depends on the screen, such as on how wide it is.
+    Raises InputError for one of which that depends on the screen, such as on how wide it is.
 
     Examples
     --------
@@ -168,10 +162,7 @@ _NO_RULES = ("@font", "@keyframes", "@-", "@page", "@property", "@counter", "@co
 def _screen_only(text: str) -> str:
     """A sheet without what holds on paper only; rules for screens are taken out of their block.
 
-    Raises
-    ------
-    InputError
-        For a block of which it is not known when it holds.
+    Raises InputError for a block of which it is not known when it holds.
     """
     kept, at = "", 0
     while (found := re.compile(r"@[\w-]+").search(text, at)) is not None:

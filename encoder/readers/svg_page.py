@@ -42,12 +42,8 @@ def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | 
 
     A user unit is what `options.units` says; else the page's width and height over those of its viewBox; else what the
     program that wrote the file counts in, by its own words in `data`; else that is asked about. svgelements' own
-    conversion is undone first: it rounds the inch and guesses a missing side.
-
-    Raises
-    ------
-    InputError
-        When the page has no size, or stretches the drawing in one direction.
+    conversion is undone first: it rounds the inch and guesses a missing side. Raises InputError when the page has no
+    size, or stretches the drawing in one direction.
     """
     sides = [_length(svg.values.get(name)) for name in ("width", "height")]
     box = svg.viewbox

@@ -54,13 +54,9 @@ _SIZES = {
 def validate_svg(data: bytes) -> tuple[bytes, Seen]:
     """The file with what it shows and nothing else: styles on their shapes, clones drawn; and what was taken out.
 
-    Raises
-    ------
-    InputError
-        For a shape with a number or a path that cannot be read, by name and line: SVG would leave it out, or part of
-        it. For more clones than can be drawn, and for styles that cannot be told.
-    xml.etree.ElementTree.ParseError
-        For what is no XML.
+    Raises InputError for a shape with a number or a path that cannot be read, by name and line: SVG would leave it out,
+    or part of it. For more clones than can be drawn, and for styles that cannot be told;
+    xml.etree.ElementTree.ParseError for what is no XML.
     """
     root = ElementTree.fromstring(data)
     _check(root, data)

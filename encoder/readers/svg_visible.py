@@ -45,10 +45,7 @@ class Seen:
 def laid_out(root: Element) -> Seen:
     """Draw clones, move origins of transforms, mark clipping paths, and take out what is not shown.
 
-    Raises
-    ------
-    InputError
-        For what cannot be told, such as a clipping path in shares of a shape's box.
+    Raises InputError for what cannot be told, such as a clipping path in shares of a shape's box.
     """
     seen = Seen()
     _not_read(root, seen)

@@ -161,10 +161,7 @@ def read_job(path: str | Path) -> Job:
 def job_of(text: str, file: str) -> Job:
     """The job that a text describes.
 
-    Raises
-    ------
-    InputError
-        As `read_job` does.
+    Raises InputError as `read_job` does.
 
     Examples
     --------
@@ -315,10 +312,7 @@ if __name__ == "__main__":
 def with_kept(text: str, answers: Answers, file: str) -> str:
     """The text of a job file with these answers in it, all else as it is.
 
-    Raises
-    ------
-    InputError
-        If the text is no job file.
+    Raises InputError if the text is no job file.
 
     Examples
     --------

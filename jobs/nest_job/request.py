@@ -70,10 +70,7 @@ NOTHING = NestRequest()
 def job_for(nest: NestLike, job: JobLike, tell: Tell = silent) -> Job | None:
     """The job that is given, or the one in the file beside the nest, which is then told.
 
-    Raises
-    ------
-    InputError
-        If a job file cannot be read or is wrong anywhere.
+    Raises InputError if a job file cannot be read or is wrong anywhere.
     """
     if isinstance(job, Job) or job is False:
         return job or None
@@ -93,10 +90,7 @@ def profile_for(
 ) -> Profile:
     """The profile that is given, else that of the job file, else the default, with what job and asker set in it.
 
-    Raises
-    ------
-    InputError
-        If there is no such profile, or it or a setting is wrong: with its place.
+    Raises InputError if there is no such profile, or it or a setting is wrong: with its place.
     """
     named = None if job is None else job.profile_path
     if request.profile is None and job is not None and named is not None:
@@ -137,10 +131,7 @@ def locked_for(
 ) -> Inputs:
     """The nest, and the profile with the locks of job and asker on the nest's contours.
 
-    Raises
-    ------
-    InputError
-        If a lock names what the nest does not have: with its place.
+    Raises InputError if a lock names what the nest does not have: with its place.
     """
     last = cache(lambda: last_plan(request.last, nest, nest_file, plant))
     return Inputs(nest, with_locks(plant, nest, job, request.locks, last, tell), job)
@@ -185,10 +176,7 @@ def with_values(
 ) -> Profile:
     """The profile with what the job file sets, then what was set beside it; its locks come later, on the nest.
 
-    Raises
-    ------
-    InputError
-        If a key or value is wrong: with its place.
+    Raises InputError if a key or value is wrong: with its place.
     """
     if job is not None:
         profile = with_settings(profile, job.settings, job.file)
@@ -209,12 +197,9 @@ def with_locks(
 ) -> Profile:
     """The profile with the locks of the job file, and those that were said beside it, on the contours of the nest.
 
-    Where two decide the same, the later stands, and that is told; within one place both stand, and clash.
-
-    Raises
-    ------
-    InputError
-        If a lock names what the nest does not have, with its place, or asks for what a rule would make that is off.
+    Where two decide the same, the later stands, and that is told; within one place both stand, and clash. Raises
+    InputError if a lock names what the nest does not have, with its place, or asks for what a rule would make that is
+    off.
     """
     layers = [layer for layer in ((() if job is None else job.locks), locks) if layer]
     if not layers:
@@ -289,11 +274,8 @@ class Names:
     def on_nest(self, lock: Lock) -> Iterator[OnNest]:
         """A lock on the contours that it is about, each thing that it decides for itself.
 
-        Raises
-        ------
-        InputError
-            If there is no such contour, part or cut, with the nearest name, or the lock is about one contour and names
-            a part of several: at the place of the lock.
+        Raises InputError if there is no such contour, part or cut, with the nearest name, or the lock is about one
+        contour and names a part of several: at the place of the lock.
         """
         try:
             for one in _single(lock):
@@ -417,12 +399,7 @@ class LastPlan:
         """The contour that a number such as #7 stands for.
 
         A lock on #7 changes the plan, so that #7 is another cut of it. Where the plan was made with the same job file
-        and the same locks as now, #7 stays what it was then.
-
-        Raises
-        ------
-        InputError
-            If there are fewer cuts.
+        and the same locks as now, #7 stays what it was then. Raises InputError if there are fewer cuts.
         """
         old = self.made_with
         if old is not None and (old.sha256, old.locks) == (made_with.sha256, made_with.locks) and name in old.numbered:
@@ -436,10 +413,7 @@ class LastPlan:
 def last_plan(source: Plan | str | Path | None, nest: Nest, nest_file: str | Path | None, profile: Profile) -> LastPlan:
     """The plan or program that is given, or else the plan beside the nest, or in the folder that kerfwise is run in.
 
-    Raises
-    ------
-    InputError
-        If there is none, or it cannot be read.
+    Raises InputError if there is none, or it cannot be read.
     """
     if isinstance(source, Plan):
         return of_plan(source, "the plan")

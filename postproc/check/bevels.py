@@ -215,7 +215,7 @@ def _loose(
             yield (contour.id,), f"{contour.id}: other cuts come between the passes of its bevel"
         if contour.edge_bevels:
             last = [slopes_of(bevel, material.thickness_mm) for bevel in contour.bevel_of_edge]
-            if max(of) != max(of, key=lambda k: program.burns[k].path.length_mm):
+            if [k for k in sorted(of) if _goes_round(program.burns[k], nest, contour, profile)] != [max(of)]:
                 yield (contour.id,), f"{contour.id}: an edge is cut on after the round that sets the part loose"
             if any(len(slopes) + square < 2 for slopes, square in last):
                 continue  # the round that comes last cuts the other edges
@@ -228,6 +228,18 @@ def _loose(
                 f"{contour.id}: its passes after the first cut in loose metal, and {part.id} of {mass_kg:.3g} kg does "
                 f"not lie still: {says} (cuts.bevel.lies_still)",
             )
+
+
+def _goes_round(burn: Burn, nest: Nest, contour: Contour, profile: Technique) -> bool:
+    """Whether a burn alone cuts a contour loose: at the top face it closes round what is inside of it."""
+    inside = contour.polygon
+    if contour.kind == "outer":
+        part = next(p for p in nest.parts if p.id == contour.part)
+        inside = section_of(part, 0.0, profile.material.thickness_mm)
+    middle = shapely.get_point(shapely.maximum_inscribed_circle(inside), 0)
+    (line,) = lines_of([burn.path], 0.005)
+    burnt = shapely.buffer(line, profile.material.kerf_mm / 2)
+    return not shapely.intersects(burnt, middle) and shapely.covers(shapely.Polygon(burnt.exterior), middle)
 
 
 def _depths(bevelled: Sequence[Contour], thickness_mm: float) -> list[float]:

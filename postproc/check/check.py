@@ -153,14 +153,10 @@ def check_program(
 
     `tabs` are stretches of contours, by contour id, that are to stay uncut. Given what a plan says, the program has to
     follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's. Where the cuts that it
-    makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more.
-    What is `trusted` is taken as it stands: nobody judges what a material on the machine has. `side` is the start side
-    that it is judged by where it states none.
-
-    Raises
-    ------
-    InputError
-        With the line, for a program that is malformed or says something the reader does not understand.
+    makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more. What
+    is `trusted` is taken as it stands: nobody judges what a material on the machine has. `side` is the start side that
+    it is judged by where it states none. Raises InputError with the line, for a program that is malformed or says
+    something the reader does not understand.
     """
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest

@@ -451,10 +451,7 @@ def is_comment(block: str, dialect: Dialect) -> bool:
 def number_blocks(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
     """The blocks with their N words, empty ones left out; comments have none.
 
-    Raises
-    ------
-    InputError
-        For a block longer than the control takes.
+    Raises InputError for a block longer than the control takes.
     """
     rule = dialect.line_numbers
     number_of_block = rule.start if rule is not None else 0

@@ -35,12 +35,8 @@ def named_path(way: Sequence[Segment], left: bool, kerf_mm: float) -> list[tuple
     """What a program names of each line and arc of the torch's `way`: nothing of arcs about a corner of the contour.
 
     A lead that joins, or leaves, at the end of such an arc does so STUB_MM further off, so that controls, which round
-    that corner themselves, make all of the arc.
-
-    Raises
-    ------
-    InputError
-        If the torch turns where no control would follow a path beside it.
+    that corner themselves, make all of the arc. Raises InputError if the torch turns where no control would follow a
+    path beside it.
 
     Examples
     --------

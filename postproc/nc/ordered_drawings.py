@@ -133,13 +133,9 @@ LAYERS: Mapping[str, str] = {
 def write_dxf(plan: Plan, nest: Nest, profile: Technique) -> str:
     """The torch paths of `plan` as DXF R12, in mm: polylines in the order of the cuts, each in its direction.
 
-    Each begins at the pierce and ends where the torch goes off, leads included, kerf allowed for; arcs are bulges.
-    What is linked is one polyline. Coordinates are the program's. The same plan gives the same bytes.
-
-    Raises
-    ------
-    InputError
-        If the plan was made from another nest, or for several torches, which no drawing can tell.
+    Each begins at the pierce and ends where the torch goes off, leads included, kerf allowed for; arcs are bulges. What
+    is linked is one polyline. Coordinates are the program's. The same plan gives the same bytes. Raises InputError if
+    the plan was made from another nest, or for several torches, which no drawing can tell.
     """
     if any(planned.cut.torch > 1 for planned in plan.cuts):
         raise InputError("a drawing of the torch's paths knows one torch, and the plan uses several (machine.torches)")
@@ -183,12 +179,8 @@ def reordered_dxf(plan: Plan, nest: Nest, file: str | Path, options: ReadOptions
 
     Entities of a DXF keep geometry, layer, colour and all else; blocks that hold contours are taken apart. What the
     plan does not cut stays in front. Another kind of nest file is drawn from its contours: a polyline each, arcs as
-    bulges, from its entry on and in its direction. The same plan gives the same bytes.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read any more.
+    bulges, from its entry on and in its direction. The same plan gives the same bytes. Raises InputError if the file
+    cannot be read any more.
     """
     if Path(file).suffix.lower() != ".dxf":
         return Reordered(_from_contours(plan, nest))
@@ -281,12 +273,7 @@ def reordered_svg(plan: Plan, nest: Nest, file: str | Path, options: ReadOptions
     Shapes of an SVG keep their geometry, arcs and Bézier curves too, their layer and colours; each subpath is a path of
     its own. What the plan does not cut stays in front; writing and images are left out. Another kind of nest file is
     drawn from its contours, arcs as arcs, from their entries on and in their directions. The same plan gives the same
-    bytes.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read any more.
+    bytes. Raises InputError if the file cannot be read any more.
     """
     if Path(file).suffix.lower() != ".svg":
         left, bottom, right, top = nest.sheet.bounds

@@ -51,12 +51,8 @@ def write_program(plan: Plan, nest: Nest, profile: Technique, dialect: Dialect |
 
     Kerf compensation is in the path (the program keeps G40), unless the dialect has the control add it; pierce points,
     order and directions are the plan's. The same plan, nest and profile give the same bytes, and so does the plan once
-    written to a file and read back.
-
-    Raises
-    ------
-    InputError
-        If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
+    written to a file and read back. Raises InputError if the plan was made from another nest, or the dialect is unknown
+    or cannot spell the program.
     """
     dialect = dialect or fitting_dialect(profile)
     expect_words(nest, profile, dialect, bool(plan.already))
@@ -227,11 +223,7 @@ def body_of_plan(
     """All blocks but the comments at the top; the last ones asked for are kept with the nest.
 
     `names` are those of contours, the profile has the plan's origin, and `paths` are the plan's, where they are known.
-
-    Raises
-    ------
-    InputError
-        If the plan was made from another nest.
+    Raises InputError if the plan was made from another nest.
     """
     expect_same_nest(plan, profile.as_cut(nest))
     cuts = tuple((*_geometry(planned.cut), planned.dwell_s) for planned in plan.burns)

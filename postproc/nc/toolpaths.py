@@ -69,10 +69,7 @@ class Toolpath:
 def toolpaths(plan: Plan, nest: Nest, profile: Technique) -> tuple[Toolpath, ...]:
     """The paths of all cuts of the first torch, each with the cuts that further torches make `together` with it.
 
-    Raises
-    ------
-    InputError
-        If the plan was made from another nest.
+    Raises InputError if the plan was made from another nest.
     """
     nest = profile.as_cut(nest)
     expect_same_nest(plan, nest)
@@ -111,10 +108,7 @@ def outside(nest: Nest, points: list[Point]) -> list[bool]:
 def expect_same_nest(plan: Plan, nest: Nest) -> None:
     """Refuse a plan that was made from another nest.
 
-    Raises
-    ------
-    InputError
-        With both sums of bytes, or the contours that the nest does not have.
+    Raises InputError with both sums of bytes, or the contours that the nest does not have.
     """
     sha = plan.nest.get("sha256", "")
     if sha and nest.sha256 and sha != nest.sha256:

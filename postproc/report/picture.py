@@ -89,10 +89,7 @@ def prepare(nest: Nest, home: Point = (0.0, 0.0)) -> None:
 def sketch(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Sketch:
     """What takes long of a picture, see `make_scene`.
 
-    Raises
-    ------
-    InputError
-        If the plan cuts, or the spot names, a contour that the nest does not have.
+    Raises InputError if the plan cuts, or the spot names, a contour that the nest does not have.
     """
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     expect_known(nest, plan, sorted(spot.contours) if spot else ())
@@ -104,10 +101,7 @@ def sketch(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot:
 def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Scene:
     """The picture of a nest: of the whole sheet, or zoomed to a spot.
 
-    Raises
-    ------
-    InputError
-        If the plan cuts, or the spot names, a contour that the nest does not have.
+    Raises InputError if the plan cuts, or the spot names, a contour that the nest does not have.
     """
     return sketch(nest, plan, home, spot).scene(plan)
 
@@ -115,12 +109,8 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
 def bare_picture(nest: Nest, plan: Plan, home: Point, width: float, most_high: float) -> Scene:
     """The drawing alone, without title and key, on a page of its own size.
 
-    It is `width` wide, and lower than that where the whole would be higher than `most_high`.
-
-    Raises
-    ------
-    InputError
-        If the plan cuts a contour that the nest does not have.
+    It is `width` wide, and lower than that where the whole would be higher than `most_high`. Raises InputError if the
+    plan cuts a contour that the nest does not have.
     """
     cuts = tuple(p.cut for p in plan.cuts)
     expect_known(nest, plan)
@@ -360,10 +350,7 @@ def _beside(
 def expect_known(nest: Nest, plan: Plan | None, named: Iterable[str] = ()) -> None:
     """Say that a plan, or a list of contours, is not of this nest.
 
-    Raises
-    ------
-    InputError
-        If the plan is not one of this nest, or the list names a contour that the nest does not have.
+    Raises InputError if the plan is not one of this nest, or the list names a contour that the nest does not have.
     """
     if plan is not None:
         expect_plan_of(plan, nest)

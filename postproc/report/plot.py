@@ -326,13 +326,7 @@ def render_picture(scene: Scene, suffix: str) -> bytes:
 
 
 def expect_picture(suffix: str, file: str | Path | None = None) -> None:
-    """Say at once that no picture can be drawn to a file of such a suffix.
-
-    Raises
-    ------
-    InputError
-        With those that can be.
-    """
+    """Say at once that no picture can be drawn to a file of such a suffix. Raises InputError with those that can be."""
     if suffix.lower() not in (*_DRAWN, PAGE):
         known = ", ".join((*_DRAWN, PAGE))
         raise InputError(
@@ -345,12 +339,7 @@ def expect_picture(suffix: str, file: str | Path | None = None) -> None:
 def plot(nest: Nest, plan: Plan | None, path: str | Path, home: Point = (0.0, 0.0)) -> None:
     """Draw a nest, with its plan if there is one, to a file of the type that its suffix says; see `draw`.
 
-    The file is written whole or not at all.
-
-    Raises
-    ------
-    InputError
-        As for `draw`, and if the file cannot be written.
+    The file is written whole or not at all. Raises InputError as for `draw`, and if the file cannot be written.
     """
     write_files({Path(path): draw(nest, plan, Path(path).suffix, home)})
 

@@ -85,10 +85,7 @@ def draw_burns(panels: Sequence[Panel], suffix: str, title: str) -> str | bytes:
 def expect_kind(path: str) -> None:
     """Say at once that no picture of burns can be drawn to a file of such a name.
 
-    Raises
-    ------
-    InputError
-        With those that can be.
+    Raises InputError with those that can be.
     """
     suffix = Path(path).suffix.lower()
     if suffix not in (".svg", ".png"):

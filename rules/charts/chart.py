@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from kerfwise.encoder.bevels.bevel import LEAST_DEG, MOST_DEG
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Number, OptionKind, Text, Unfit, scalar_text
 from kerfwise.rules.options.quantities import (
@@ -89,7 +90,7 @@ def value_text(column: str, value: Value) -> str:
     >>> value_text("feed", 2500 / 60), value_text("gas", "O2"), value_text("thickness", 6.0)
     ('2500 mm/min', 'O2', '6 mm')
     """
-    return str(value) if isinstance(value, str) else _short(COLUMNS[column].kind.write(value))
+    return str(value) if isinstance(value, str) else _short(column_of(column).kind.write(value))
 
 
 def _short(text: str) -> str:
@@ -104,13 +105,14 @@ def _short(text: str) -> str:
 class Column:
     """One column. `section` and `option` are the key of a profile that it sets, "" for what only names a row.
 
-    Numbers beyond `least` and `most`, in the profile's own units, are taken for another unit than was meant.
+    A kerf by angle is one row of the option's table, that of `angle_deg`.
     """
 
     kind: OptionKind
     help: str
     section: str = ""
     option: str = ""
+    angle_deg: float | None = None
 
     @property
     def key(self) -> tuple[str, str]:
@@ -152,11 +154,35 @@ COLUMNS: Mapping[str, Column] = {
     ),
     "corner_feed": Column(Number(0.05, 1), "share of the feed at corners", "corners", "corner_feed"),
 }
-"""Column → what it is. A row has those that it knows."""
+"""Column → what it is. A row has those that it knows, and kerfs by angle, such as `kerf_30` (see `column_of`)."""
+_BY_ANGLE = re.compile(r"kerf_(\d{1,2}(?:\.\d{1,3})?)")
 ABOUT = ("name", "source")
 """Columns that say something of the row itself."""
 PROCESS = ("amps", "gas")
 """Rows that differ in these are other settings of the machine: nothing lies between them."""
+
+
+def known_column(name: str) -> str | None:
+    """The name of a column as rows have it; None where there is no such column.
+
+    Examples
+    --------
+    >>> known_column("kerf"), known_column("kerf_30.0"), known_column("kerf_75"), known_column("colour")
+    ('kerf', 'kerf_30', None, None)
+    """
+    angle = _BY_ANGLE.fullmatch(name)
+    if angle is None or not LEAST_DEG <= float(angle[1]) <= MOST_DEG:
+        return name if name in COLUMNS else None
+    return f"kerf_{float(angle[1]):g}"
+
+
+def column_of(name: str) -> Column:
+    """What a column is, by its name as rows have it."""
+    if (angle := _BY_ANGLE.fullmatch(name)) is None:
+        return COLUMNS[name]
+    return Column(
+        KERF, f"kerf of a torch that leans by {angle[1]}°, square to its jet", "cuts", "bevel.kerfs", float(angle[1])
+    )
 
 
 # What a chart says of one material in one thickness: the values of a row, and where asked, what lies between two.
@@ -385,9 +411,11 @@ def _check_single_values(rows: Sequence[ChartRow], wanted: Mapping[str, Value], 
 def _blended(rows: Sequence[ChartRow], at_mm: float, texts: bool) -> dict[str, Found]:
     """Every column between the nearest rows that have it; with `texts` those too that are the same in both."""
     found: dict[str, Found] = {}
-    for name, column in COLUMNS.items():
+    by_angle = sorted({name for row in rows for name in row.values} - COLUMNS.keys())
+    for name in (*COLUMNS, *by_angle):
         if name in (*ABOUT, "material", "thickness"):
             continue
+        column = column_of(name)
         having = [row for row in rows if name in row.values]
         ends = sorted(_neighbours(having, at_mm), key=lambda row: float(row.values["thickness"]))
         if len(ends) != 2:
@@ -404,7 +432,7 @@ def _blended(rows: Sequence[ChartRow], at_mm: float, texts: bool) -> dict[str, F
 
 def _between(column: str, low: float, high: float, share: float) -> float:
     """A number that lies a share of the way from one to another, with few digits in its usual unit."""
-    kind = COLUMNS[column].kind
+    kind = column_of(column).kind
     unit = kind.units[kind.bare] if isinstance(kind, Quantity) else Fraction(1)
     first, last = Fraction(low) / unit, Fraction(high) / unit
     return float(Fraction(f"{float(first + (last - first) * Fraction(share)):.9g}") * unit)

@@ -12,13 +12,14 @@ from typing import Literal
 
 import yaml
 
+from kerfwise.encoder.bevels.bevel import LEAST_DEG, MOST_DEG
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Number, Text, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
 
-from .chart import COLUMNS, Chart, ChartRow, Value
+from .chart import COLUMNS, Chart, ChartRow, Value, column_of, known_column
 
 ChartUnits = Literal["mm", "inch"]
 
@@ -126,17 +127,24 @@ def _head(line: int, number: int, text: str, problems: Problems) -> Head:
     if found is None or not found["name"]:
         problems.add(node, f"column {number + 1}: expected a name and its unit such as 'kerf [mm]', got {text[:60]!r}")
         return None
-    name, unit = re.sub(r"[\s-]+", "_", found["name"].strip().lower()), found["unit"]
-    if name not in COLUMNS:
-        problems.add(node, unknown("column", name[:60], COLUMNS))
+    written, unit = re.sub(r"[\s-]+", "_", found["name"].strip().lower()), found["unit"]
+    name = known_column(written)
+    if name is None:
+        problems.add(node, _no_column(written))
         return None
-    units = COLUMNS[name].units
-    allowed = units or (("1",) if isinstance(COLUMNS[name].kind, Number) else ())  # plain numbers: shares
+    units = column_of(name).units
+    allowed = units or (("1",) if isinstance(column_of(name).kind, Number) else ())  # plain numbers: shares
     if unit is not None and unit not in allowed:
         expected = f"one of {', '.join(allowed)}" if allowed else "no unit"
         problems.add(node, f"{name}: unknown unit {unit[:60]!r}, expected {expected}")
         return None
     return name, unit if units else None
+
+
+def _no_column(name: str) -> str:
+    if re.fullmatch(r"kerf_[_\d.,]+", name):
+        return f"{name[:60]}: expected the angle of a bevel in degrees, {LEAST_DEG:g} to {MOST_DEG:g}, such as kerf_45"
+    return unknown("column", name[:60], COLUMNS)
 
 
 def _row(line: int, cells: list[str], heads: list[Head], problems: Problems) -> ChartRow | None:
@@ -180,9 +188,12 @@ def yaml_rows(text: str, problems: Problems) -> list[ChartRow]:
     for node in items(root, problems, "a material chart") if root is not None else ():
         values: dict[str, Value] = {}
         lines: dict[str, int] = {}
-        for name, key, value in entries(node, problems, "row"):
-            if name not in COLUMNS:
-                problems.add(key, unknown("column", name, COLUMNS))
+        for written, key, value in entries(node, problems, "row"):
+            name = known_column(written)
+            if name is None:
+                problems.add(key, _no_column(written))
+            elif name in values:
+                problems.add(key, f"the column {name} is there twice")
             elif not is_empty(value):
                 try:
                     values[name] = cell(name, value)
@@ -313,7 +324,7 @@ def cell(column: str, node: yaml.Node) -> Value:
     Unfit
         If it is none, or so far off that another unit must be meant.
     """
-    kind = COLUMNS[column].kind
+    kind = column_of(column).kind
     value = kind.read(node)
     if isinstance(value, str):
         return value.strip()
@@ -329,7 +340,7 @@ def text_with_unit(column: str, text: str, unit: str | None) -> str:
     Unfit
         If it has none, or two.
     """
-    kind, units, text = COLUMNS[column].kind, COLUMNS[column].units, text.strip()
+    kind, units, text = column_of(column).kind, column_of(column).units, text.strip()
     if isinstance(kind, Text) or not units:
         return text
     own = text.lstrip("+-.0123456789eE").strip()

@@ -15,7 +15,7 @@ import yaml
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import expect_readable, is_file
 from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart, shipped_charts
-from kerfwise.rules.charts.chart import COLUMNS, family_of, same_value, value_text
+from kerfwise.rules.charts.chart import COLUMNS, Column, column_of, family_of, same_value, value_text
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.kind import Text, Unfit
 from kerfwise.rules.options.option import options_of
@@ -177,6 +177,7 @@ SELECTS = ("chart", "row", "name", "thickness", "interpolate", "chart_units")
 """Keys of `material` that choose a row: a profile that says one has the chart looked up again."""
 _TOLD = ("kerf", "feed", "pierce_delay")
 _SAME = 1e-6
+_KERFS = ("cuts", "bevel.kerfs")
 Key = tuple[str, str]
 """A section of a profile, and a key in it."""
 
@@ -300,13 +301,14 @@ def _beside(profile: str, chart: str) -> str:
 
 
 def _said(found: Mapping[str, yaml.Node]) -> dict[Key, yaml.Node]:
-    """Every section and key that this file gives a value, with the value."""
-    return {
-        (section, key.value): value
-        for section, node in found.items()
-        if isinstance(node, yaml.MappingNode)
-        for key, value in node.value
-    }
+    """Every section and key that this file gives a value, with the value; a key of a group as `bevel.kerfs`."""
+    said: dict[Key, yaml.Node] = {}
+    for section, node in found.items():
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+            said[section, key.value] = value
+            inner = value.value if isinstance(value, yaml.MappingNode) else ()
+            said |= {(section, f"{key.value}.{one.value}"): of for one, of in inner}
+    return said
 
 
 def _looked_up(
@@ -335,15 +337,22 @@ def _filled(
 ) -> dict[str, Any]:
     file, sha256, looked_up = chosen
     taken, beaten = [], []
+    by_angle = [name for name in looked_up.values if column_of(name).angle_deg is not None]
+    if by_angle and _KERFS not in own:
+        values = _with_kerfs(values, ())
     for name, value in looked_up.values.items():
-        key = COLUMNS[name].key
+        column = column_of(name)
+        key = column.key
         text = value_text(name, value.value)
         if key not in own:
-            values = _put(values, *key, value.value)
+            if column.angle_deg is None:
+                values = _put(values, *key, value.value)
+            else:
+                values = _with_kerfs(values, (*values["cuts"].bevel.kerfs, (column.angle_deg, float(value.value))))
             if value.lines:
                 taken.append(_taken(name, text, value))
             continue
-        stated = _value(values, *key)
+        stated = _value(values, column)
         if same_value(stated, value.value, _SAME, 0.0) or (
             name == "material" and family_of(str(stated)) == value.value
         ):
@@ -359,10 +368,13 @@ def _filled(
             continue
         beaten.append((name, text, value_text(name, stated)))
     silent = [
-        (name, value_text(name, _value(values, *COLUMNS[name].key)))
+        (name, value_text(name, _value(values, COLUMNS[name])))
         for name in _TOLD
         if name not in looked_up.values and COLUMNS[name].key not in own
     ]
+    if values["cuts"].bevel.head is not None and not by_angle and _KERFS not in own:
+        at = ", ".join(f"{mm:g} mm at {angle:g}°" for angle, mm in values["cuts"].bevel.kerfs)
+        silent.append(("the kerf of a torch that leans (such as kerf_45)", at or "that of an upright one"))
     line = 0 if looked_up.row is None else looked_up.row.line
     use = ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent), looked_up.source)
     return values | {"chart": use}
@@ -372,12 +384,14 @@ def _beaten_too(use: ChartUse, own: Mapping[Key, yaml.Node], values: Mapping[str
     """The use of a chart by the profile that this one is based on, with what this one says otherwise."""
     kept, beaten = [], list(use.beaten)
     for one in use.taken:
-        key = COLUMNS[one.column].key
-        if key in own:
-            beaten.append((one.column, one.text, value_text(one.column, _value(values, *key))))
+        column = column_of(one.column)
+        if column.key in own:
+            beaten.append((one.column, one.text, value_text(one.column, _value(values, column))))
         else:
             kept.append(one)
-    silent = [(name, value) for name, value in use.silent if COLUMNS[name].key not in own]
+    silent = [
+        (name, value) for name, value in use.silent if (COLUMNS[name].key if name in COLUMNS else _KERFS) not in own
+    ]
     return replace(use, taken=tuple(kept), beaten=tuple(beaten), silent=tuple(silent))
 
 
@@ -394,5 +408,14 @@ def _put(values: dict[str, Any], section: str, key: str, value: Any) -> dict[str
     return values | {section: replace(owner, **{_field(owner, key): value})}
 
 
-def _value(values: Mapping[str, Any], section: str, key: str) -> Any:
-    return getattr(values[section], _field(values[section], key))
+def _with_kerfs(values: dict[str, Any], kerfs: Iterable[tuple[float, float]]) -> dict[str, Any]:
+    cuts = values["cuts"]
+    return values | {"cuts": replace(cuts, bevel=replace(cuts.bevel, kerfs=tuple(sorted(kerfs))))}
+
+
+def _value(values: Mapping[str, Any], column: Column) -> Any:
+    """What the profile has for a column; of a kerf by angle its table, where that has no row for it."""
+    if column.angle_deg is None:
+        return getattr(values[column.section], _field(values[column.section], column.option))
+    kerfs = values["cuts"].bevel.kerfs
+    return dict(kerfs).get(column.angle_deg, f"{{{', '.join(f'{angle:g}: {mm:g} mm' for angle, mm in kerfs)}}}")

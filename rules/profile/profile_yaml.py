@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.charts.chart import COLUMNS
+from kerfwise.rules.charts.chart import column_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Text
 from kerfwise.rules.options.option import Members, options_of
@@ -173,7 +173,7 @@ class Provenance:
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
         taken = profile.chart.taken if profile.chart is not None else ()
-        self._charted = {".".join(COLUMNS[one.column].key): one for one in taken}
+        self._charted = {".".join(column_of(one.column).key): one for one in taken}
 
     def of(self, key: str) -> str:
         """Where a key has its value from, as a person reads it."""
@@ -187,8 +187,10 @@ class Provenance:
 
     def charted(self) -> Iterator[str]:
         """A sentence for each value that the chart has given."""
-        for key, one in self._charted.items():
-            yield f"{key}: {one.text}, {self._row(one)}"
+        for one in self._profile.chart.taken if self._profile.chart is not None else ():
+            column = column_of(one.column)
+            at = "" if column.angle_deg is None else f" at {column.angle_deg:g}°"
+            yield f"{'.'.join(column.key)}{at}: {one.text}, {self._row(one)}"
 
     def _row(self, one: ChartValue) -> str:
         assert self._profile.chart is not None

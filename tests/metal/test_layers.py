@@ -12,12 +12,15 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.pipeline import solve_and_verify
+from kerfwise.postproc.verdict.check_plan import check_program
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.bevel_nests import made_for_block, made_nest
 from kerfwise.tests.metal.layers import jets_of, simulate_layers
 from kerfwise.tests.tools.amount import full
 
 FEW, SINGLE, TWO = (0, 3), 100, 10
+LONG_RUN = 97
+"""Three of four edges have a land, and the run along them, with its loops, is longer than the round."""
 
 
 def planned(seed: int, kind: str = "whole") -> tuple[Nest, Profile, str] | None:
@@ -41,6 +44,18 @@ def test_programs_of_made_nests_burn_no_part_and_leave_no_face(seed: int, kind: 
     assert made is not None
     nest, profile, program = made
     assert [str(one) for one in simulate_layers(nest, program, profile)] == []
+
+
+def test_a_run_may_be_longer_than_the_round_and_not_come_after_it() -> None:
+    made = planned(LONG_RUN, "edges")
+    assert made is not None
+    nest, profile, program = made
+    assert [str(one) for one in simulate_layers(nest, program, profile)] == []
+    before, run, rounds, after = re.split(r"(?=^\(CUT 2 .* PASS [12]|^\(CUT 3 )", program, flags=re.MULTILINE)
+    told = [
+        str(v) for rule in check_program(nest, before + rounds + run + after, profile).rules for v in rule.violations
+    ]
+    assert any("P2.outer: an edge is cut on after the round that sets the part loose" in text for text in told), told
 
 
 @pytest.mark.full

@@ -53,10 +53,7 @@ def compare_with_violations(trials: Sequence[Trial]) -> Iterator[str]:
 def compare_with_text(trials: Sequence[Trial]) -> Iterator[str]:
     """The first plan of each trial that the text in MiniZinc admits and the statements do not, or the other way round.
 
-    Raises
-    ------
-    InputError
-        If MiniZinc is not installed, or finds a mistake in the text.
+    Raises InputError if MiniZinc is not installed, or finds a mistake in the text.
     """
     for trial in trials:
         stated = trial.admitted_by_statements()
@@ -92,10 +89,7 @@ def text_of(rule: Rule[Any]) -> Path | None:
 def admitted_by_text(trial: Trial) -> frozenset[PlanOf]:
     """The plans in which every element of the rule's arrays is true.
 
-    Raises
-    ------
-    InputError
-        If MiniZinc is not installed, or finds a mistake in the file: with its line.
+    Raises InputError if MiniZinc is not installed, or finds a mistake in the file: with its line.
     """
     from minizinc import Instance
     from minizinc.error import MiniZincWarning
@@ -283,10 +277,7 @@ class Undrawn(Exception):
 def drawn_value(option: Option, rng: np.random.Generator) -> Any:
     """A valid value of an option, the same for the same state of `rng`.
 
-    Raises
-    ------
-    Undrawn
-        If its kind is none of kerfwise's own, or nothing valid was drawn.
+    Raises Undrawn if its kind is none of kerfwise's own, or nothing valid was drawn.
     """
     for _ in range(TRIES):
         value = _of_kind(option.kind, option.default, rng)

@@ -205,12 +205,8 @@ FILES = (".py", ".mzn")
 def rules_to_try(profile: Profile, named: Sequence[str]) -> tuple[Profile, tuple[str, ...]]:
     """The profile with the rules of the files among these words, and the ids of all that are named.
 
-    A file in Python is run: whoever names it here trusts it.
-
-    Raises
-    ------
-    InputError
-        If there is no such rule or file, or its rules cannot be used.
+    A file in Python is run: whoever names it here trusts it. Raises InputError if there is no such rule or file, or its
+    rules cannot be used.
     """
     names: list[str] = []
     for word in named:

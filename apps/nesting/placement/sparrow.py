@@ -46,12 +46,7 @@ def packed(
     """Pack so many parts of each type on a strip of that height, as short as can be found in so many seconds.
 
     The strip's corner is at the origin. Holes are not seen, and no part is turned over. The same seed may give another
-    strip: sparrow counts seconds.
-
-    Raises
-    ------
-    SparrowFailed
-        If its process ends without an answer, or is stopped.
+    strip: sparrow counts seconds. Raises SparrowFailed if its process ends without an answer, or is stopped.
     """
     items = []
     for kind, count in counts.items():

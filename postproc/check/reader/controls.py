@@ -30,12 +30,8 @@ def in_file(file: str) -> Iterator[None]:
 def rows_of(text: str, longest: int = LONGEST, obeyed: str = "") -> Iterator[tuple[int, str]]:
     """The rows, numbered from 1, without their line ends; none is over `longest` bytes.
 
-    `obeyed` are characters that the control takes for commands wherever they stand.
-
-    Raises
-    ------
-    InputError
-        With line and column, for a row that is too long, and for characters that programs treat differently.
+    `obeyed` are characters that the control takes for commands wherever they stand. Raises InputError with line and
+    column, for a row that is too long, and for characters that programs treat differently.
 
     Examples
     --------
@@ -345,11 +341,8 @@ class Row(NamedTuple):
 def row_of(text: str, line: int, opens: str = "(;") -> Row:
     """Take the comments off a row; `opens` are the characters that begin one.
 
-    Raises
-    ------
-    InputError
-        With line and column, for a comment that is not closed, is in another, or that the control obeys; for
-        characters that are not ASCII outside comments.
+    Raises InputError with line and column, for a comment that is not closed, is in another, or that the control obeys;
+    for characters that are not ASCII outside comments.
 
     Examples
     --------

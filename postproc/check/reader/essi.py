@@ -82,13 +82,7 @@ class _Program:
     blocks: int = 0
 
     def run(self, line: int, text: str) -> None:
-        """One block.
-
-        Raises
-        ------
-        InputError
-            With the line, for what is malformed, not understood, or not checked.
-        """
+        """One block. Raises InputError with the line, for what is malformed, not understood, or not checked."""
         self.blocks += 1
         if any(also.pattern.fullmatch(text) for also in self.control.also):
             return
@@ -192,10 +186,8 @@ def read_essi(
 ) -> NcProgram:
     """Read a program; as `read_nc`, for controls that read ESSI. What each of its lines changes goes into `traced`.
 
-    Raises
-    ------
-    InputError
-        With the line, for what is malformed, not understood or not checked, and for a program without an end.
+    Raises InputError with the line, for what is malformed, not understood or not checked, and for a program without an
+    end.
 
     Examples
     --------

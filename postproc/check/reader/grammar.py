@@ -79,10 +79,7 @@ def motion_of(block: Block, modal: float | None, control: Control) -> float | No
 def refuse_conflicts(block: Block, motion: float | None, control: Control) -> None:
     """Refuse words that do not belong into one block; `motion` is the motion that it makes.
 
-    Raises
-    ------
-    InputError
-        With line and column.
+    Raises InputError with line and column.
     """
     _known_once(block, block.g, _GROUP_OF_G, control)
     _known_once(block, block.m, _GROUP_OF_M, control)
@@ -264,13 +261,7 @@ class ModalState:
             self.feed_mm_min = block.of("F") * (self.control.feed_mm_min or self.unit_mm)
 
     def wait(self, block: Block) -> None:
-        """G4.
-
-        Raises
-        ------
-        InputError
-            Where its time is missing.
-        """
+        """G4. Raises InputError where its time is missing."""
         if block.has_g(DWELL):
             letter = self.control.dwell
             if letter not in block.words:
@@ -280,10 +271,8 @@ class ModalState:
     def move(self, block: Block, motion: float | None) -> None:
         """Set modes, then make the block's motion, if any.
 
-        Raises
-        ------
-        InputError
-            With line and column, for a move without feed, an arc that is none, and a place far off every machine.
+        Raises InputError with line and column, for a move without feed, an arc that is none, and a place far off every
+        machine.
         """
         self._modes(block)
         self.modes.said(block, self.unit_mm)

@@ -38,10 +38,8 @@ class Named(NamedTuple):
 def torch_moves(moves: Sequence[Named], left: bool, half_mm: float) -> list[list[Segment]]:
     """What the torch makes of each move, from where it is as the first begins.
 
-    Raises
-    ------
-    InputError
-        With line, for a first move that is an arc or too short, and for turns that are too tight for the torch.
+    Raises InputError with line, for a first move that is an arc or too short, and for turns that are too tight for the
+    torch.
 
     Examples
     --------

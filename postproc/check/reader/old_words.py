@@ -84,10 +84,7 @@ class OldWords:
     def plain(self, row: Row, line: int, moves: ModalState) -> Row:
         """The row without them; a feed that the machine's material has is written as a number.
 
-        Raises
-        ------
-        InputError
-            With line and column, for what nobody can be sure of.
+        Raises InputError with line and column, for what nobody can be sure of.
         """
         plain_row = self._of_qtplasmac(row, line, moves) if self.control.filtered else row
         if plain_row.code:

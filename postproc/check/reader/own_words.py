@@ -34,10 +34,7 @@ _ROUND = 1.5
 def control_for(dialect: Dialect, file: str = "") -> Control:
     """The control that a dialect is for: that of its family, with what the file says of words of its own.
 
-    Raises
-    ------
-    InputError
-        For words that cannot be harmless; with their place, where `file` is the dialect's.
+    Raises InputError for words that cannot be harmless; with their place, where `file` is the dialect's.
     """
     control = CONTROLS[dialect.control]
     changes: dict[str, object] = {}

@@ -32,10 +32,7 @@ class Filter:
     def pass_(self, raw: str, row: Row, line: int, absolute: bool) -> None:
         """Pass a row on; `absolute` is how the program counts before it (G90).
 
-        Raises
-        ------
-        InputError
-            With line and column, for a row that the filter would change, or obey.
+        Raises InputError with line and column, for a row that the filter would change, or obey.
         """
         if ("(" in raw or ";" in raw) and (found := _MAGIC.search(raw)):
             raise InputError(

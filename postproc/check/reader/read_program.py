@@ -40,12 +40,8 @@ def read_on_machine(
     """Read a program as the machine runs it; where the control holds the pierce delay itself, its clock has it too.
 
     Where the machine's zero lies on the drawing the program's own comment says, else the profile. Words that leave the
-    feed, and what else a material has, to the machine are refused, unless they are `trusted`.
-
-    Raises
-    ------
-    InputError
-        With the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
+    feed, and what else a material has, to the machine are refused, unless they are `trusted`. Raises InputError with
+    the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
     """
     machine = profile.machine
     if trusted is None:
@@ -63,10 +59,7 @@ def read_on_machine(
 def old_on_machine(text: str, profile: Technique, trusted: Trusted, file: str = "") -> OldProgram:
     """Read a program of which there is no nest, line by line, in its own coordinates.
 
-    Raises
-    ------
-    InputError
-        As `read_old` does; for a dialect that does not fit the profile's process.
+    Raises InputError as `read_old` does; for a dialect that does not fit the profile's process.
     """
     machine, (control, held_s) = profile.machine, control_of(profile)
     unlit_mm, torches = _unlit_mm(profile), _torches(profile)
@@ -89,12 +82,8 @@ def _unlit_mm(profile: Technique) -> float:
 def control_of(profile: Technique) -> tuple[Control, tuple[float, float]]:
     """The control that runs the profile's programs, and how long it holds the torch by itself to cut, and to mark.
 
-    That of a laser tells marks from cuts by the profile's power, where it says one.
-
-    Raises
-    ------
-    InputError
-        For a dialect that does not fit the profile's process.
+    That of a laser tells marks from cuts by the profile's power, where it says one. Raises InputError for a dialect
+    that does not fit the profile's process.
     """
     machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
     by_machine = pierce_dwell_of(profile, dialect) == "machine"
@@ -195,12 +184,8 @@ def read_old(
 ) -> OldProgram:
     """Read a program that somebody else wrote; `feed_mm_min` is what the machine's material has for a feed.
 
-    `tab_mm` and `torches` are as for `read_nc`.
-
-    Raises
-    ------
-    InputError
-        With line and column, as `read_nc` does; and for a torch that is on in a rapid, or units that nobody states.
+    `tab_mm` and `torches` are as for `read_nc`. Raises InputError with line and column, as `read_nc` does; and for a
+    torch that is on in a rapid, or units that nobody states.
 
     Examples
     --------

@@ -45,13 +45,8 @@ def read_nc(
 
     The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark. A torch that
     goes off, moves on at a feed for no more than `tab_mm`, and is lit again, burns on. Of `torches` side by side words
-    say which burn.
-
-    Raises
-    ------
-    InputError
-        With line and column, for what is malformed, not understood or not checked, and for a program without an end;
-        for several torches, where the control has no words for them.
+    say which burn. Raises InputError with line and column, for what is malformed, not understood or not checked, and
+    for a program without an end; for several torches, where the control has no words for them.
 
     Examples
     --------
@@ -219,10 +214,7 @@ class Machine:
     def without_own(self, row: Row, line: int) -> Row:
         """A row without words of the control's own: those that mean a known one are spelt so, others are left out.
 
-        Raises
-        ------
-        InputError
-            With line and column, for a word where it may not stand.
+        Raises InputError with line and column, for a word where it may not stand.
         """
         code, control = row.code, self.control
         if control.decimal != "." and control.decimal in code:

@@ -119,10 +119,8 @@ class Tools(ToolsOn):
     def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
         """Do what comes before a block's wait and motion, outputs first, as the control does.
 
-        Raises
-        ------
-        InputError
-            With line and column, for outputs and tools that this control does not have or that are not checked.
+        Raises InputError with line and column, for outputs and tools that this control does not have or that are not
+        checked.
         """
         for word in sorted(block.m, key=lambda word: -word.value if word.value >= _SET_BIT else 0.0):
             if word.value in (self.control.selects, self.control.deselects) and self._stations(word, block):

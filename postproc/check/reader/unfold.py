@@ -77,12 +77,8 @@ def needs_unfolding(text: str) -> bool:
 def unfold(text: str, plasmac: bool = False) -> list[UnfoldedRow]:
     """The plain rows of a program, in the order in which the control runs them.
 
-    With `plasmac` rows stay that set what QtPlasmaC reads itself, and names that the program reads nowhere.
-
-    Raises
-    ------
-    InputError
-        With the line, for what is malformed, hangs on the machine, stands in another file, or never ends.
+    With `plasmac` rows stay that set what QtPlasmaC reads itself, and names that the program reads nowhere. Raises
+    InputError with the line, for what is malformed, hangs on the machine, stands in another file, or never ends.
 
     Examples
     --------

@@ -76,11 +76,8 @@ class Block(NamedTuple):
 def block_of(row: Row, line: int, rotary: str = "") -> Block:
     """The words of a row; `rotary` are the letters of axes that tilt and turn a torch.
 
-    Raises
-    ------
-    InputError
-        With line and column, for anything that is no word known here, or whose number is out of bounds: what the check
-        skipped it would not have checked.
+    Raises InputError with line and column, for anything that is no word known here, or whose number is out of bounds:
+    what the check skipped it would not have checked.
 
     Examples
     --------
@@ -165,12 +162,8 @@ def arc_by_centre(
 ) -> tuple[Segment, ...]:
     """An arc about a centre, a full circle when it ends where it starts; beyond a half turn it comes in two.
 
-    Its radius may differ by `mismatch_mm` between its ends.
-
-    Raises
-    ------
-    InputError
-        If the radius at the end is not that at the start within what controls accept.
+    Its radius may differ by `mismatch_mm` between its ends. Raises InputError if the radius at the end is not that at
+    the start within what controls accept.
 
     Examples
     --------
@@ -205,12 +198,8 @@ def arc_by_radius(
 ) -> tuple[Segment, ...]:
     """An arc by its radius: the shorter way round, or the longer one when the radius is negative.
 
-    Its ends may be further apart than twice the radius by twice `short_mm`.
-
-    Raises
-    ------
-    InputError
-        If the ends are the same point, or further apart than the radius allows.
+    Its ends may be further apart than twice the radius by twice `short_mm`. Raises InputError if the ends are the same
+    point, or further apart than the radius allows.
 
     Examples
     --------

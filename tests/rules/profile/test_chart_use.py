@@ -112,3 +112,56 @@ def test_the_sha256_covers_every_file(tmp_path: Path, chart: Path, monkeypatch: 
         seen.append(loaded(tmp_path, text).sha256)
     assert len(set(seen)) == 4
     assert {chart, Path("shop.yaml")} <= set(files_of(loaded(tmp_path, text)))
+
+
+BEVELS = """\
+material, thickness [mm], kerf [mm], kerf_30 [mm], kerf_45 [mm], kerf_22.5 [mm]
+S235, 10, 1.8, 2.0, 2.2, 1.9
+S235, 20, 2.0, 2.2, 2.6,
+"""
+
+
+def test_kerfs_by_angle_are_those_of_bevels(tmp_path: Path, chart: Path) -> None:
+    chart.write_text(BEVELS)
+    text = "material: {chart: charts/shop.csv, thickness: 20 mm}\ncuts: {bevel: {head: tilting}}\n"
+    plant = loaded(tmp_path, text)
+    assert plant.cuts.bevel.kerfs == ((30.0, 2.2), (45.0, 2.6))
+    options = plant.bevel_options()
+    assert options is not None
+    assert [options.kerf_mm(angle) for angle in (0, 30, 37.5, -45)] == pytest.approx([2.0, 2.2, 2.4, 2.6])
+    assert "cuts.bevel.kerfs at 45°: 2.6 mm, " + f"{chart}:3" in list(Provenance(plant).charted())
+    between = loaded(tmp_path, text.replace("20 mm", "15 mm, interpolate: true"))
+    assert between.cuts.bevel.kerfs == ((30.0, 2.1), (45.0, 2.4))
+    note = "kerf 1.9 mm, kerf_30 2.1 mm, kerf_45 2.4 mm are interpolated between 10 mm (line 2) and 20 mm (line 3)"
+    assert any(note in one for one in between.chart_notes())
+
+
+def test_a_profile_beats_the_kerfs_by_angle_of_its_chart_and_is_told_where_that_has_none(
+    tmp_path: Path, chart: Path
+) -> None:
+    chart.write_text(BEVELS)
+    text = "material: {chart: charts/shop.csv, thickness: 10 mm}\ncuts: {bevel: {head: tilting}}\n"
+    own = loaded(tmp_path, text.replace("tilting", "tilting, kerfs: {30: 2.5 mm, 45: 2.2 mm}"))
+    assert own.cuts.bevel.kerfs == ((30.0, 2.5), (45.0, 2.2))
+    said = [one for one in own.chart_notes() if "itself" in one]
+    assert [one.partition(": ")[2] for one in said] == [
+        "the profile says kerf_30 2.5 mm itself, the chart says 2 mm for S235, 10 mm",
+        "the profile says kerf_22.5 {30: 2.5 mm, 45: 2.2 mm} itself, the chart says 1.9 mm for S235, 10 mm",
+    ]
+    loaded(tmp_path, text, "base.yaml")
+    based = loaded(tmp_path, "based_on: base.yaml\ncuts: {bevel: {kerfs: {30: 2.5 mm}}}\n")
+    assert based.cuts.bevel.kerfs == ((30.0, 2.5),)
+    assert any("the profile says kerf_30 2.5 mm itself" in one for one in based.chart_notes())
+    thicker = loaded(tmp_path, "based_on: base.yaml\nmaterial: {thickness: 20 mm}\n")
+    assert thicker.cuts.bevel.kerfs == ((30.0, 2.2), (45.0, 2.6))
+    chart.write_text(CHART)
+    silent = loaded(tmp_path, text)
+    note = "says nothing of the kerf of a torch that leans (such as kerf_45) for S235, 10 mm: that of an upright one"
+    assert any(note in one for one in silent.chart_notes())
+
+
+@pytest.mark.parametrize("column", ["kerf_0", "kerf_75", "kerf_-30", "kerf_30,5"])
+def test_an_angle_that_no_bevel_has_is_no_column(tmp_path: Path, chart: Path, column: str) -> None:
+    chart.write_text(f'"{column} [mm]", thickness [mm]\n2, 10\n')
+    with pytest.raises(InputError, match="expected the angle of a bevel in degrees, 1 to 60, such as kerf_45"):
+        loaded(tmp_path, "material: {chart: charts/shop.csv, thickness: 10 mm}\n")
