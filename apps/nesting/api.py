@@ -250,7 +250,7 @@ def list_request(
                 tell(note)
         return NestingRequest(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
 
-    return request_list(order, plants, nesting, skip_bad=skip_bad, answers=said, date=day_of(date))
+    return request_list(order, plants, nesting, skip_bad=skip_bad, answers=said, date=day_of(date), settings=laid)
 
 
 def _words(files: Files) -> list[str]:

@@ -20,6 +20,7 @@ from kerfwise.jobs.nest_job.request import with_values
 from kerfwise.jobs.progress import Listener
 from kerfwise.postproc.output_files import make_folder, write_files
 from kerfwise.rules.profile.load import shipped_profiles
+from kerfwise.rules.profile.overrides import Setting
 from kerfwise.rules.profile.profile import Profile
 
 from .by_material import SHIPPED, Cutting, Group, cuttings_of, groups_of, left_of, uncuttable, without
@@ -43,12 +44,13 @@ class GroupRequest:
 class ListRequest:
     """All groups of a list, and what of it cannot be nested: parts that nobody can read or cut, with the reason.
 
-    `date` is the day that every program says at its top, "" for none.
+    `date` is the day that every program says at its top, "" for none; `settings` are those of the command line.
     """
 
     groups: tuple[GroupRequest, ...]
     bad: tuple[BadRow, ...]
     date: str = ""
+    settings: tuple[Setting, ...] = ()
 
     def folder(self, one: GroupRequest) -> str:
         """The folder of a group in that of the list; "" where there is one group only."""
@@ -68,6 +70,7 @@ def request_list(
     skip_bad: bool = False,
     answers: Answers = (),
     date: str = "",
+    settings: tuple[Setting, ...] = (),
 ) -> ListRequest:
     """The groups of an order, each with its profile; what cannot be cut is found here, before anything is laid.
 
@@ -85,6 +88,8 @@ def request_list(
         To questions about material.
     date
         The day that every program says at its top, as 2026-12-24; "" for none.
+    settings
+        What the profiles have been set to besides: the job files say it, too.
 
     Raises
     ------
@@ -114,7 +119,7 @@ def request_list(
     bad += wrong
     if not found:
         raise InputError("no part can be nested", details=tuple(map(str, bad)))
-    return ListRequest(tuple(found), tuple(bad), date)
+    return ListRequest(tuple(found), tuple(bad), date, settings)
 
 
 def nest_groups(
@@ -157,9 +162,9 @@ def job_text(request: ListRequest, one: GroupRequest, folder: Path | None, neste
     lines += [f"order: {json.dumps(', '.join(orders), ensure_ascii=False)}"] if orders else []
     lines += [f"due: {min(days)}"] if days else []
     lines += [f"date: {request.date}"] if request.date else []
-    if cutting.settings:
-        lines.append("set:")
-        lines += [f"  {key}: {value}" for key, _, value in (one.partition("=") for one in cutting.settings)]
+    settings = {one.key: _set_in(one, folder) for one in request.settings}
+    settings |= {key: value for key, _, value in (one.partition("=") for one in cutting.settings)}
+    lines += ["set:", *(f"  {key}: {value}" for key, value in settings.items())] if settings else []
     return "\n".join(lines) + "\n"
 
 
@@ -171,14 +176,21 @@ def plant_of_sheet(request: ListRequest, one: GroupRequest, out: Path | None, ne
     if not _has_job(request, one):
         return one.cutting.plant
     folder = None if out is None else out / request.folder(one)
-    text, file = job_text(request, one, folder, nested, number), f"{nested.names[number]}{ENDING}"
-    job = replace(job_of(text, file), sha256=hashlib.sha256(text.encode()).hexdigest())
+    text = job_text(request, one, folder, nested, number)
+    file = (Path() if folder is None else folder) / f"{nested.names[number]}{ENDING}"
+    job = replace(job_of(text, str(file)), sha256=hashlib.sha256(text.encode()).hexdigest())
     return with_values(one.cutting.base, job if folder else replace(job, file="", sha256=""), (), ())
 
 
 def _has_job(request: ListRequest, one: GroupRequest) -> bool:
     """Whether a job file says more than the profile."""
-    return bool(one.group.said or request.date)
+    return bool(one.group.said or request.date or request.settings)
+
+
+def _set_in(setting: Setting, folder: Path | None) -> str:
+    """A setting as a job file in that folder says it: files are named as seen from there."""
+    is_file = setting.key in ("material.chart", "machine.dialect") and Path(setting.text).is_file()
+    return json.dumps(_from(folder, setting.text), ensure_ascii=False) if is_file and folder else setting.text
 
 
 def _profile_name(plant: Profile, folder: Path) -> str:
@@ -188,9 +200,14 @@ def _profile_name(plant: Profile, folder: Path) -> str:
         return shipped
     if not plant.file:
         return plant.name
+    return _from(folder, plant.file)
+
+
+def _from(folder: Path, file: str) -> str:
+    """A file's path as seen from a folder."""
     with suppress(ValueError):  # no way from one drive to another
-        return Path(os.path.relpath(plant.file, folder)).as_posix()
-    return Path(plant.file).resolve().as_posix()
+        return Path(os.path.relpath(file, folder)).as_posix()
+    return Path(file).resolve().as_posix()
 
 
 def write_list(

@@ -69,6 +69,27 @@ def test_groups_have_the_row_of_their_thickness(shop: Path) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("listed", [True, False])
+def test_what_is_set_on_the_command_line_stands_in_the_job_files(shop: Path, listed: bool) -> None:
+    """The check of a sheet, without these words, read the program under other feeds."""
+    Path("list.csv").write_text("file;qty;mat;t\nplate;1;S235;10\n")
+    words = ("list.csv", "-p", "plasma-carbon-steel", "--set", "material.chart=shop.csv") if listed else ("plate.json",)
+    made = kerfwise(
+        "make", *words, "--sheet", "400x300", "-o", "out", "--rounds", 1, "--work", 0.1,
+        "--set", "machine.cut_feed=1234 mm/min", "--set", "machine.pierce_time=0.7 s",
+    )  # fmt: skip
+    assert made.code == 0, made.err
+    job = yaml.safe_load(Path("out/sheet1.job.yaml").read_text())
+    assert job["set"]["machine.cut_feed"] == "1234 mm/min"
+    assert job["set"].get("material.chart") == ("../shop.csv" if listed else None)
+    checked = kerfwise("check", "out/sheet1.json", "out/sheet1.nc")
+    assert checked.code == 0, checked.out + checked.err
+    assert "F1234" in Path("out/sheet1.nc").read_text()
+    again = kerfwise("solve", "out/sheet1.json", "--work", 0.1, "-o", "again.nc", "--plan", "again.json")
+    assert again.code == 0, again.err
+    assert Path("again.nc").read_bytes() == Path("out/sheet1.nc").read_bytes()
+
+
 def test_a_profile_on_another_drive_is_named_by_its_whole_path(shop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def no_way(path: object, start: object = None) -> str:
         raise ValueError("path is on mount 'D:', start on mount 'C:'")
