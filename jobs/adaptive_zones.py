@@ -38,6 +38,7 @@ from .plan_without_zones import (
     is_relaxed,
     look_for,
     next_look_limit_s,
+    paying_for_crossings,
     restated,
     searched,
     without_zones,
@@ -148,7 +149,7 @@ def better_zones(
     account = Account(solution.seconds + kept, left)
     found = list(plans_along(request, profile, free, account, limits, progress))
     best = _best([(request, solution), *found], free)
-    if best.solution is solution:
+    if best.asked is request:
         return best
     spent = account.spent - kept + free.seconds
     if limits.time_s is not None:
@@ -239,7 +240,7 @@ def plan_by_rungs(
     if not (every := [*given, *tried]):
         return None
     best_of_all = _best(every, free)
-    if best_of_all.solution is solution:
+    if best_of_all.asked is asked:
         return best_of_all
     seconds = running_s() - began_s if timed else spent
     if solution is None:
@@ -252,12 +253,20 @@ def _rank(solution: Solution) -> tuple[float, bool]:
     return solution.objective, solution.status != "optimal"
 
 
+def _on_one_account(every: Sequence[tuple[Request, Solution]]) -> Sequence[tuple[Request, Solution]]:
+    """The plans, each at the price of all that is asked where only some pay for what single moves cross."""
+    if len({frozenset(rule for rule, _ in one.left_out) for _, one in every}) < 2:
+        return every
+    return [(by, paying_for_crossings(by, one)) for by, one in every]
+
+
 def _cheapest(every: Sequence[tuple[Request, Solution]]) -> tuple[Request, Solution] | None:
-    return min(every, key=lambda plan: _rank(plan[1]), default=None)
+    return min(_on_one_account(every), key=lambda plan: _rank(plan[1]), default=None)
 
 
 def _best(every: Sequence[tuple[Request, Solution]], free: Free | None) -> ZonedPlan:
     """The cheapest of plans, and what the cheapest of all costs that is proven, where it is not."""
+    every = _on_one_account(every)
     by, best = min(every, key=lambda plan: _rank(plan[1]))
     elsewhere = None
     if best.status != "optimal":

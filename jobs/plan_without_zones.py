@@ -33,7 +33,7 @@ from kerfwise.models.plan.make_plan import excuses as excused
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.evaluate import route_cost, unpriced_crossings
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
 from kerfwise.rules.stating.lazy_statements import lazy_statements
@@ -195,6 +195,16 @@ def without_moves(statements: Sequence[Statement]) -> tuple[list[Statement], fro
     moves = by_kind(statements).crossing
     unasked = {id(s) for s in moves}
     return [s for s in statements if id(s) not in unasked], frozenset(s.about.rule for s in moves)
+
+
+def paying_for_crossings(request: Request, solution: Solution) -> Solution:
+    """The same route at the price of all that is asked, where it does not pay for what its single moves cross."""
+    if not solution.left_out or (problem := solution.problem) is None:
+        return solution
+    sites, crossing = problem.candidate_site[list(solution.route)].tolist(), by_kind(request.stated.statements).crossing
+    objective = solution.objective + unpriced_crossings(problem, crossing, sites) / UM_PER_MM
+    proven = solution.bound is not None and solution.bound >= objective
+    return replace(solution, objective=objective, left_out=(), status="optimal" if proven else "feasible")
 
 
 def bans_crossings(statements: Sequence[Statement]) -> bool:

@@ -158,3 +158,19 @@ def test_more_work_makes_no_dearer_plan(
         assert found.free is not None
         assert not found.free.dearer(found.asked, found.solution, options_for(sheet, profile))
     assert costs == sorted(costs, reverse=True)
+
+
+def test_a_plan_that_does_not_pay_for_its_moves_over_parts_is_no_cheaper_for_it() -> None:
+    """A clock may leave such moves unpriced in the one and not in the other, which is proven."""
+    profile = load_profile()
+    asked = make_request(facts_of(ROW, profile), profile)
+    paying = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0))
+    ways = sorted(range(len(asked.facts.candidates)), key=lambda c: asked.facts.candidates[c].pierce[1])
+    low, high = ({asked.facts.candidates[c].contour: c for c in order} for order in (ways[::-1], ways))
+    over = (*(low[k] for k in (1, 2, 3, 4, 5)), high[0])  # from the last plate back over those that are out
+    left_out = (("no-tip-travel", "the clock"),)
+    bare = replace(paying, route=over, objective=paying.objective - 1, status="feasible", left_out=left_out)
+    free = Free(asked.stated, paying, 0.02)
+    best = adaptive_zones._best([(asked, bare), (asked, paying)], free)
+    assert (paying.status, best.solution, best.proven_elsewhere) == ("optimal", paying, None)
+    assert adaptive_zones._best([(asked, bare)], free).solution is bare

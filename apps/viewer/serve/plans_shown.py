@@ -13,22 +13,21 @@ from typing import Any
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.first_plan import AtHand, first_plan, paid_for, plan_at_hand
 from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.plan_without_zones import paying_for_crossings
 from kerfwise.jobs.request import Request, facts_of, make_request
 from kerfwise.jobs.resume import lock_broken_cut_first
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.jit import made_s, running_s
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.problem.evaluate import unpriced_crossings
 from kerfwise.pipeline import Planned, VerifiedPlan, judged, plan_of, seen_after, verified
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import EXEMPTION_MM, by_kind
+from kerfwise.rules.statements import EXEMPTION_MM
 
 from .plan_request import Questions
 
@@ -226,10 +225,7 @@ class PlanOnTheWay:
         seen = seen_after(request.facts, profile, solution.route)
         if not looked:  # what a hard rule forbids the check tells
             solution = replace(solution, objective=solution.objective + (paid_for(seen) or 0.0))
-        if solution.left_out and (problem := solution.problem) is not None:
-            sites, crossing = problem.candidate_site[list(solution.route)].tolist(), by_kind(request.stated.statements)
-            paid_mm = unpriced_crossings(problem, crossing.crossing, sites) / UM_PER_MM
-            solution = replace(solution, objective=solution.objective + paid_mm, left_out=())
+        solution = paying_for_crossings(request, solution)
         plan = plan_of(request, profile, solution, limits, seen, reasons=False)
         self._planned, self._profile = Planned(request.facts, plan, solution), profile
         self._verdict: CheckResult | None = None

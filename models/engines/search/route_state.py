@@ -15,7 +15,9 @@ from kerfwise.models.problem.problem import Problem
 
 from .conditions import Demands, Groups, Lags, Literals, make_demands, make_groups, make_lags, make_literals
 from .jit_tools import compiled
-from .travel import ArcCosts, Crossed, Legs, make_arcs, make_crossed, make_legs
+from .travel import ArcCosts, Crossed, Legs, make_arcs, make_crossed, make_legs, nearest_lawful
+
+ROWS_AT_ONCE = 1_000_000  # pairs of contours whose orders are looked at together
 
 # A problem as the flat arrays that compiled kernels read.
 
@@ -115,10 +117,10 @@ def _nearest(legs: Legs, allowed: Callable[[Ints, Ints], Bools], forward: bool) 
     if legs.travel.size:
         least = np.minimum.reduceat(legs.leave[:-1], legs.first[:-1], axis=0)
         cost = least if forward else least.T
-        for i in range(n):
-            others = np.flatnonzero(allowed(np.full(n, i), np.arange(n)))
-            best = others[np.argsort(cost[i, others], kind="stable")[:k]]
-            found[i, : len(best)] = best
+        for rows in np.array_split(np.arange(n), n * n // ROWS_AT_ONCE + 1):
+            one, other = np.repeat(rows, n), np.tile(np.arange(n), len(rows))
+            near, count = nearest_lawful(cost[rows], allowed(one, other).reshape(len(rows), n), k)
+            found[rows] = np.where(np.arange(k) < count[:, None], near, -1)
         return found
     here, there = (legs.end_circle, legs.pierce_circle) if forward else (legs.pierce_circle, legs.end_circle)
     from scipy.spatial import KDTree

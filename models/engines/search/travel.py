@@ -346,8 +346,8 @@ def make_arcs(problem: Problem, legs: Legs) -> ArcCosts:
     cost = legs.travel.astype(np.int32)
     cost[:, :n] += problem.site_cost.astype(np.int32)
     lawful = problem.successors()
-    near, count = _nearest(cost, lawful[:, :n])
-    near_in, count_in = _nearest(cost.T, lawful.T[:, :n])
+    near, count = nearest_lawful(cost, lawful[:, :n], NEAREST)
+    near_in, count_in = nearest_lawful(cost.T, lawful.T[:, :n], NEAREST)
     inner = cost[:n, :n]
     return ArcCosts(1, int((inner == inner.T).mean() > 0.5), cost, near, count, near_in, count_in, falls)
 
@@ -362,11 +362,11 @@ def _plain(problem: Problem) -> bool:
     )
 
 
-def _nearest(cost: Int32s, lawful: Bools) -> tuple[Int32s, Ints]:
-    """The `NEAREST` lawful contours of each row, nearest first, and how many there are."""
-    masked = np.where(lawful, cost[:, : lawful.shape[1]], np.iinfo(np.int32).max)
-    near = np.argsort(masked, axis=1, kind="stable")[:, :NEAREST].astype(np.int32)
-    return np.ascontiguousarray(near), np.minimum(lawful.sum(axis=1), NEAREST).astype(np.int64)
+def nearest_lawful(cost: Ints | Int32s, lawful: Bools, most: int) -> tuple[Int32s, Ints]:
+    """The `most` nearest lawful contours of each row, nearest first, and how many there are."""
+    masked = np.where(lawful, cost[:, : lawful.shape[1]], np.iinfo(cost.dtype).max)
+    near = np.argsort(masked, axis=1, kind="stable")[:, :most].astype(np.int32)
+    return np.ascontiguousarray(near), np.minimum(lawful.sum(axis=1), most).astype(np.int64)
 
 
 @compiled
