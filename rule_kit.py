@@ -17,7 +17,7 @@ from __future__ import annotations
 from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
 from kerfwise.encoder.cut import Cut, CutSequence, Direction, Side
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.facts.facts import FactOptions, Facts
+from kerfwise.encoder.facts.facts import Column, FactOptions, Facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Ids, Kind, Nest, Part, Sheet
@@ -57,6 +57,7 @@ __all__ = [
     "Candidate",
     "Case",
     "Choice",
+    "Column",
     "Contiguous",
     "Contour",
     "Crossing",

@@ -166,7 +166,8 @@ class Rule(ABC, Generic[OptionsT]):
     def fact_options(self, given: FactOptions, options: OptionsT, strength: Strength) -> FactOptions:
         """The options of the facts, with what this rule needs of them in the place of what is `given`.
 
-        Every rule is asked, also one that is off: its `strength` says so.
+        Every rule is asked, also one that is off: its `strength` says so. Facts that only it reads, it adds to
+        `columns`, with what computes them: see `scrap_last`.
         """
         return given
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut, loose_contours, rest_of
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
@@ -17,10 +17,8 @@ from kerfwise.encoder.candidates.stretches import StretchWays
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.identical_parts import Group
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.scrap import carrying, largest, pieces_of, skeleton
-from kerfwise.encoder.validate import OVERSHOOT_MM
 
-from .facts import Copies, Facing, FactOptions, Facts, Past, Stretch
+from .facts import Column, Copies, Facing, FactOptions, Facts, Past, Stretch
 from .neighbours import cells_of, outlook_of, runs_of, stretch_of, surroundings_of
 from .outlines import outlines_of
 from .relations import closure_of, edge_gaps, heat, hull_pairs, level_ahead, long_parts, offcuts, parents_of, start_side
@@ -85,7 +83,7 @@ def compute_facts(
 
     outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)
     surroundings = surroundings_of(outlines, parent, outlook)
-    runs, skeleton = runs_of(outlook), skeleton_of(nest, options.kerf_mm)
+    runs = runs_of(outlook)
     contour = np.fromiter((c.contour for c in candidates), np.int64, len(candidates))
     return Facts(
         nest=nest,
@@ -112,8 +110,7 @@ def compute_facts(
         head=stretch_of(outlines, runs, candidates, options.head_share, "head"),
         tail=stretch_of(outlines, runs, candidates, options.tail_share, "tail"),
         older_kerfs=_older_kerfs(nest, options, candidates, met),
-        scrap_framed=skeleton.framed,
-        scrap_beside=skeleton.beside,
+        columns={name: column for own in options.columns for name, column in own(nest, options).items()},
     )
 
 
@@ -125,65 +122,22 @@ def _older_kerfs(
     return older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm) if met is None else met
 
 
-# The pieces that scrap lines cut the skeleton into, and which lines have a piece between them.
-#
-# The skeleton is the sheet less every part and the kerf round it. Metal narrower than a kerf holds nothing and is no
-# piece. The lines, each as wide as the kerf, divide the rest. Two lines are beside each other where both bound the
-# same piece: as long as one of them is uncut, the metal at the other holds to what lies across it. The frame is the
-# largest piece that the lines leave of the largest piece that the parts leave: what is cut off from it is loose.
-
-_TOUCH_MM = 0.02
+_OF_CONTOURS = ("edge_gap_mm", "edge_length_mm", "solid_mm", "long")
+"""Facts with a row for each contour, of which a way has nothing."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Skeleton:
-    """Which of n contours are scrap lines at the frame or at no piece, (n,), and the pairs beside each other, (k, 2).
-
-    Each pair is listed both ways round.
-    """
-
-    framed: Bools
-    beside: Ints
+def _each(facts: Facts, names: Sequence[str], by: Callable[[Any], Any]) -> dict[str, Any]:
+    return {name: by(getattr(facts, name)) for name in names}
 
 
-def skeleton_of(nest: Nest, kerf_mm: float) -> Skeleton:
-    """What the scrap lines of a nest make of its skeleton.
-
-    Examples
-    --------
-    Three lines across a strip: the piece right of the last is the largest.
-
-    >>> from kerfwise.rules.case import nest
-    >>> found = skeleton_of(nest(1000, 100, scrap=[[(x, 0), (x, 100)] for x in (200, 400, 600)]), 1.5)
-    >>> found.framed.tolist(), found.beside.tolist()
-    ([False, False, True], [[0, 1], [1, 0], [1, 2], [2, 1]])
-    """
-    n = len(nest.contours)
-    framed, none = np.full(n, False), np.empty((0, 2), dtype=np.int64)
-    if not nest.scrap:
-        return Skeleton(framed, none)
-    kerfs = shapely.buffer(np.array([c.line for c in nest.scrap], dtype=object), kerf_mm / 2, quad_segs=4)
-    whole = skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm)
-    uncut = pieces_of(carrying(whole, kerf_mm), kerf_mm)
-    pieces = pieces_of(shapely.difference(shapely.union_all(uncut), shapely.union_all(kerfs)), kerf_mm)
-    if not len(pieces):
-        return Skeleton(framed, none)
-    of_largest = np.flatnonzero(shapely.intersects(uncut[largest(uncut)], shapely.point_on_surface(pieces)))
-    frame = of_largest[largest(pieces[of_largest])] if len(of_largest) else -1
-    reach = shapely.buffer(kerfs, _TOUCH_MM, quad_segs=4)
-    line, piece = shapely.STRtree(pieces).query(reach, predicate="intersects")
-    shared_mm = shapely.length(shapely.intersection(shapely.boundary(pieces[piece]), reach[line]))
-    length_mm = np.array([c.curve.length_mm for c in nest.scrap])
-    bounds = shared_mm > np.minimum(2 * (OVERSHOOT_MM + kerf_mm), length_mm[line] / 2)
-    line, piece = line[bounds], piece[bounds]
-    first = n - len(nest.scrap)
-    framed[first + line[piece == frame]] = True
-    framed[first + np.setdiff1d(np.arange(len(nest.scrap)), line)] = True
-    touches = np.zeros((len(nest.scrap), len(pieces)), dtype=bool)
-    touches[line, piece] = True
-    shared = touches.astype(np.int64) @ touches.T
-    np.fill_diagonal(shared, 0)
-    return Skeleton(framed, first + np.argwhere(shared > 0).astype(np.int64))
+def _columns(
+    facts: Facts, of_contours: Callable[[Any], Any], of_pairs: Callable[[Any], Any] = lambda pairs: pairs
+) -> dict[str, Column]:
+    """The facts of single rules by other numbers."""
+    return {
+        name: replace(column, values=(of_pairs if column.pairs else of_contours)(column.values))
+        for name, column in facts.columns.items()
+    }
 
 
 # The facts with ways along stretches of contours, which are cut before these are finished.
@@ -217,17 +171,14 @@ def with_ways(facts: Facts, ways: StretchWays, heat_kj: Floats) -> Facts:
         facts,
         nest=nest,
         parent=grown(facts.parent, -1),
-        edge_gap_mm=grown(facts.edge_gap_mm, 0.0),
-        edge_length_mm=grown(facts.edge_length_mm, 0.0),
-        solid_mm=grown(facts.solid_mm, 0.0),
-        long=grown(facts.long, False),
+        **_each(facts, _OF_CONTOURS, lambda values: grown(values, 0)),
         zone=np.concatenate([facts.zone, np.array(zone, dtype=np.int64)]),
         torch_heat_kj=np.concatenate([facts.torch_heat_kj, heat_kj]),
         candidates=candidates,
         first=np.searchsorted(contour, np.arange(count + more + 1)),
         head=stretch(facts.head),
         tail=stretch(facts.tail),
-        scrap_framed=grown(facts.scrap_framed, False),
+        columns=_columns(facts, lambda values: grown(values, 0)),
         older_kerfs=OlderKerfs.none() if ways.met is None else ways.met,
         links=tuple(link for link, free in zip(facts.links, off.tolist(), strict=True) if free),
     )
@@ -247,17 +198,12 @@ def without_ways(facts: Facts) -> Facts:
         facts,
         nest=facts.nest.without_stretches,
         parent=facts.parent[:n],
-        edge_gap_mm=facts.edge_gap_mm[:n],
-        edge_length_mm=facts.edge_length_mm[:n],
-        solid_mm=facts.solid_mm[:n],
-        long=facts.long[:n],
-        zone=facts.zone[:n],
-        torch_heat_kj=facts.torch_heat_kj[:n],
+        **_each(facts, (*_OF_CONTOURS, "zone", "torch_heat_kj"), lambda values: values[:n]),
         candidates=facts.candidates[:m],
         first=facts.first[: n + 1],
         head=stretch(facts.head),
         tail=stretch(facts.tail),
-        scrap_framed=facts.scrap_framed[:n],
+        columns=_columns(facts, lambda values: values[:n]),
         older_kerfs=OlderKerfs(rings[(rings[:, 0] < m) & (rings[:, 1] < n)], leads[(leads < m).all(axis=1)]),
     )
 
@@ -314,22 +260,14 @@ def subset_facts(whole: Facts, nest: Nest, number: Ints) -> Facts:
         whole,
         nest=nest,
         parent=np.where(parent >= 0, number[parent], -1),
-        contains=pairs(whole.contains),
-        level_ahead=pairs(whole.level_ahead),
-        in_hull=pairs(whole.in_hull),
+        **_each(whole, ("contains", "level_ahead", "in_hull"), pairs),
         neighbours=facing(whole.neighbours, number),
-        edge_gap_mm=whole.edge_gap_mm[left],
-        edge_length_mm=whole.edge_length_mm[left],
-        solid_mm=whole.solid_mm[left],
-        long=whole.long[left],
-        zone=whole.zone[left],
-        torch_heat_kj=whole.torch_heat_kj[left],
+        **_each(whole, (*_OF_CONTOURS, "zone", "torch_heat_kj"), lambda values: values[left]),
         candidates=candidates,
         first=np.searchsorted(np.array([c.contour for c in candidates], dtype=np.int64), np.arange(len(left) + 1)),
         head=stretch(whole.head),
         tail=stretch(whole.tail),
-        scrap_framed=whole.scrap_framed[left],
-        scrap_beside=pairs(whole.scrap_beside),
+        columns=_columns(whole, lambda values: values[left], pairs),
         older_kerfs=replace(met, rings=np.column_stack([met.rings[there, 0], number[met.rings[there, 1]]])),
     )
 

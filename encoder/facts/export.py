@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.minizinc_data import (
@@ -38,10 +38,11 @@ def facts_json(facts: Facts) -> str:
     of it or in its hull, which are those to cut before it. Lengths are rounded to 0.001 mm.
     """
     nest, options = facts.nest, facts.options
+    thresholds = (f.name for f in dataclasses.fields(options) if f.name != "columns")
     head: dict[str, Any] = {
         "format": FORMAT,
         "nest": {"file": nest.file, "sha256": nest.sha256},
-        "options": {f.name: _plain(getattr(options, f.name)) for f in dataclasses.fields(options)},
+        "options": {name: _plain(getattr(options, name)) for name in thresholds},
         "sheet_bounds_mm": [_mm(v) for v in nest.sheet.bounds],
         "start_side": facts.start_side,
         "start_side_because": facts.start_side_because,
@@ -89,7 +90,10 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
     contains = _listed(facts.contains[:, 1], facts.contains[:, 0], ids)
     level_ahead = _listed(facts.level_ahead[:, 0], facts.level_ahead[:, 1], ids)
     in_hull = _listed(facts.in_hull[:, 0], facts.in_hull[:, 1], ids)
-    beside = _listed(facts.scrap_beside[:, 1], facts.scrap_beside[:, 0], ids)
+    own: dict[str, list[Any]] = {
+        name: _listed(column.values[:, 1], column.values[:, 0], ids) if column.pairs else column.values.tolist()
+        for name, column in facts.columns.items()
+    }
     neighbours: list[list[dict[str, Any]]] = [[] for _ in ids]
     for row, other, length_mm, gap_mm in _facing_rows(facts.neighbours):
         neighbours[row].append({"contour": ids[other], "length_mm": _mm(length_mm), "gap_mm": _mm(gap_mm)})
@@ -110,7 +114,7 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
             "edge_gap_mm": _by_side(facts.edge_gap_mm[i]),
             "edge_length_mm": _by_side(facts.edge_length_mm[i]),
             "solid_mm": _mm(facts.solid_mm[i]),
-            **({"scrap_framed": bool(facts.scrap_framed[i]), "scrap_beside": beside[i]} if c.kind == "scrap" else {}),
+            **{name: rows[i] for name, rows in own.items() if facts.columns[name].kind in (None, c.kind)},
             **({"feed_share": round(c.feed_share, 6)} if c.feed_share < 1 else {}),
             **{key: value for key in DRAWN if (value := getattr(c.source, key))},
         }
@@ -183,7 +187,7 @@ def _facing_rows(facing: Facing) -> zip[tuple[int, int, float, float]]:
     return zip(*(a.tolist() for a in arrays), strict=True)
 
 
-def _listed(what: Ints, by: Ints, ids: list[str], rows: int | None = None) -> list[list[str]]:
+def _listed(what: Any, by: Any, ids: list[str], rows: int | None = None) -> list[list[str]]:
     """For each contour (or each of so many rows) the ids of the `what` whose `by` it is."""
     lists: list[list[str]] = [[] for _ in range(len(ids) if rows is None else rows)]
     for w, b in zip(what.tolist(), by.tolist(), strict=True):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -16,11 +17,23 @@ from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.cut import Cut, Side
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.identical_parts import Group
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Kind, Nest
 
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")
 Because = Literal["profile", "narrow-side", "long-parts", "offcut", "heat"]
 OrderFact = Literal["contains", "level_ahead", "in_hull"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Column:
+    """A fact that one rule alone reads: that rule computes it, and declares how by `FactOptions.columns`.
+
+    `values` (n,) has one for each contour, or, of `pairs`, (k, 2) contour indices; `kind` says which contours have any.
+    """
+
+    values: Bools | Ints | Floats
+    pairs: bool = False
+    kind: Kind | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +48,7 @@ class FactOptions:
     a part follow each other. `zone_heat_kj` is how much heat may go into a zone, None for any. `kerf_mm` is what a cut
     burns away; `splash_mm` the metal between a pierced hole and the kerf of an older cut, None where nobody asks what
     meets older kerfs. `pierce_pass` says that the holes of a zone, or of the sheet, are pierced before its cuts.
+    `columns` compute the facts that single rules read, by name.
     """
 
     web_mm: float = 25.0
@@ -55,6 +69,7 @@ class FactOptions:
     kerf_mm: float = 1.5
     splash_mm: float | None = 0.5
     pierce_pass: Literal["zone", "sheet"] | None = None
+    columns: tuple[Callable[[Nest, FactOptions], Mapping[str, Column]], ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -140,7 +155,7 @@ class Facts:
     follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
     `older_kerfs` says which candidates would meet the kerf of which contours and leads, were those cut before.
     `links` are ways from one contour to another with the torch on, where the profile wants any.
-    `scrap_framed` (n,) and the pairs `scrap_beside` are those of `skeleton.Skeleton`.
+    `columns` are those of single rules, by name.
 
     Where several torches cut together, all this is of what the first one cuts (`nest` too), and `copies` say the rest.
     Where some of the sheet is already cut, all this is of what is left (`nest` too); `past` is the rest of the story.
@@ -170,11 +185,14 @@ class Facts:
     head: Stretch
     tail: Stretch
     older_kerfs: OlderKerfs
-    scrap_framed: Bools
-    scrap_beside: Ints
     past: Past | None = None
     links: tuple[LinkPath, ...] = ()
     copies: Copies | None = None
+    columns: Mapping[str, Column] = field(default_factory=dict)
+
+    def column(self, name: str) -> Any:
+        """The values of a fact that a rule has declared."""
+        return self.columns[name].values
 
     @property
     def n(self) -> int:

@@ -35,8 +35,8 @@ GROUPS = {
         "Pick", "Enough", "About",
     ),
     "What it may read": (
-        "Nest", "Sheet", "Part", "Contour", "Kind", "Curve", "Point", "Facts", "Candidate", "Cut", "CutSequence",
-        "Direction", "Side", "places", "host_holes",
+        "Nest", "Sheet", "Part", "Contour", "Kind", "Curve", "Point", "Facts", "Column", "Candidate", "Cut",
+        "CutSequence", "Direction", "Side", "places", "host_holes",
     ),
     "Its options": (
         "option", "NoOptions", "Number", "Flag", "Choice", "Text", "OrWord", "LENGTH", "LENGTH_BY_THICKNESS", "SPEED",

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.holding import loose_scrap_cuts
 from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule import Rule, Strength
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Precede
 
+from .skeleton import skeleton_of
+
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 WHY = "cutting up the skeleton takes away what holds it"
 
@@ -80,9 +82,10 @@ class ScrapLast(Rule[ScrapLastOptions]):
         for k, contour in enumerate(facts.nest.without_scrap.contours):
             sentence = f"{contour.id} is cut before {ids[0]} and all other scrap lines: {WHY}"
             yield Precede(k, lines[0], self.about((contour.id, ids[0]), sentence))
+        framed, pairs = facts.column("scrap_framed"), facts.column("scrap_beside")
         for line in lines:
-            if not facts.scrap_framed[line]:
-                beside = facts.scrap_beside[facts.scrap_beside[:, 0] == line, 1].tolist()
+            if not framed[line]:
+                beside = pairs[pairs[:, 0] == line, 1].tolist()
                 names = [contours[other].id for other in beside]
                 holds = f"{' or '.join(names)} is cut after {contours[line].id}" if names else "nothing can"
                 sentence = f"{holds}, to hold the metal that it is cut in"
@@ -102,6 +105,9 @@ class ScrapLast(Rule[ScrapLastOptions]):
             text = f"{line} (cut {position}) is cut in a piece of the skeleton that is loose"
             found.append(Violation(self.id, (line,), text, (position,)))
         return found
+
+    def fact_options(self, given: FactOptions, options: ScrapLastOptions, strength: Strength) -> FactOptions:
+        return replace(given, columns=(*given.columns, skeleton_of))
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: ScrapLastOptions) -> list[Ids]:
         # The other lines come with the first: they are one run.

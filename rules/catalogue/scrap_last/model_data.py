@@ -14,9 +14,9 @@ class ScrapLastTwin(Twin[ScrapLastOptions]):
     """Which lines bound the frame, and which the same piece."""
 
     def data(self, case: TwinCase, options: ScrapLastOptions) -> Fields:
-        beside = case.facts.scrap_beside
+        beside = case.facts.column("scrap_beside")
         return [
-            ("scrap_framed", flags(case.facts.scrap_framed.tolist())),
+            ("scrap_framed", flags(case.facts.column("scrap_framed").tolist())),
             ("n_scrap_beside", str(len(beside))),
             ("scrap_one", numbers((beside[:, 0] + 1).tolist())),
             ("scrap_other", numbers((beside[:, 1] + 1).tolist())),

@@ -7,10 +7,11 @@ import pytest
 import shapely
 
 from kerfwise.encoder.candidates.build import scrap_problems
-from kerfwise.encoder.facts.compute import skeleton_of
+from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.rules.case import in_order, nest, part, rect
+from kerfwise.rules.catalogue.scrap_last.skeleton import skeleton_of
 from kerfwise.rules.judging.holding import bounding, loose_scrap_cuts
 from kerfwise.tests.tools.amount import few
 
@@ -49,9 +50,9 @@ def test_orders_that_are_stated_cut_nothing_loose(seed: int) -> None:
     framed, pairs = bounding(made, KERF_MM)
     ids, parts = [line.id for line in made.scrap], " ".join(c.id for c in made.without_scrap.contours)
     known = [c.id for c in made.contours]
-    facts = skeleton_of(made, KERF_MM)
-    assert {known[k] for k in np.flatnonzero(facts.framed)} == framed
-    assert {(known[a], known[b]) for a, b in facts.beside.tolist()} == pairs
+    facts = skeleton_of(made, FactOptions(kerf_mm=KERF_MM))
+    assert {known[k] for k in np.flatnonzero(facts["scrap_framed"].values)} == framed
+    assert {(known[a], known[b]) for a, b in facts["scrap_beside"].values.tolist()} == pairs
     lawful = 0
     for order in orders(ids, framed, pairs, np.random.default_rng(seed)):
         stated = all(a in framed or any((a, b) in pairs for b in order[k + 1 :]) for k, a in enumerate(order))
