@@ -58,11 +58,12 @@ class BadRow:
 
 @dataclass(frozen=True, slots=True)
 class PartList:
-    """What a list says: parts, sheets if it names any, and the rows of a table that cannot be used."""
+    """What a list says: parts, sheets if it names any, the rows of a table that cannot be used, columns not read."""
 
     parts: tuple[PartRow, ...]
     sheets: tuple[SheetRow, ...] = ()
     bad: tuple[BadRow, ...] = ()
+    unread: tuple[str, ...] = ()
 
 
 def is_list(path: Path, head: bytes) -> bool:
@@ -163,7 +164,9 @@ def _list_of_tables(path: Path, skip_bad: bool) -> PartList:
     parts: list[PartRow] = []
     sheets: list[SheetRow] = []
     bad: list[BadRow] = []
+    unread: list[str] = []
     for table in read_tables(path):
+        unread += table.head.unread
         cells = _STOCK_CELLS if table.of_stock else _PART_CELLS
         for line, row in table.rows:
             values, wrong = _cells(table, row, cells)
@@ -185,7 +188,7 @@ def _list_of_tables(path: Path, skip_bad: bool) -> PartList:
         problems.raise_any()
     if not (parts or sheets or bad):
         raise InputError("has a head and no rows", file=path)
-    return PartList(tuple(parts), tuple(sheets), tuple(bad))
+    return PartList(tuple(parts), tuple(sheets), tuple(bad), tuple(unread))
 
 
 def _cells(
@@ -202,6 +205,9 @@ def _cells(
             values[column] = kinds[column](cell, table.head.mm.get(at, 1.0))
         except WrongCell as error:
             wrong.append((at + 1, f"{column}: {error}"))
+    if over := [cell for cell in row[table.head.wide :] if cell not in (None, "")]:
+        says = f"the row has {len(row)} cells, the head {table.head.wide}: {str(over[0])[:20]!r} stands under no column"
+        wrong.append((table.head.wide + 1, says + "; write numbers with a decimal comma in quotes, or divide by ;"))
     return values, wrong
 
 

@@ -22,7 +22,7 @@ from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, read_nest, unpacked
 from kerfwise.encoder.readers.sheet import NO_SHEET, drawn_sheet
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.text import escape_text, join_names, unknown
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.nest_job import job_beside, read_job
 
@@ -30,6 +30,8 @@ from .part_list import ANY, MOST, BadRow, PartList, PartRow, SheetRow, is_list, 
 from .placement.blocks import sides_on_axes
 from .placement.demand import QUARTERS, Demand, PartType, Stock, turns_along
 from .tables import WrongCell, is_table, length_in, whole_in
+
+_MOST_NAMED = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,6 +85,8 @@ def order_of(
             rows += ((row, folder) for row in listed.parts)
             stock += ((row, folder) for row in listed.sheets)
             bad += listed.bad
+            if listed.unread:
+                tell(escape_text(f"{text}: columns that are not read: {join_names(listed.unread, _MOST_NAMED)}"))
     for text in (*sheets, *remnants):
         if is_table(file := Path(text)):
             stock += ((row, file.parent) for row in read_list(file).sheets)

@@ -51,14 +51,16 @@ _ONCE = ("quantity", "material", "thickness", "size")
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The head of a table: its row, which column each cell names, the millimetres of its unit; `twice` is a column that
-    two cells name alike.
+    """The head of a table: its row, which column each cell names, the millimetres of its unit, and how many cells there
+    are; `twice` is a column that two cells name alike, `unread` are cells whose word nobody knows.
     """
 
     line: int
     columns: Mapping[int, str]
     mm: Mapping[int, float]
+    wide: int
     twice: tuple[str, str, str] | None = None
+    unread: tuple[str, ...] = ()
 
 
 def head_of(line: int, cells: Sequence[Any]) -> Head | None:
@@ -92,7 +94,37 @@ def head_of(line: int, cells: Sequence[Any]) -> Head | None:
     same = [(column, texts[k], texts[j]) for k, column in columns.items() if column in _ONCE
             for tier, _, j, other in meant if other == column and j not in columns and tier == 0
             and (0, column) in COLUMNS_OF[words[k]]]  # fmt: skip
-    return Head(line, dict(sorted(columns.items())), mm, same[0] if same else None)
+    unread = tuple(text for text, word in zip(texts, words, strict=True) if word and word not in COLUMNS_OF)
+    return Head(line, dict(sorted(columns.items())), mm, len(texts), same[0] if same else None, unread)
+
+
+def misspelt(head: Head) -> tuple[str, str] | None:
+    """A cell of a head that is one letter off a word for a column that no cell names, and that word.
+
+    Examples
+    --------
+    >>> misspelt(head_of(1, ["Zeichnung", "Menge", "Dikce", "Kunde"]))
+    ('Dikce', 'dicke')
+    """
+    named = set(head.columns.values())
+    for text in head.unread:
+        word = _plain(text)
+        for known, meanings in COLUMNS_OF.items():
+            if len(known) >= _LEAST_WORD and _one_off(word, known) and not named & {column for _, column in meanings}:
+                return text, known
+    return None
+
+
+_LEAST_WORD = 5
+"""Shorter words are a letter off too many others."""
+
+
+def _one_off(word: str, known: str) -> bool:
+    """Whether one letter is missing, added or another, or two stand in each other's place."""
+    k = next((k for k, (a, b) in enumerate(zip(word, known, strict=False)) if a != b), min(len(word), len(known)))
+    rest, other = word[k:], known[k:]
+    swapped = rest[1::-1] + rest[2:] == other
+    return rest[1:] == other or rest == other[1:] or rest[1:] == other[1:] or swapped
 
 
 # A file as tables: each with its head and its rows of cells, blank rows left out.
@@ -139,6 +171,9 @@ def read_tables(path: Path) -> list[Table]:
         if table.head.twice is not None:
             column, one, other = table.head.twice
             message = f"two columns say {column}: {one!r} and {other!r}: leave one out, or call it otherwise"
+            raise InputError(message, file=path, line=table.head.line)
+        if (wrong := misspelt(table.head)) is not None:
+            message = f"column {wrong[0]!r}: did you mean {wrong[1]!r}? write it so, or call the column otherwise"
             raise InputError(message, file=path, line=table.head.line)
     return tables
 

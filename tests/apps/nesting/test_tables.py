@@ -114,11 +114,23 @@ def test_every_wrong_cell_is_told_with_its_place(tmp_path: Path) -> None:
         ("part;qty;qty\na.dxf;1;2\n", "two columns say quantity: 'qty' and 'qty'"),
         ("part;Dicke;Stärke\na.dxf;1;2\n", "two columns say thickness"),
         ("", "no row names the columns"),
+        ("Zeichnung;Menge;Dikce\na.dxf;1;10\n", "column 'Dikce': did you mean 'dicke'?"),
+        ("file;quantitty\na.dxf;3\n", "column 'quantitty': did you mean 'quantity'?"),
+        ("файл;кол-во;толшина\na.dxf;3;8\n", "column 'толшина': did you mean 'толщина'?"),
+        ("file,qty,thickness\na.dxf,2,1,5\n", "the row has 4 cells, the head 3: '5' stands under no column"),
     ],
 )
 def test_what_is_no_list_is_refused(tmp_path: Path, text: str, said: str) -> None:
     with pytest.raises(InputError, match=said.replace("?", "\\?")):
         rows_of(tmp_path / "list.csv", text)
+
+
+def test_columns_that_are_not_read_are_told(tmp_path: Path) -> None:
+    """A column that somebody fills in has no effect if nobody knows its word."""
+    text = "file;qty;Bemerkung;Sachbearbeiter;;Thick\na.dxf;2;eilig;Meier;;6\nb.dxf;1;;;;;\n"
+    (tmp_path / "list.csv").write_text(text)
+    found = read_list(tmp_path / "list.csv")
+    assert (found.unread, [row.thickness_mm for row in found.parts]) == (("Bemerkung", "Sachbearbeiter"), [6.0, None])
 
 
 def test_a_broken_workbook_is_refused(tmp_path: Path) -> None:
