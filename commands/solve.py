@@ -38,10 +38,14 @@ if TYPE_CHECKING:
     from kerfwise.pipeline import OrdersOf
 
 
-def _plan_at_hand(path: str) -> Plan:
+def _plan_at_hand(path: str, inputs: Inputs) -> Plan:
+    from kerfwise.jobs.inputs import damaged
     from kerfwise.models.plan.read_plan import read_plan
 
-    return read_plan(Path(path))
+    plan = read_plan(Path(path))
+    for text in damaged(plan, inputs):
+        print_note(text)
+    return plan
 
 
 # What solve says when there is no plan: which hard rules contradict each other, the way out, and a picture.
@@ -211,7 +215,7 @@ def command(
     protect(inputs, options["nest"], (*outputs, *beside_program), lock_from)
     expect_as_drawn(inputs, svg, reordered_dxf)
     note_placing(inputs)
-    start = None if start_path is None else _plan_at_hand(start_path)
+    start = None if start_path is None else _plan_at_hand(start_path, inputs)
     already = already_cut(inputs, lock_from, upto, redo_last, print_note)
     limits = options_for(
         inputs.nest, inputs.profile,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -179,13 +180,26 @@ def common_cuts_not_made(inputs: Inputs) -> str:
     )
 
 
-def differences(plan: Plan, inputs: Inputs) -> Iterator[str]:
-    """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
+def differences(plan: Plan, inputs: Inputs, judged: bool = False) -> Iterator[str]:
+    """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero.
+
+    One more says what of the plan is not so by nest and profile, unless it is `judged` anyway.
+    """
     from kerfwise.models.plan.read_plan import source_changes
 
     yield from source_changes(plan, inputs.nest, inputs.profile)
     if plan.origin != inputs.profile.machine.origin:
         yield f"the plan's origin is {plan.origin}, here it is {inputs.profile.machine.origin}: the plan's counts"
+    if not judged:
+        yield from damaged(plan, inputs)
+
+
+def damaged(plan: Plan, inputs: Inputs) -> Iterator[str]:
+    """A sentence where leads, lengths or times of a plan are not as its nest and its profile have them."""
+    from kerfwise.postproc.verdict.check_plan import damage_of
+
+    for text in islice(damage_of(plan, inputs.nest, inputs.profile), 1):
+        yield f"the plan is damaged, and taken as it stands: {text}; `kerfwise check` says all"
 
 
 def is_plan_file(path: str | Path) -> bool:

@@ -283,7 +283,7 @@ def check_made(
     if plan is not None:
         raise InputError("a plan is held against no other plan: expected an NC program, with the plan it was made from")
     judged = source if isinstance(source, Plan) else read_plan(source)
-    for text in differences(judged, inputs):
+    for text in differences(judged, inputs, judged=True):
         tell(text)
     expect_named_alike(judged, inputs.nest)
     return check_plan(inputs.nest, judged, inputs.profile)

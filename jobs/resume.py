@@ -18,7 +18,7 @@ from kerfwise.postproc.verdict.check_plan import cuts_elsewhere
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
-from .inputs import Inputs, Tell, expect_one_torch, is_plan_file, program_text, silent
+from .inputs import Inputs, Tell, damaged, expect_one_torch, is_plan_file, program_text, silent
 
 
 def already_cut(
@@ -51,6 +51,8 @@ def already_cut(
         expect_one_torch(inputs.profile, "a program that goes on after a stop", plan)
         if plan.nest.get("sha256") != inputs.nest.sha256:
             tell(f"the nest is not the one {file or 'the old plan'} was made with (its sha256 differs)")
+        for text in damaged(plan, inputs):
+            tell(text)
         already = stopped_plan(plan, inputs.nest, upto, redo_last, file)
     else:
         already = stopped_program(program_text(old), inputs.nest, inputs.profile, upto, redo_last, file)

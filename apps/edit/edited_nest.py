@@ -28,9 +28,10 @@ from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import escape_text, unknown
-from kerfwise.jobs.inputs import Inputs
+from kerfwise.jobs.inputs import Inputs, Tell, damaged, is_plan_file, silent
 from kerfwise.jobs.nest_job.request import last_plan
 from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.output_files import expect_outputs, write_files
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.profile.profile import Profile
@@ -418,14 +419,19 @@ def _was_so(before: Mapping[str, Part], a: str, b: str, apart_mm: float) -> bool
     return a in before and b in before and before[a].polygon.distance(before[b].polygon) <= apart_mm + _NEAR_MM
 
 
-def contours_cut(inputs: Inputs, file: str | Path | None, old: Plan | str | Path | None, upto: int | None) -> set[str]:
+def contours_cut(
+    inputs: Inputs, file: str | Path | None, old: Plan | str | Path | None, upto: int | None, tell: Tell = silent
+) -> set[str]:
     """The contours that a plan or program of a nest has cut, up to that cut; all of them where no number is given.
 
-    Raises InputError if it cannot be read, or has fewer cuts.
+    A plan that is damaged is told. Raises InputError if it cannot be read, or has fewer cuts.
     """
     if old is None:
         return set()
     cuts = last_plan(old, inputs.nest, file, inputs.profile).cuts
+    if isinstance(old, Plan) or is_plan_file(old):
+        for text in damaged(old if isinstance(old, Plan) else read_plan(old), inputs):
+            tell(text)
     if upto is not None and not 1 <= upto <= len(cuts):
         name = "the plan" if isinstance(old, Plan) else old
         raise InputError(f"--upto {upto} (in Python upto): {name} has {len(cuts)} cuts only")

@@ -93,7 +93,7 @@ def command(
     edge_mm = None if edge is None else length_or_zero("--edge", edge)
     if upto is not None and lock_from is None:
         raise click.UsageError("--upto is for --lock-from")
-    cut = contours_cut(inputs, options["nest"], lock_from, upto)
+    cut = contours_cut(inputs, options["nest"], lock_from, upto, print_note)
     edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=cut).do(*edits)
     return _write(edited, inputs, path)
 

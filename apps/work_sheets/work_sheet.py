@@ -118,7 +118,7 @@ def work_sheet(
         If the check refuses the plan, or the program does not follow it: nobody should cut by such a sheet.
     """
     trusted_dialect(inputs.profile)
-    changed = tuple(differences(plan, inputs))
+    changed = tuple(differences(plan, inputs, judged=True))
     for text in changed:
         tell(text)
     times = time_made(inputs, plan)  # refuses the plan of another nest

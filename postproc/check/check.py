@@ -62,7 +62,7 @@ from .small_features import (
     small_holes,
     with_passes,
 )
-from .stated import wrong_state, wrong_times
+from .stated import CutTimes, wrong_state, wrong_times
 from .torch_run import TorchRun, in_steps_of, judgement, tolerance_mm
 
 _ROUNDING_MM = 1e-3
@@ -132,6 +132,9 @@ def check_cuts(
         broken, texts = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims, in_kerfs)), judgement("claims", broken)]
         warnings += texts
+        if claims.blocks is not None:
+            said = (nest, cuts, profile, judged_by.shares, in_kerfs, claims.blocks, claims.time_s)
+            warnings += _first_few(list(CutTimes(*said).wrong(runs)))
     return CheckResult(
         (*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules, tuple(relaxed)
     )
@@ -175,6 +178,26 @@ def check_program(
         if bevels.violations is not None:
             result = replace(result, rules=(judgement("bevels", bevels.violations), *result.rules))
         return replace(result, warnings=(*result.warnings, *wrong_state(program.comments, result.state)))
+
+
+def damage(nest: Nest, cuts: CutSequence, profile: Technique, claims: Claims) -> Iterator[str]:
+    """What of a plan's leads, entries, lengths and times is not as nest and profile have it, whatever the rules say."""
+    judged_by = judged_nest(nest, profile)
+    nest, _ = with_passes(judged_by.nest, passes_of_cuts(cuts), profile)
+    runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
+    in_kerfs = _starts_in_kerfs(nest, cuts, profile)
+    for violation in (*faults, *totals(nest, cuts, runs, claims, in_kerfs)):
+        yield violation.text
+    if claims.blocks is not None:
+        yield from CutTimes(nest, cuts, profile, judged_by.shares, in_kerfs, claims.blocks, claims.time_s).wrong(runs)
+
+
+_FEW = 3
+
+
+def _first_few(texts: list[str]) -> list[str]:
+    more = len(texts) - _FEW
+    return [*texts[:_FEW], *([f"the plan says {more} other times that are not those of its cuts"] if more > 0 else [])]
 
 
 def _starts_in_kerfs(nest: Nest, cuts: CutSequence, profile: Technique) -> frozenset[int]:

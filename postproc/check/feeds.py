@@ -150,7 +150,7 @@ def _waits(
         return
     machine = profile.machine
     waits = pierce_dwell_of(profile) == "program"
-    cooling_s, flame = _longest_dwell_s(profile) + control.rests_s, machine.process == "oxyfuel"
+    cooling_s, flame = longest_dwell_s(profile) + control.rests_s, machine.process == "oxyfuel"
     preheat_s = machine.edge_preheat_s or (machine.pierce_time_s if flame else 0.0)
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
@@ -179,7 +179,7 @@ def _torch(burn: Burn) -> str:
     return "the torch" if burn.torch == 1 else f"torch {burn.torch}"
 
 
-def _longest_dwell_s(profile: Technique) -> float:
+def longest_dwell_s(profile: Technique) -> float:
     """How long the torch may wait for metal to cool, off, s."""
     limit = profile.temperature_limit()
     return 0.0 if limit is None else limit.allowed_dwell_s

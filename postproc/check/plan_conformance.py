@@ -139,7 +139,8 @@ _IDLE_MM, _LENGTH_MM, _LENGTH_SHARE, _TIME_S = 0.1, 0.1, 0.001, 0.01
 class Claims:
     """What a plan states: totals, the torch-on length of each cut, and which rules hold (none where it is silent).
 
-    `begun_mm` are the lengths of cuts that leave their contours unfinished.
+    `begun_mm` are the lengths of cuts that leave their contours unfinished. `blocks` are the lines of its program, None
+    where no times are judged.
 
     `of_all` is false for a plan made with another profile than it is judged by: it knows nothing of further rules.
     """
@@ -152,6 +153,7 @@ class Claims:
     rules: Mapping[str, bool] = field(default_factory=dict)
     of_all: bool = True
     begun_mm: tuple[float, ...] = ()
+    blocks: int | None = None
 
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:

@@ -8,15 +8,27 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import shapely
+
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.plan_state import PlanState
+from kerfwise.rules.profile.technique import Technique
 from kerfwise.rules.profile.values import ProfileValues
+
+from .feeds import longest_dwell_s, slow_at_corners
+from .plan_conformance import end_of
+from .small_features import Shares
+from .torch_run import TorchRun, tolerance_mm
 
 SHARE, _ROUNDED_S = 0.05, 1.0
 """How far apart the times may be: a share of the sum, and the whole second that a header rounds up to."""
+_CUT_ROUNDED_S = 0.05
+"""The same of a single cut, and of the way to it."""
 _STATE = re.compile(r"STATE (?P<state>KEPT|BROKEN|KEPT BUT FOR (?P<count>\d{1,6}) PLACES?)", re.IGNORECASE)
 _STATE_COMMENT = re.compile(rf"(?m)^([^\n(;]*[(;] *){_STATE.pattern}(?=[) ]*$)", re.IGNORECASE)
 _STATED = re.compile(r"ESTIMATED TIME (?P<h>\d{1,6}) H (?P<min>\d\d) MIN (?P<s>\d\d) S", re.IGNORECASE)
@@ -88,6 +100,101 @@ def wrong_times(program: NcProgram, profile: ProfileValues, planned_s: float | N
             if right_s != found.words_s:
                 by += f", to {right_s:.1f} s {'' if low else 'at the most '}by the time model {profile.time.model}"
             yield f"{who} says that it takes {said_s:.1f} s, which is too {'short' if low else 'long'}: its {by}"
+
+
+# Begin and end of each cut that a plan states, held against the lengths of its cuts and ways at the profile's feeds.
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CutTimes:
+    """How long each cut, and each way, of a plan may take by the lengths that the check finds.
+
+    `shares` are the least and the greatest share of the cut feed in small holes, `blocks` the lines of the program, for
+    a law of feeds; it takes `total_s`. Cuts at the positions `unpierced` begin in an older kerf.
+    """
+
+    nest: Nest
+    cuts: CutSequence
+    profile: Technique
+    shares: Mapping[str, Shares]
+    unpierced: Collection[int]
+    blocks: int
+    total_s: float
+
+    def wrong(self, runs: Sequence[TorchRun]) -> Iterator[str]:
+        """A sentence for each cut, hole and way whose time is not within 5 % of what it comes to."""
+        of_cut, begun = {run.position: run for run in runs}, (run for run in runs if not run.position)
+        pierced, at, now = self.cuts.pierced, self.cuts.home, 0.0
+        leans = {c.id for c in (self.nest.drawn or self.nest).contours if c.bevelled}
+        loose = False  # where bevels and blocks of torches end nobody follows here
+        for position, cut in self.cuts.new_burns:
+            run = of_cut.get(position) if self.cuts.finishes(position, cut) else next(begun, None)
+            if cut.torch > 1:
+                continue
+            for hole in pierced.pop(position, ()):
+                yield from self._way(f"the hole of {hole.contour}", hole.start_s - now, math.dist(at, hole.at))
+                yield from self._beyond(f"the hole of {hole.contour}", hole.end_s - hole.start_s, *self._stands(True))
+                at, now = hole.at, hole.end_s
+            name = f"cut {position} of {cut.contour}"
+            if not loose:
+                yield from self._way(name, cut.start_s - now, 0.0 if cut.linked else math.dist(at, cut.pierce))
+            loose = cut.contour in leans
+            if run is not None and not loose:
+                yield from self._cut(name, position, cut, run)
+            at, now = end_of(self.nest, cut), cut.end_s
+        if not loose:
+            yield from self._way("the machine's home", self.total_s - now, math.dist(at, self.cuts.home))
+
+    def _stands(self, pierced: bool, marks: bool = False) -> tuple[float, float]:
+        """The least and the most that a tool stands before it moves, s."""
+        machine = self.profile.machine
+        if marks:
+            return machine.mark_time_s, machine.mark_time_s
+        least_s = machine.pierce_time_s if pierced else min(machine.at_hole_s, machine.unpierced_s)
+        return least_s, machine.pierce_time_s if pierced else max(machine.pierce_time_s, machine.unpierced_s)
+
+    def _cut(self, name: str, position: int, cut: Cut, run: TorchRun) -> Iterator[str]:
+        machine, time = self.profile.machine, self.profile.time
+        feed = machine.mark_feed_mm_s if run.marks else machine.cut_feed_mm_s
+        if time.model == "blocks" and time.feed_by_blocks is not None and not run.marks:
+            feed = time.feed_by_blocks.mm_s(self.blocks)
+        low, high = (1.0, 1.0) if run.marks else self.shares.get(cut.contour, (1.0, 1.0))
+        if not run.marks and slow_at_corners(self.profile):
+            low *= self.profile.corners.corner_feed
+        whole_mm = run.loop.length + math.fsum(lead.length for lead in run.leads)
+        most_s = whole_mm / (feed * low)
+        if time.model == "acceleration":
+            most_s += self._stops_s(cut, feed * low)
+        stands = (0.0, 0.0) if cut.linked else self._stands(self._surely_pierced(position, cut), run.marks)
+        says_s = cut.end_s - cut.start_s
+        yield from self._beyond(name, says_s, stands[0] + run.length_mm / (feed * high), stands[1] + most_s)
+
+    def _surely_pierced(self, position: int, cut: Cut) -> bool:
+        inner = shapely.buffer(shapely.make_valid(self.nest.sheet.polygon), -tolerance_mm())
+        old = position in self.unpierced or self.profile.cuts.pierce_pass is not None
+        return not old and bool(shapely.contains(inner, shapely.Point(cut.pierce)))
+
+    def _stops_s(self, cut: Cut, feed_mm_s: float) -> float:
+        """How much longer a cut takes at the most where the torch speeds up and stops on every line and arc."""
+        a, half_mm = self.profile.time.acceleration_mm_s2, self.profile.material.kerf_mm / 2
+        own = self.nest.contour(cut.contour).curve.segments
+        moves = [*own, *(s for lead in (cut.lead_in, cut.lead_out) if lead is not None for s in lead.segments)]
+        tops = [(s.length_mm, min(feed_mm_s, math.sqrt(a * max(s.radius_mm - half_mm, half_mm)))) for s in moves]
+        tops += [(math.pi * half_mm, min(feed_mm_s, math.sqrt(a * half_mm)))] * len(own)
+        return math.fsum(_to_rest_s(mm, top, a) - mm / feed_mm_s for mm, top in tops)
+
+    def _way(self, name: str, says_s: float, way_mm: float) -> Iterator[str]:
+        least_s = way_mm / self.profile.machine.travel_mm_s
+        most_s = least_s + longest_dwell_s(self.profile)
+        if self.profile.time.model == "acceleration":
+            most_s += self.profile.machine.travel_mm_s / self.profile.time.acceleration_mm_s2 * 2
+        yield from self._beyond(f"the way to {name}", says_s, least_s, most_s)
+
+    def _beyond(self, name: str, says_s: float, least_s: float, most_s: float) -> Iterator[str]:
+        low = says_s < least_s * (1 - SHARE) - _CUT_ROUNDED_S
+        if low or says_s > most_s * (1 + SHARE) + _CUT_ROUNDED_S:
+            right = f"{least_s:.1f} s at the least" if low else f"{most_s:.1f} s at the most"
+            yield f"the plan says that {name} takes {says_s:.1f} s, and by its length it takes {right}"
 
 
 def _moving_s(burn: Burn) -> float:

@@ -18,6 +18,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import amount, long_job, notice_if_long
 from kerfwise.encoder.text import escape_text
 from kerfwise.models.plan.plan import Plan, RuleReport
+from kerfwise.models.plan.read_plan import expect_named_alike
 from kerfwise.postproc.check import (
     CheckResult,
     Claims,
@@ -29,6 +30,7 @@ from kerfwise.postproc.check import (
     check_cuts,
 )
 from kerfwise.postproc.check import check_program as check_nc
+from kerfwise.postproc.check.check import damage
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect
@@ -57,22 +59,49 @@ def check_plan(nest: Nest, plan: Plan, profile: Technique) -> CheckResult:
     A plan whose `rules` are empty claims nothing about them; see `report_of` to fill them in.
     """
     amount(len(plan.cuts), "cut", "cuts")
-    claims = Claims(
+    claims = _claims_of(plan, profile)
+    relaxed = _relaxed_of(plan)
+    thermometer = thermometer_of(nest, profile)
+    profile = _as_planned(plan, profile)
+    result = check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
+    told = _told_otherwise(plan, result, profile) if claims.of_all else ()
+    return replace(result, warnings=(*result.warnings, *told))
+
+
+def damage_of(plan: Plan, nest: Nest, profile: Technique) -> Iterator[str]:
+    """What of a plan of this nest, made with this profile, is not as both have it; nothing is known of other plans."""
+    claims = _claims_of(plan, profile)
+    if not claims.of_all or plan.nest.get("sha256") != nest.sha256:
+        return
+    try:
+        expect_named_alike(plan, nest)
+    except InputError as error:
+        yield error.message
+        return
+    profile = _as_planned(plan, profile)
+    yield from damage(nest, plan.sequence(profile.home_on(nest)), profile, claims)
+
+
+def _as_planned(plan: Plan, profile: Technique) -> Technique:
+    """The profile at the origin of a plan, and its torches as far apart as there."""
+    return profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
+
+
+def _claims_of(plan: Plan, profile: Technique) -> Claims:
+    of_all = plan.profile.get("sha256") == profile.sha256 and not any(
+        changed_since(plan.made_with, profile.for_one_nest)
+    )
+    return Claims(
         plan.totals.cut_mm,
         plan.totals.idle_mm,
         plan.totals.pierces,
         plan.totals.time_s,
         tuple(planned.length_mm for planned in plan.cuts),
         {rule.id: rule.holds for rule in plan.rules},
-        plan.profile.get("sha256") == profile.sha256 and not any(changed_since(plan.made_with, profile.for_one_nest)),
+        of_all,
         tuple(planned.length_mm for planned in plan.burns if planned.cut.way),
+        plan.time.nc_blocks if of_all and plan.time is not None else None,
     )
-    relaxed = _relaxed_of(plan)
-    thermometer = thermometer_of(nest, profile)
-    profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
-    result = check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
-    told = _told_otherwise(plan, result, profile) if claims.of_all else ()
-    return replace(result, warnings=(*result.warnings, *told))
 
 
 def _told_otherwise(plan: Plan, result: CheckResult, profile: Technique) -> Iterator[str]:

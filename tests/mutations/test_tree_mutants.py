@@ -23,10 +23,10 @@ from kerfwise.tests.mutations.tree_mutants import tree_mutants
 FREE = re.compile(
     r"because|\.why|^nest\.file|^profile\.name|^solve\.(engine|seed|seconds|found_by|proved_by|excuses|status)"
     r"|^solve\.\w+: key dropped|^time\.(model|nc_blocks|idle_share)|key dropped$|members? (turned round|doubled)$"
-    r"|^prices\.breaches\.\*\.(rule|contours)|\.(start_s|end_s|zone): |^totals\.heat|lead_\w+\.\*\.\*: "
+    r"|^prices\.breaches\.\*\.(rule|contours)|\.zone: |^totals\.heat|lead_\w+\.\*\.\*: "
     r"|\.entry\.\*: of another row|\.lead_out: member dropped"
 )
-"""No program is made from these: texts, how a plan was found, what is left unsaid, times and zones still in turn, an
+"""No program is made from these: texts, how a plan was found, what is left unsaid, zones still in turn, an
 entry a kerf from where the torch joins, the one point of a lead-out that there is not."""
 LARGE = [pytest.mark.full, pytest.mark.slow]
 COUNTS = pytest.mark.parametrize("count", [60, pytest.param(1500, marks=LARGE)])

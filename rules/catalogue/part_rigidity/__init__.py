@@ -59,7 +59,8 @@ class PartRigidity(Rule[PartRigidityOptions]):
     At the moment an outer contour is cut, a stretch of it is free if it faces the sheet's edge within `edge_band` (see
     start-side) or a part already out within `web`, and rigid if it faces a part still in, or solid metal. At least
     `rigid_min` of the last `tail_share` of the path is rigid. The check allows 0.05 less, for it looks at the boundary
-    in finer steps than the facts. Which entries and directions will do depends on what has been cut before.
+    in finer steps than the facts; a cut that a plan excuses is told among the excuses all the same. Which entries and
+    directions will do depends on what has been cut before.
 
     Beside that, at most `head_rigid_max` of the first `head_share` should be rigid: it costs `head_weight` where more
     is. That is a wish only and is never judged.
@@ -150,10 +151,12 @@ class PartRigidity(Rule[PartRigidityOptions]):
         found = []
         shares = rigid_at_the_end(nest, cuts, options.tail_share, options.web_mm, options.edge_band_mm)
         for k, share in shares:
-            if not cuts[k - 1].tabs and share < options.rigid_min - ALLOWANCE:
-                name = cuts[k - 1].contour
+            said = self.id in cuts[k - 1].excused  # then the planner has measured less, and the place is told
+            least = options.rigid_min + (ALLOWANCE if said else -ALLOWANCE)
+            if not cuts[k - 1].tabs and share < least:
+                name, less = cuts[k - 1].contour, "less than" if share < options.rigid_min else "no more than about"
                 text = (
-                    f"{name} (cut {k}) ends along {share:.0%} rigid metal, less than {options.rigid_min:.0%}: the rest "
+                    f"{name} (cut {k}) ends along {share:.0%} rigid metal, {less} {options.rigid_min:.0%}: the rest "
                     f"of its last {options.tail_share:.0%} faces the sheet's edge or parts already out"
                 )
                 found.append(Violation(self.id, (name,), text, (k,)))

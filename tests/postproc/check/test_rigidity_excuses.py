@@ -19,6 +19,8 @@ from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program, report_of
 from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.judging.facing import rigid_at_the_end
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
@@ -114,3 +116,16 @@ def test_what_nothing_can_hold_is_exempt_in_any_order() -> None:
     assert [e.why for e in result.rule("part-rigidity").excused] == [
         "no entry and direction of P.outer ends along more than 0%, even with all its neighbours in"
     ]
+
+
+@pytest.mark.parametrize(("more", "without"), [(0.03, []), (-0.03, []), (0.08, ["A.outer"])])
+def test_what_a_plan_excuses_is_told_though_the_check_would_let_it_pass(more: float, without: list[str]) -> None:
+    plan, _ = planned(ROW)
+    cuts, rule = plan.sequence(), PROFILE.rulebook()["part-rigidity"]
+    share = dict(rigid_at_the_end(ROW, cuts, 0.25, 25.0, 25.0))[1]
+    options = PartRigidityOptions(rigid_min=share + more)
+    first = dataclasses.replace(cuts[0], excused=("part-rigidity",))
+    excusing = dataclasses.replace(cuts, cuts=(first, *cuts[1:]))
+    a, b = ([v.contours[0] for v in rule.violations(ROW, of, options)] for of in (cuts, excusing))
+    assert [name for name in a if name == "A.outer"] == without
+    assert "A.outer" in b
