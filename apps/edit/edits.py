@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import os
+import re
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,12 +12,13 @@ from pathlib import Path
 from kerfwise.apps.nesting.placement.demand import PartType
 from kerfwise.apps.nesting.request import part_types
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.files import is_file, read_limited
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job.request import Names
+from kerfwise.rules.profile.load import shipped_profiles
 
 _FARTHEST = 1e6
 
@@ -145,15 +149,31 @@ def added(text: str, reading: ReadOptions, tell: Tell = silent) -> Add:
 
 
 def job_text_for(job: Job, nest: Nest, beside: Path) -> str:
-    """The text of a job file for an edited nest in its own file.
+    """The text of a job file for an edited nest in its own file; profile and chart are named as seen from there.
 
-    Raises InputError if a lock names what the nest does not have any more, or the profile is named from another folder.
+    Raises InputError if a lock names what the nest does not have any more, or a file cannot be named from there.
     """
     old = Path(job.file)
-    if job.profile_path != job.profile and old.resolve().parent != beside.resolve().parent:
-        raise InputError(f"it names its profile {job.profile} from its own folder")
     names = Names(nest, lambda number: number)
     for lock in job.locks:
         for _ in names.on_nest(lock):
             pass
-    return read_limited(old).decode("utf-8-sig")
+    text = read_limited(old).decode("utf-8-sig")
+    if old.resolve().parent == beside.resolve().parent:
+        return text
+    files = {one.key: one.text for one in job.settings if one.key in ("material.chart", "machine.dialect")}
+    if job.profile is not None and job.profile not in shipped_profiles():
+        files["profile"] = job.profile
+    for key, named in files.items():
+        if is_file(file := old.parent / named):
+            text = _renamed(text, key, named, os.path.relpath(file.resolve(), beside.resolve().parent))
+    return text
+
+
+def _renamed(text: str, key: str, named: str, other: str) -> str:
+    """A job file's text that names a file otherwise."""
+    line = re.compile(rf"^(\s*{re.escape(key)}\s*:\s*)(['\"]?){re.escape(named)}\2(?=\s|$)", re.MULTILINE)
+    text, count = line.subn(lambda found: found[1] + json.dumps(Path(other).as_posix(), ensure_ascii=False), text)
+    if count != 1:
+        raise InputError(f"it names {key} {named} from its own folder")
+    return text

@@ -26,17 +26,36 @@ if TYPE_CHECKING:
     from .edited_nest import EditedNest
 
 
-@click.command()
+SEVERAL = ("--keep", "--drop", "--mirror", "--fix")
+"""Options that take several parts."""
+
+
+class _SeveralParts(click.Command):
+    """A command whose options of SEVERAL may have several parts behind them, as `--keep P1 P2`."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        told = list[str]()
+        option, nest_named = "", bool(args) and not args[0].startswith("-")
+        for k, word in enumerate(args):
+            if word.startswith("-"):
+                option = word if word in SEVERAL else ""
+            elif option and told[-1] != option and (nest_named or k + 1 < len(args)):
+                told.append(option)
+            told.append(word)
+        return super().parse_args(ctx, told)
+
+
+@click.command(cls=_SeveralParts)
 @input_options
-@click.option("--keep", multiple=True, metavar="PART", help="Leave out all parts but these; repeatable.")
-@click.option("--drop", multiple=True, metavar="PART", help="Leave out a part; repeatable.")
+@click.option("--keep", multiple=True, metavar="PART…", help="Leave out all parts but these.")
+@click.option("--drop", multiple=True, metavar="PART…", help="Leave out parts.")
 @click.option("--turn", type=(str, float), multiple=True, metavar="PART DEG",
               help="Turn a part counter-clockwise about its middle; repeatable.")  # fmt: skip
-@click.option("--mirror", multiple=True, metavar="PART", help="Turn a part over, left to right; repeatable.")
+@click.option("--mirror", multiple=True, metavar="PART…", help="Turn parts over, left to right.")
 @click.option("--move", type=(str, float, float), multiple=True, metavar="PART DX DY", help="Move a part; repeatable.")
 @click.option("--add", multiple=True, metavar="FILE[=N]", help="Lay parts into free room; repeatable.")
 @click.option("--nest-anew", is_flag=True, help="Lay all parts anew, but those of --fix.")
-@click.option("--fix", multiple=True, metavar="PART", help="With --nest-anew, a part that stays; repeatable.")
+@click.option("--fix", multiple=True, metavar="PART…", help="With --nest-anew, parts that stay.")
 @click.option("--gap", metavar="LENGTH", help="Gap between parts. Default: a kerf and the profile's nesting.web.")
 @click.option("--edge", metavar="LENGTH", help="Distance to the sheet's edge. Default: the profile's nesting.edge.")
 @click.option("--lock-from", metavar="OLD", help="A plan or program of the nest that is cut already: its parts stay.")

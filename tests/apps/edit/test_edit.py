@@ -104,3 +104,29 @@ def test_one_part_is_cut_again_where_it_lay(plate: Path) -> None:
     assert again.code == 0, again.err
     cut = json.loads(Path("new.plan.json").read_text())["cuts"]
     assert [one["contour"] for one in cut] == ["P2.outer"]
+
+
+def test_an_option_may_have_several_parts_behind_it(plate: Path) -> None:
+    assert edit("--keep", "P1", "P3", "--no-job")[0] == 0
+    assert sorted(parts()) == ["P1", "P3"]
+    last = kerfwise("edit", "-o", "new.json", "--no-job", "--drop", "P1", "P3", "plate.json")
+    assert last.code == 0, last.err
+    assert sorted(parts()) == ["P2"]
+    assert edit("--turn", "P1", "90", "P2")[0] == 2
+
+
+def test_a_job_file_in_another_folder_names_profile_and_chart_from_there(plate: Path) -> None:
+    Path("out").mkdir()
+    Path("shop.csv").write_text("material,thickness [mm],kerf [mm]\nS235,10,2.5\n")
+    Path("plant.yaml").write_text("based_on: plasma-carbon-steel\n")
+    Path("plate.job.yaml").write_text(
+        "profile: plant.yaml  # ours\nset:\n  material.chart: shop.csv\n  material.thickness: 10 mm\n"
+    )
+    ended = kerfwise("edit", "plate.json", "--drop", "P1", "-o", "out/new.json")
+    assert ended.code == 0, ended.err
+    assert Path("out/new.job.yaml").read_text() == (
+        'profile: "../plant.yaml"  # ours\nset:\n  material.chart: "../shop.csv"\n  material.thickness: 10 mm\n'
+    )
+    solved = kerfwise("solve", "out/new.json", "--work", 0.2, "-o", "out/new.nc")
+    assert solved.code == 0, solved.err
+    assert "KERF 2.5 MM" in Path("out/new.nc").read_text()
