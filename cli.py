@@ -28,8 +28,7 @@ VERBS = {
 
 
 FILES = {
-    **dict.fromkeys(("check", "explain", "time", "heat", "plot"), "results"),
-    "facts": "read",
+    **dict.fromkeys(("read", "facts", "check", "explain", "time", "heat", "plot"), "results"),
     "warm-up": "engines",
 }
 """The file in `commands` that has a verb, where it is not called like the verb."""

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from functools import cached_property
+from itertools import chain
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from kerfwise.arrays import Ints
+import numpy as np
+
+from kerfwise.arrays import Ints, unique, unique_pairs
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.graphs import EXACT_LINKS, components, contract_pairs, path
 from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.active_rules import ActiveRules
+from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.rule import Rule
 
-from .order_rules import Forcing, HardOrders, Room, applies_to, torch_of_each
 from .result import Excused, Judgement, RelaxedStatement, excuse_relaxed
+
+if TYPE_CHECKING:
+    from ortools.sat.python.cp_model import CpModel
 
 
 def judge(
@@ -168,3 +176,304 @@ def _misplaced_orders(
             if room.none(firm_by[softest], [pair]):
                 found[pair] = f"locks leave no room for this order: {places_text}"
     return found
+
+
+# What the hard order rules and locks ask, by their own geometry, and what they put before a contour in every plan.
+
+
+class HardOrders:
+    """Pairs of contours, the first of which must be cut before the second, of every hard rule of a profile.
+
+    Contours are numbered as in `names`: those that are cut come first, in the order of their cuts.
+    """
+
+    def __init__(self, nest: Nest, cuts: CutSequence, profile: ActiveRules) -> None:
+        self.nest, self.cuts, self.profile = nest, cuts, profile
+
+    @cached_property
+    def hard(self) -> dict[str, RuleSetting]:
+        """The hard rules."""
+        return {rule: s for rule, s in self.profile.settings().items() if s.strength == "hard"}
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Contour ids by number: those that are cut, and behind them others that orders name."""
+        _ = self.by_rule
+        return list(self._number)
+
+    @cached_property
+    def at(self) -> Ints:
+        """The position of each contour's cut, from 1 on; 0 where it is not cut."""
+        at = self.cuts.positions()
+        return np.fromiter((at.get(name, 0) for name in self.names), np.int64, len(self.names))
+
+    @cached_property
+    def by_rule(self) -> dict[str, Ints]:
+        """Rule → the orders that it asks for, (k, 2) numbers."""
+        book, torches = self.profile.rulebook(), torch_of_each(self.cuts)
+        found = {}
+        for name, setting in self.hard.items():
+            rule = book[name]
+            pairs = list(rule.pairs(self.nest, self.cuts, setting.options))
+            if torches and rule.of_each_torch:
+                pairs = [pair for pair in pairs if applies_to(rule, pair, torches)]
+            numbers = map(self._number.__getitem__, chain.from_iterable(pairs))
+            found[name] = np.fromiter(numbers, np.int64, 2 * len(pairs)).reshape(-1, 2)
+        return found
+
+    def of_cut(self) -> tuple[Ints, list[str]]:
+        """The orders between contours that are cut, each once, (k, 2), and the rule of each: the firmest that asks."""
+        book = self.profile.rulebook()
+        rules, size = sorted(self.hard, key=lambda name: book[name].gives_way), len(self.cuts.positions())
+        pairs = np.concatenate([np.empty((0, 2), np.int64), *(self.by_rule[name] for name in rules)])
+        rule = np.repeat(np.arange(len(rules)), [len(self.by_rule[name]) for name in rules])
+        cut = np.flatnonzero((pairs < size).all(axis=1))
+        _, first = np.unique(pairs[cut, 0] * size + pairs[cut, 1], return_index=True)
+        kept = cut[np.sort(first)]
+        return pairs[kept], [rules[k] for k in rule[kept].tolist()]
+
+    @cached_property
+    def _number(self) -> _Numbers:
+        return _Numbers({name: k for k, name in enumerate(self.cuts.positions())})
+
+
+class _Numbers(dict[str, int]):
+    """Numbers of names; a new name has the next one."""
+
+    def __missing__(self, name: str) -> int:
+        self[name] = number = len(self)
+        return number
+
+
+class Forcing:
+    """Called with a contour id: the contours that must be cut before it.
+
+    What was cut before a stop is among them. What is cut in one go with a contour comes with it. Orders that the plan
+    itself does not keep are left out: they lie on cycles, where one of them has to give way.
+    """
+
+    def __init__(self, orders: HardOrders) -> None:
+        self.orders, self.cuts = orders, orders.cuts
+
+    def __call__(self, contour: str) -> frozenset[str]:
+        own = self._runs.get(contour, (contour,))
+        inside = self._inside(contour, frozenset(own))
+        before = self._before[self._number[contour]] if contour in self._number else 0
+        bits = np.unpackbits(
+            np.frombuffer(before.to_bytes(len(self._groups) // 8 + 1, "little"), np.uint8), bitorder="little"
+        )
+        outside = (name for k in np.flatnonzero(bits).tolist() for name in self._groups[k])
+        cut_names = frozenset(cut.contour for cut in self.cuts[: self.cuts.made])
+        return frozenset(inside) | (frozenset(outside) - frozenset(own)) | cut_names
+
+    def _inside(self, contour: str, own: frozenset[str]) -> list[str]:
+        """What the orders put before a contour within the run that it is cut in."""
+        if len(own) == 1:
+            return []
+        names = self.orders.names
+        within: dict[str, list[str]] = {name: [] for name in own}
+        ours = [self._place[name] for name in own if name in self._place]
+        for before, after in self._kept[np.isin(self._kept, ours).all(axis=1)].tolist():
+            within[names[after]].append(names[before])
+        reached = within[contour].copy()
+        seen = set(reached)
+        for name in reached:
+            new = set(within[name]) - seen
+            seen |= new
+            reached += new
+        return reached
+
+    @cached_property
+    def _place(self) -> dict[str, int]:
+        """Contour → its number in `orders`."""
+        return {name: k for k, name in enumerate(self.orders.names)}
+
+    @cached_property
+    def _kept(self) -> Ints:
+        """The orders that the plan keeps, (k, 2) numbers, each once; what is not cut comes before all."""
+        pairs = np.concatenate([np.empty((0, 2), np.int64), *self.orders.by_rule.values()])
+        at = self.orders.at
+        return unique_pairs(pairs[at[pairs[:, 0]] < at[pairs[:, 1]]])
+
+    @cached_property
+    def _groups(self) -> list[tuple[str, ...]]:
+        """What is cut in one go, and every other contour by itself, in the order of the cuts."""
+        at, names = self.cuts.positions(), self.orders.names
+        known = {*at, *(names[k] for k in unique(self._kept.ravel()).tolist())}
+        groups = {self._runs.get(name, (name,)) for name in known}
+        return sorted(groups, key=lambda group: (min(at.get(name, 0) for name in group), group))
+
+    @cached_property
+    def _number(self) -> dict[str, int]:
+        """Contour → the number of its group."""
+        return {name: k for k, group in enumerate(self._groups) for name in group}
+
+    @cached_property
+    def _before(self) -> list[int]:
+        """For each group all the groups that must go before it, a bit each.
+
+        Groups are gone through in the order of the cuts, which what is kept of the orders follows: once is enough,
+        but where a run is torn apart and so on a cycle.
+        """
+        straight = self._straight()
+        with_itself = [1 << k for k in range(len(self._groups))]
+        in_turn = all(other < k for k, others in enumerate(straight) for other in others)
+        changed = True
+        while changed:
+            changed = False
+            for k, others in enumerate(straight):
+                reached = with_itself[k]
+                for other in others:
+                    reached |= with_itself[other]
+                if reached != with_itself[k]:
+                    with_itself[k], changed = reached, not in_turn
+        return [reached & ~(1 << k) for k, reached in enumerate(with_itself)]
+
+    def _straight(self) -> list[list[int]]:
+        """For each group the others that an order puts before it."""
+        group = np.array([self._number.get(name, -1) for name in self.orders.names], dtype=np.int64)
+        pairs, size = group[self._kept[:, ::-1]], len(self._groups)
+        into, of = unique_pairs(pairs[pairs[:, 0] != pairs[:, 1]]).T
+        ends = np.searchsorted(into, np.arange(1, size))
+        return [row.tolist() for row in np.split(of, ends)] if size else []
+
+    @cached_property
+    def _runs(self) -> dict[str, tuple[str, ...]]:
+        """Contour → all that is cut in one go with it."""
+        orders = self.orders
+        book = orders.profile.rulebook()
+        return {
+            name: tuple(sorted(run))
+            for rule, setting in orders.hard.items()
+            for run in book[rule].together(orders.nest, setting.options)
+            for name in run
+        }
+
+
+# What rules of each torch ask where several torches cut.
+
+
+def torch_of_each(cuts: CutSequence) -> dict[str, int]:
+    """Contour id → the torch that cuts it; empty where one torch cuts all."""
+    torches = {cut.contour: cut.torch for cut in cuts}
+    return torches if len(set(torches.values())) > 1 else {}
+
+
+def applies_to(rule: Rule[Any], contours: Sequence[str], torches: Mapping[str, int]) -> bool:
+    """Whether a rule asks anything of these contours: one of each torch does so only of what a single torch cuts."""
+    return not torches or not rule.of_each_torch or len({torches[name] for name in contours if name in torches}) < 2
+
+
+# Whether contours can be cut at the positions that locks give them: asked of all orders that are known, at once.
+#
+# What must come before a contour, or after it, is counted first. Where that says nothing, a small model of its own
+# answers: every run of contours that are cut in one go is an interval of the order, and no two overlap.
+
+WORK, WORK_IN_ALL = 5.0, 20.0
+"""CP-SAT's deterministic seconds for a question, and for all; where they do not show that there is no room, some
+counts as being there."""
+
+OrderedPair = tuple[str, str]
+Node = TypeVar("Node")
+
+
+class Room:
+    """Answers whether there is room for contours at the positions `at` (from 1 on), among all `names`.
+
+    `runs` are kept together. `questions` counts those that the model was asked.
+
+    Examples
+    --------
+    >>> Room("abc", (), {"c": 2}).none([("a", "c"), ("b", "c")]), Room("abc", (), {"c": 2}).none([("a", "c")])
+    (True, False)
+    """
+
+    def __init__(self, names: Sequence[str], runs: Sequence[Sequence[str]], at: Mapping[str, int]) -> None:
+        self._names, self._at = names, at
+        self._run_of = {name: (name,) for name in names} | {name: tuple(run) for run in runs for name in run}
+        self._runs = list(dict.fromkeys(self._run_of.values()))
+        self._left = WORK_IN_ALL
+        self._asked: tuple[Sequence[OrderedPair], CpModel] | None = None
+        self.questions = 0
+
+    def none(self, orders: Sequence[OrderedPair], more: Sequence[OrderedPair] = ()) -> bool:
+        """Whether no order of the names keeps the runs together, all orders (before, after), and the positions.
+
+        What is asked with `more` orders beside the same list as before is answered sooner.
+        """
+        return self._crowded([*orders, *more]) or (self._left > 0 and self._refuted(orders, more))
+
+    def _crowded(self, orders: Sequence[OrderedPair]) -> bool:
+        """Whether more must come before a position, or after it, than there is room for."""
+        turned = [(after, before) for before, after in orders]
+        return any(
+            self._ahead(name, orders) >= position or self._ahead(name, turned) > len(self._names) - position
+            for name, position in self._at.items()
+        )
+
+    def _ahead(self, name: str, orders: Iterable[OrderedPair]) -> int:
+        """How many names the orders put before one."""
+        within: dict[str, set[str]] = defaultdict(set)
+        between: dict[tuple[str, ...], set[tuple[str, ...]]] = defaultdict(set)
+        for before, after in orders:
+            one, other = self._run_of[before], self._run_of[after]
+            if one == other:
+                within[after].add(before)
+            else:
+                between[other].add(one)
+        return len(_reached(within, name)) + sum(map(len, _reached(between, self._run_of[name])))
+
+    def _refuted(self, orders: Sequence[OrderedPair], more: Sequence[OrderedPair]) -> bool:
+        """Whether the model shows that there is no room."""
+        from ortools.sat.python.cp_model import INFEASIBLE, CpSolver
+
+        if self._asked is None or self._asked[0] is not orders:
+            self._asked = orders, self._model(orders)
+        model = self._asked[1].clone()
+        self._ask(model, more)
+        solver = CpSolver()
+        solver.parameters.num_workers = 1
+        solver.parameters.random_seed = 1
+        solver.parameters.catch_sigint_signal = False
+        solver.parameters.max_deterministic_time = min(WORK, self._left)
+        answer = solver.solve(model)
+        self.questions += 1
+        self._left -= solver.response_proto.deterministic_time
+        return bool(answer == INFEASIBLE)
+
+    def _model(self, orders: Sequence[OrderedPair]) -> CpModel:
+        """Where each run begins, then where each name is within its run, from 0 on."""
+        from ortools.sat.python.cp_model import CpModel
+
+        model, last = CpModel(), len(self._names) + 1
+        begin = {run: model.new_int_var(1, last - len(run), "") for run in self._runs}
+        model.add_no_overlap(model.new_fixed_size_interval_var(first, len(run), "") for run, first in begin.items())
+        for run, first in begin.items():
+            within = {name: model.new_int_var(0, len(run) - 1, "") for name in run}
+            model.add_all_different(within.values())
+            for name in sorted(self._at.keys() & within.keys()):
+                model.add(first + within[name] == self._at[name])
+        self._ask(model, orders)
+        return model
+
+    def _ask(self, model: CpModel, orders: Sequence[OrderedPair]) -> None:
+        """Put orders to a model: of names in one run, or of the runs that they are in."""
+        begin = {run: model.get_int_var_from_proto_index(k) for k, run in enumerate(self._runs)}
+        names = enumerate((name for run in self._runs for name in run), len(begin))
+        within = {name: model.get_int_var_from_proto_index(k) for k, name in names}
+        for before, after in orders:
+            one, other = self._run_of[before], self._run_of[after]
+            if one == other:
+                model.add(within[before] < within[after])
+            else:
+                model.add(begin[one] + len(one) <= begin[other])
+
+
+def _reached(straight: Mapping[Node, set[Node]], start: Node) -> set[Node]:
+    """All that leads to a node, itself left out."""
+    seen, waiting = {start}, [start]
+    while waiting:
+        new = straight.get(waiting.pop(), set()) - seen
+        seen |= new
+        waiting += new
+    return seen - {start}

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kerfwise.apps.distortion.animation import animate
 from kerfwise.apps.distortion.cutting import Cutting
+from kerfwise.apps.distortion.predict import animate
 from kerfwise.tests.apps.distortion.sheets import HEAT, around, part, rectangle, sheet_of
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.browser import launched

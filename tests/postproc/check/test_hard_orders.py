@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.postproc.check.order_rules import Forcing, HardOrders
+from kerfwise.postproc.check.rule_verdicts import Forcing, HardOrders
 from kerfwise.tests.postproc.plans import good_cuts, plate, profile
 
 PLATE, PROFILE = plate(), profile()

@@ -8,8 +8,8 @@ import pytest
 
 from kerfwise.jobs.request import facts_of
 from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.catalogue.no_narrow_strips.strips import Islands
 from kerfwise.rules.judging.metal import Badly
-from kerfwise.rules.judging.strips_and_islands import Islands
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.stating.lazy_statements import look_takes_s
 

@@ -24,9 +24,9 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
-from kerfwise.rules.judging import strips_and_islands
+from kerfwise.rules.catalogue.no_narrow_strips import strips as strips_and_islands
+from kerfwise.rules.catalogue.no_narrow_strips.strips import Islands, Strips
 from kerfwise.rules.judging.metal import ISLAND_STRIPS, Badly
-from kerfwise.rules.judging.strips_and_islands import Islands, Strips
 from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
 from kerfwise.tests.tools.amount import examples

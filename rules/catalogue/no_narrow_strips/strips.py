@@ -17,8 +17,7 @@ import shapely
 from kerfwise.arrays import Bools, Floats, Ints, in_parallel
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest, cached_with_nest
-
-from .metal import QUADRANT, Around, Badly, Island, Metal, host_holes, places
+from kerfwise.rules.judging.metal import QUADRANT, Around, Badly, Island, Metal, host_holes, places
 
 # Islands: pieces of metal with parts on them that parts that are out close off from the rest.
 #
