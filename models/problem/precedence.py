@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Ints, unique
 from kerfwise.encoder.graphs import strong_components
-from kerfwise.models.jit import jit, suited
+from kerfwise.models.jit import KERNEL, jit, suited
 
 from .bitsets import LOW, ONE, ROWS_AT_ONCE, LastAnswer, Masks, bit_number, digest, words
 from .moves import PairTable
@@ -61,7 +61,7 @@ def _closed(n: int, links: Ints) -> Bools:
     np.bitwise_or.at(closed, (sooner, later >> 6), ONE << (later.astype(np.uint64) & LOW))
     waiting = np.bincount(sooner, minlength=n)
     first = np.searchsorted(later, np.arange(n + 1))
-    suited(_hand_on, n + closed.shape[1] * len(sooner))(first, sooner, waiting, closed)
+    suited(_hand_on, n + closed.shape[1] * len(sooner))(first, sooner, waiting, closed, np.empty(n, np.int64))
     whole = unpacked(closed, n)
     if waiting.any():
         label = strong_components(n, np.column_stack([sooner, later]))
@@ -70,23 +70,24 @@ def _closed(n: int, links: Ints) -> Bools:
     return whole
 
 
-@jit(nogil=True)
-def _hand_on(first: Ints, sooner: Ints, waiting: Ints, closed: Masks) -> None:  # pragma: no cover - compiled
+@jit(**KERNEL)
+def _hand_on(  # pragma: no cover - compiled
+    first: Ints, sooner: Ints, waiting: Ints, closed: Masks, ready: Ints
+) -> None:
     """Hand on what comes after everything, the last first; `waiting` counts what comes after it and is not done.
 
-    What comes directly before j are `sooner[first[j]]` … `sooner[first[j + 1] - 1]`.
+    What comes directly before j are `sooner[first[j]]` … `sooner[first[j + 1] - 1]`. `ready` is room for all of them.
     """
-    n = len(waiting)
-    ready = np.empty(n, np.int64)
     count = 0
-    for j in range(n):
+    for j in range(len(waiting)):
         if waiting[j] == 0:
             ready[count] = j
             count += 1
     while count > 0:
         count -= 1
         j = ready[count]
-        for i in sooner[first[j] : first[j + 1]]:
+        for k in range(first[j], first[j + 1]):
+            i = sooner[k]
             for w in range(closed.shape[1]):
                 closed[i, w] |= closed[j, w]
             waiting[i] -= 1

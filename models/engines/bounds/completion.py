@@ -26,7 +26,7 @@ from kerfwise.models.engines.tuning import COMPLETION_PATIENCE as PATIENCE
 from kerfwise.models.engines.tuning import COMPLETION_SHARE as SHARE
 from kerfwise.models.engines.tuning import COMPLETION_SHORTEST as SHORTEST
 from kerfwise.models.engines.tuning import INERTIA, MOST_NUMBERS, WORTH_SHARING
-from kerfwise.models.jit import cores, jit
+from kerfwise.models.jit import KERNEL, cores, jit
 from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.problem import Problem
 
@@ -142,16 +142,18 @@ def _look_back(n: int, additions: float, walks: Walks, price: Floats, to_go: Flo
 
     Where a place takes few `additions`, one thread is done before others have woken.
     """
+    room = np.empty((THREADS, walks.carried.shape[2]))
     if additions < WORTH_SHARING:
         for k in range(n, 0, -1):
-            look_back(k, 0, 1, walks, price, to_go, least)
+            look_back(k, 0, 1, walks, price, to_go, least, room[0])
         return
     with ThreadPoolExecutor(THREADS) as threads:
         for k in range(n, 0, -1):
             parts = [
-                threads.submit(look_back, k, part, THREADS, walks, price, to_go, least) for part in range(1, THREADS)
+                threads.submit(look_back, k, part, THREADS, walks, price, to_go, least, room[part])
+                for part in range(1, THREADS)
             ]
-            look_back(k, 0, THREADS, walks, price, to_go, least)
+            look_back(k, 0, THREADS, walks, price, to_go, least, room[0])
             for part in parts:
                 part.result()
 
@@ -191,36 +193,39 @@ class Walks(NamedTuple):
     carried: Int16s
 
 
-@jit(nogil=True)
+@jit(**KERNEL)
 def look_back(  # pragma: no cover - compiled
-    k: int, part: int, parts: int, walks: Walks, price: Floats, to_go: Floats, least: Floats
+    k: int, part: int, parts: int, walks: Walks, price: Floats, to_go: Floats, least: Floats, ahead: Floats
 ) -> None:
     """Fill `to_go[k, M, s]` for every `parts`-th contour from `part` on, `to_go[k + 1]` given.
 
     It is the least of all walks that go on from site s, the k-th, to the end and remember M.
 
     `price[c]` is paid out at contour c. Where remembering less costs no more, `to_go` is infinite. `least[k, A, s]` is
-    the least over all memories M within A.
+    the least over all memories M within A. `ahead` is room for what comes of each memory.
     """
     back, lawful, first, carried = walks.back, walks.lawful, walks.first, walks.carried
     earliest, latest = walks.earliest, walks.latest
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
     for a in range(part, n, parts):
+        for s in range(first[a], first[a + 1]):  # numba takes seconds to compile what copies an array into another
+            for memory in range(memories):
+                to_go[k, memory, s] = np.inf
         if k < earliest[a] or k > latest[a]:
-            to_go[k, :, first[a] : first[a + 1]] = np.inf
-            least[k, :, first[a] : first[a + 1]] = np.inf
+            for s in range(first[a], first[a + 1]):
+                for memory in range(memories):
+                    least[k, memory, s] = np.inf
             continue
-        to_go[k, :, first[a] : first[a + 1]] = np.inf
         if k == n:
-            for s in range(first[a], first[a + 1]):  # numba takes seconds to compile what copies an array into another
+            for s in range(first[a], first[a + 1]):
                 to_go[k, 0, s] = back[m, s]
         else:
-            ahead = np.empty(memories)
             for b in range(n):
                 if not lawful[a, b] or k + 1 < earliest[b] or k + 1 > latest[b]:
                     continue
                 for t in range(first[b], first[b + 1]):
-                    ahead[:] = np.inf
+                    for after in range(memories):
+                        ahead[after] = np.inf
                     for before in range(memories):
                         after = carried[a, b, before]
                         if after >= 0:
@@ -248,7 +253,7 @@ def look_back(  # pragma: no cover - compiled
                 least[k, memory, s] = best
 
 
-@jit(nogil=True)
+@jit(**KERNEL)
 def walk_on(walks: Walks, price: Floats, to_go: Floats, walk: Ints) -> float:  # pragma: no cover - compiled
     """The cheapest walk from home, its contours in `walk`; its cost."""
     back, lawful, first, carried = walks.back, walks.lawful, walks.first, walks.carried
