@@ -140,8 +140,9 @@ def in_held_metal(facts: Facts, rest: Remainder, stated: Iterable[Statement]) ->
     So is what lies in metal that kerfs of several contours enclose: all of it that an order from the outside in shows.
     A contour with tabs leaves what lies in it where it is.
     """
-    known = {(s.about.contours, s.weight) for s in by_kind(stated).precede}
-    inner = [s for s in _inner_first(facts) if (s.about.contours, None) not in known]
+    asked = {s.about.contours: s for s in _inner_first(facts)}
+    known = {s.about.contours for s in by_kind(stated).precede if s.weight is None and s.about.contours in asked}
+    inner = [s for contours, s in asked.items() if contours not in known]
     yield from inner if facts.copies is None else GantryStatements(facts.copies).of_first(inner)
     if meeting_of(facts.nest_with_ways, facts.options.kerf_mm):
         yield from enclosed(facts, rest, _any_order(facts))
