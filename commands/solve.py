@@ -64,12 +64,12 @@ def print_conflict(no_plan: NoPlan, picture: str | Path) -> int:
         return 1
     if conflict.relax is not None:
         click.echo("--relax takes this way out, and says so in the plan and in the program", err=True)
-    if conflict.contours:
+    if named := [name for name in conflict.contours if name in facts.whole_nest.index]:
         from kerfwise.postproc.report import plot_spot
 
         caption = f"in conflict: {', '.join(dict.fromkeys(about.rule for about in conflict.clash))}"
         nest = facts.whole_nest  # after a stop what is out may be in conflict, too
-        plot_spot(nest, conflict.contours, picture, caption=caption, home=profile.home_on(nest))
+        plot_spot(nest, named, picture, caption=caption, home=profile.home_on(nest))
         click.echo(f"the contours in conflict: {picture}", err=True)
     return 1
 

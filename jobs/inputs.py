@@ -295,47 +295,6 @@ def refit_as_made(given_mm: float | None, plan: Plan | str | Path | None, profil
     return said_mm
 
 
-def expect_torches(profile: Profile, resumes: bool) -> None:
-    """Refuse what does not go together with several torches; `resumes` says that some of the nest is cut already.
-
-    Raises InputError with what to change.
-    """
-    if resumes and profile.machine.torches.several:
-        raise _no_torches(
-            profile, "a program that goes on after a stop is planned for one torch: cut the rest with one"
-        )
-    expect_torches_fit(profile)
-
-
-def expect_torches_fit(profile: Profile) -> None:
-    """Refuse what a profile has beside several torches and does not go together with them, whatever the nest.
-
-    Raises InputError with what to change.
-    """
-    if profile.machine.torches.several and (why := next(_why_not(profile), None)):
-        raise _no_torches(profile, why)
-
-
-def _no_torches(profile: Profile, why: str) -> InputError:
-    return InputError(f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}", file=profile.file or None)
-
-
-def _why_not(profile: Profile) -> Iterator[str]:
-    cuts, limit = profile.cuts, profile.temperature_limit()
-    if profile.link_options() is not None:
-        yield "links are not planned together with several torches: say cuts.links.longest: 0 mm"
-    if profile.common_options() is not None:
-        yield "common cuts are not planned together with several torches: say cuts.common.shortest: off"
-    if cuts.pierce_pass is not None:
-        yield "a pierce pass is not planned together with several torches: say cuts.pierce_pass: off"
-    if limit is not None:
-        yield f"{limit.rule} simulates the heat of one torch: turn it off"
-    if profile.prices_overheats:
-        yield "the price of heat is simulated for one torch: say objective: {heat: 0}"
-    if any(getattr(setting.options, "zone_heat_kj", None) is not None for setting in profile.settings().values()):
-        yield "the heat of zones is counted for one torch: say zone_heat: unlimited"
-
-
 def expect_one_torch(profile: Profile, what: str, plan: Plan | None = None) -> None:
     """Refuse what knows one torch only, where the profile has several, or a plan uses them.
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.bevels.room import kept_candidates
 from kerfwise.encoder.candidates import CandidateBuilder
-from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions, LeadOptions
+from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.candidates.snake import rows_of, snake_of
@@ -42,7 +42,13 @@ from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
 from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.rules.lock import check_locks
-from kerfwise.rules.profile.contradictions import common_cut_problems, expect_bevels, expect_common_cuts, expect_snakes
+from kerfwise.rules.profile.contradictions import (
+    common_cut_problems,
+    expect_bevels,
+    expect_common_cuts,
+    expect_snakes,
+    expect_torches,
+)
 from kerfwise.rules.profile.profile import SHORTEST_SHARED_MM, Profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import (
@@ -57,7 +63,6 @@ from kerfwise.rules.stating.state_rules import (
 from kerfwise.rules.stating.zones_yield import zones_that_yield
 
 from .gantry import drop_parts, facts_of_torches, first_groups, with_best_spacing
-from .inputs import expect_torches
 from .time_limits import JobLimit
 
 if TYPE_CHECKING:
@@ -183,7 +188,6 @@ def _with_ways_along(
         rows = [replace(one, name=f"{one.name}.{len(already.cuts)}") for row in rows for one in row.of or (row,)]
     taken = frozenset[str]().union(*(row.members for row in rows))
     split = to_be_split(nest, kerf_mm, profile.split_options(), [name for name in left if name not in taken])
-    shared = CommonOptions(0.0, profile.cuts.common.gap_tolerance_mm, profile.machine.kerf_start)
     builder = CandidateBuilder(nest, leads, already, loose)
     while rows or split or begun:
         members = frozenset({*split, *begun}).union(*(row.members for row in rows))
@@ -191,18 +195,18 @@ def _with_ways_along(
         candidates, met = builder.build(members, led)
         ways = {row.name: snake_of(nest, row, candidates, leads) for row in rows}
         unfit = {name for name, way in ways.items() if way is None}
-        halves = list(split_ways(nest, split, candidates, met, kerf_mm, profile.cuts.split.last_mm or 0.0))
-        bare = {*split} - {way.along[0].contour for way in halves}
+        halves = list(split_ways(nest, split, candidates, met, kerf_mm, profile.split_options()))
+        bare = {*split} - {one.contour for way in halves for one in way.along}
         if not unfit and not bare:
             sure = [*(way for way in ways.values() if way is not None), *halves]
-            made = with_stretches(nest, sure, candidates, met, leads, shared, out, past)
+            made = with_stretches(nest, sure, candidates, met, leads, profile.shared_edges, out, past)
             if isinstance(made, StretchWays):
                 of_rest = None if made.met is None else made.met.of_kept(range(len(made.rest)), made.count)
                 return made.rest, of_rest, made
             unfit = {made}
-            bare = {way.along[0].contour for way in halves if way.id == made}
+            bare = {one.contour for way in halves if way.id == made for one in way.along}
         rows = [one for row in rows for one in (row.of if row.name in unfit else (row,))]
-        split = {name: half for name, half in split.items() if name not in bare}
+        split = {name: how for name, how in split.items() if name not in bare}
     return (*builder.build(), None)
 
 

@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.inputs import expect_torches_fit
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.option import Members, options_of
-from kerfwise.rules.profile.contradictions import expect_bevels, expect_common_cuts, expect_snakes
+from kerfwise.rules.profile.contradictions import expect_bevels, expect_common_cuts, expect_snakes, expect_torches
 from kerfwise.rules.profile.load import SHIPPED, load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import Provenance
@@ -30,7 +29,7 @@ def expect_plannable(profile: Profile) -> None:
     expect_common_cuts(profile)
     expect_snakes(profile)
     expect_bevels(profile)
-    expect_torches_fit(profile)
+    expect_torches(profile)
     _compile_models(profile)
 
 
@@ -130,6 +129,7 @@ WITHOUT_EFFECT: dict[str, Reason] = {
     "cuts.common.good_side": _NO_COMMON,
     "cuts.common.accept_loss": _NO_COMMON,
     "cuts.snake.parts": _NO_SNAKE,
+    "cuts.split.shared_last": _unless(lambda p: p.cuts.split.last_mm, "nothing is cut last (cuts.split.last: off)"),
     "cuts.snake.rows": _NO_SNAKE,
     **dict.fromkeys(
         (f"cuts.bevel.{key}" for key in ("tilt", "turn", "most_turn", "kerfs", "corner", "run", "lies_still")),

@@ -81,7 +81,11 @@ def compute_facts(
     respected = respected_orders(contains, ahead, hull, options)
     zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
 
-    outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)
+    rest_mm: dict[int, float] = {}
+    for c in candidates:
+        if c.along_mm and not nest.index.keys() >= {*c.out}:  # a way begins it
+            rest_mm[c.contour] = min(c.along_mm, rest_mm.get(c.contour, c.along_mm))
+    outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines, rest_mm), options)
     surroundings = surroundings_of(outlines, parent, outlook)
     runs = runs_of(outlook)
     contour = np.fromiter((c.contour for c in candidates), np.int64, len(candidates))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -117,7 +117,7 @@ def _sheet_edges(sheet: Sheet) -> tuple[Floats, Floats, Ints]:
 # The boundaries of all outer contours, divided into short cells of equal length.
 
 SPACING_MM = 2.5
-CELLS_MIN = 80
+CELLS_MIN, CELLS_MOST = 80, 4000
 """Where what is faced changes, a cell is off by half its length: too little to matter in a quarter of a contour."""
 
 
@@ -126,7 +126,8 @@ class Cells:
     """k cells, contour after contour, each along its contour as drawn.
 
     `point` (k, 2) is the middle of a cell and `normal` (k, 2) the unit normal there, out of the part. A cell begins
-    `from_mm` along its contour and is `length_mm` long: at most SPACING_MM, and no contour has less than CELLS_MIN.
+    `from_mm` along its contour and is `length_mm` long: at most SPACING_MM, and no contour has less than CELLS_MIN, nor
+    has what is left of it when a way has begun it (up to CELLS_MOST in all).
     """
 
     contour: Ints
@@ -136,8 +137,8 @@ class Cells:
     length_mm: Floats
 
 
-def cells_of(outlines: Outlines) -> Cells:
-    """The cells of every outer contour."""
+def cells_of(outlines: Outlines, rest_mm: Mapping[int, float] | None = None) -> Cells:
+    """The cells of every outer contour; `rest_mm` is how much is left of those that a way begins, at the least."""
     held = outlines.is_outer[outlines.chord_contour]
     start, end, of = outlines.chord_start[held], outlines.chord_end[held], outlines.chord_contour[held]
     step = end - start
@@ -147,6 +148,9 @@ def cells_of(outlines: Outlines) -> Cells:
     outers = outlines.outers
     length_mm = outlines.length_mm[outers]
     count = np.maximum(CELLS_MIN, np.ceil(length_mm / SPACING_MM)).astype(np.int64)
+    for k, mm in (rest_mm or {}).items():
+        own = np.flatnonzero(outers == k)
+        count[own] = np.maximum(count[own], np.minimum(np.ceil(CELLS_MIN * length_mm[own] / mm), CELLS_MOST))
     number = concat_ranges(np.zeros_like(count), count)
     per_contour_mm = sum_by_owner(of, chord_mm, outlines.n)[outers]
     contour_from = np.cumsum(per_contour_mm) - per_contour_mm

@@ -282,7 +282,7 @@ def shared_cuts(
     within_mm = tolerance_mm(kerf_mm)
     paths = [burn.path if burn.tool == 0 else None for burn in burns]
     around = [ring if contour.encloses else None for ring, contour in zip(rings, nest.contours, strict=True)]
-    own = [_own(match, line, within_mm) for match, line in zip(matches, lines, strict=True)]
+    own = _own(matches, lines, within_mm)
     tabbed = frozenset(k for k, contour in enumerate(nest.contours) if tabs and contour.id in tabs)
     left = [None if contour.id in before.out else ring for ring, contour in zip(around, nest.contours, strict=True)]
     burnt = _burnt_on(left, before.lines, within_mm)
@@ -364,11 +364,26 @@ def _with(free: Mapping[int, Floats], more: Mapping[int, Floats]) -> dict[int, F
     return {k: union(np.concatenate([rows, more[k]])) if k in more else rows for k, rows in free.items()}
 
 
-def _own(match: Match | None, line: shapely.LineString, within_mm: float) -> int | None:
-    """The ring that a burn covers by itself, on whichever side of its contour; one that is too short does not."""
-    if match is None or match.deviation_mm > within_mm or line.length < match.ring.length - 4 * within_mm:
-        return None
-    return match.contour
+def _own(matches: Sequence[Match | None], lines: Sequence[shapely.LineString], within_mm: float) -> list[int | None]:
+    """For each burn the ring that it covers by itself, on whichever side of its contour.
+
+    One that is too short covers none; where another burn cuts some of the ring, a lead may have made up the length.
+    """
+    pairs = list(zip(matches, lines, strict=True))
+    short = [
+        m is None or m.deviation_mm > within_mm or line.length < m.ring.length - 4 * within_mm for m, line in pairs
+    ]
+    doubted = {m.contour for (m, _), is_short in zip(pairs, short, strict=True) if m is not None and is_short}
+    return [
+        None
+        if m is None or is_short or (m.contour in doubted and _uncut_mm(m.ring, line, within_mm) > 4 * within_mm)
+        else m.contour
+        for (m, line), is_short in zip(pairs, short, strict=True)
+    ]
+
+
+def _uncut_mm(ring: shapely.LineString, line: shapely.LineString, within_mm: float) -> float:
+    return float(shapely.difference(ring, shapely.buffer(line, 2 * within_mm)).length)
 
 
 def _given_up(done: Covered, ring: shapely.LineString | None) -> Covered:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 
@@ -195,39 +195,134 @@ def expect_common_cuts(profile: Technique) -> None:
         )
 
 
-# Whether rows can be cut as snakes as a profile asks.
+# What does not go together with stretches, with bevels, and with several torches.
+
+Beside = Literal["stretches", "bevels", "torches"]
+_KNOWS: dict[Beside, str] = {"stretches": "whole rounds", "bevels": "upright torches", "torches": "one torch"}
+"""What prices and simulations know in the place of each."""
+
+
+_UNFIT: Mapping[str, tuple[str, Mapping[Beside, str]]] = {
+    "a part out": (
+        "cut the rest with one",
+        {"torches": "a program that goes on after a stop is planned for one torch"},
+    ),
+    "tabs": (
+        "turn off the rule that leaves tabs",
+        {"stretches": "a part that tabs hold is cut in one round", "bevels": "a tilted torch leaves no tabs"},
+    ),
+    "links": (
+        "say cuts.links.longest: 0 mm",
+        {
+            "bevels": "the torch does not stay on from a bevel to the next contour",
+            "torches": "links are not planned together with several torches",
+        },
+    ),
+    "common": (
+        "say cuts.common.shortest: off",
+        {
+            "bevels": "an edge with a bevel is no common edge",
+            "torches": "common cuts are not planned together with several torches",
+        },
+    ),
+    "pierce pass": (
+        "say cuts.pierce_pass: off",
+        {
+            "stretches": "what is left of a part begins at no hole",
+            "bevels": "holes are not pierced for a tilted torch beforehand",
+            "torches": "a pierce pass is not planned together with several torches",
+        },
+    ),
+    "torches": (
+        "say machine: {{torches: {{count: 1}}}}",
+        {"stretches": "stretches are planned for one torch", "bevels": "one head tilts"},
+    ),
+    "stretches": ("leave cuts.{group} out", {"bevels": "a contour with a bevel is cut in whole rounds"}),
+    "nothing last": (
+        "say cuts: {{split: {{last: 25 mm}}}}",
+        {"stretches": "two parts whose common edge comes last hang by a last stretch each (shared_last)"},
+    ),
+    "slits": ("say cuts.narrow: refuse, or leave", {"bevels": "slots of parts with bevels are not opened by one pass"}),
+    "scrap": (
+        "leave scrap lines out",
+        {
+            "stretches": "a way over the gaps of a row may cut metal off in which scrap lines are cut",
+            "bevels": "loops lie where scrap lines are cut",
+        },
+    ),
+    "bridges": ("leave the bridges out", {"bevels": "parts with bevels are not joined by bridges"}),
+    "corners": (
+        "say corners.corner_feed: 1",
+        dict.fromkeys(("stretches", "bevels"), "slower corners are counted for {knows}"),
+    ),
+    "limit": ("turn it off", dict.fromkeys(_KNOWS, "{limit} simulates {knows}")),
+    "heat": ("say objective: {{heat: 0}}", dict.fromkeys(_KNOWS, "the price of heat is simulated for {knows}")),
+    "distortion": (
+        "say objective: {{distortion: 0}}",
+        dict.fromkeys(("stretches", "bevels"), "the price of distortion is simulated for {knows}"),
+    ),
+    "zone heat": ("say zone_heat: unlimited", {"torches": "the heat of zones is counted for one torch"}),
+    "a stop": ("cut it from the old program", {"bevels": "a nest with bevels is not gone on with after a stop"}),
+}
+"""What a profile or a nest may have → what to change, and with what it does not go together, and why."""
+
+
+def unfit(beside: Beside, profile: Technique, nest: Nest | None = None, resumed: bool = False) -> str | None:
+    """What a profile, or a nest, has that does not go together with one of these, and what to change; None for nothing.
+
+    `resumed` says that some of the nest was cut before a stop.
+    """
+    cuts, limit = profile.cuts, profile.temperature_limit()
+    zones = [setting.options for setting in profile.settings().values()]
+    there: Mapping[str, object] = {
+        "a part out": resumed,
+        "tabs": profile.tabs(),
+        "links": profile.link_options(),
+        "common": profile.common_options(),
+        "pierce pass": cuts.pierce_pass,
+        "torches": profile.machine.torches.several,
+        "stretches": cuts.in_stretches,
+        "nothing last": cuts.split.shared_last and cuts.split.last_mm is None,
+        "slits": cuts.narrow == "slit",
+        "scrap": cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap),
+        "bridges": nest is not None and nest.bridges,
+        "corners": profile.corner_feed(),
+        "limit": limit,
+        "heat": profile.prices_overheats,
+        "distortion": profile.objective.distortion,
+        "zone heat": any(getattr(options, "zone_heat_kj", None) is not None for options in zones),
+        "a stop": resumed,
+    }
+    for name, (remedy, why) in _UNFIT.items():
+        if beside in why and there[name] not in (None, False, "", (), 0):
+            says = f"{why[beside]}: {remedy}"
+            return says.format(knows=_KNOWS[beside], group=cuts.in_stretches, limit="" if limit is None else limit.rule)
+    return None
 
 
 def expect_snakes(profile: Technique, nest: Nest | None = None) -> None:
-    """Refuse what does not go together with snakes.
+    """Refuse what does not go together with ways along stretches: snakes, and rounds in two.
 
     Raises
     ------
     InputError
         With what to change.
     """
-    if (group := profile.cuts.in_stretches) and (why := next(_no_snakes(profile, nest), None)):
+    if (group := profile.cuts.in_stretches) and (why := unfit("stretches", profile, nest)):
         raise InputError(f"cuts.{group}: {why}, or leave cuts.{group} out", file=profile.file or None)
 
 
-def _no_snakes(profile: Technique, nest: Nest | None) -> Iterator[str]:
-    cuts, limit = profile.cuts, profile.temperature_limit()
-    if profile.tabs() is not None:
-        yield "a part that tabs hold is cut in one round: turn off the rule that leaves tabs"
-    if cuts.pierce_pass is not None:
-        yield "what is left of a part begins at no hole: say cuts.pierce_pass: off"
-    if profile.machine.torches.several:
-        yield "stretches are planned for one torch: say machine: {torches: {count: 1}}"
-    if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
-        yield "a way over the gaps of a row may cut metal off in which scrap lines are cut: leave these out"
-    if profile.corner_feed() is not None:
-        yield "slower corners are counted for whole rounds: say corners.corner_feed: 1"
-    if limit is not None:
-        yield f"{limit.rule} simulates whole rounds: turn it off"
-    if profile.prices_overheats:
-        yield "the price of heat is simulated for whole rounds: say objective: {heat: 0}"
-    if profile.objective.distortion:
-        yield "the price of distortion is simulated for whole rounds: say objective: {distortion: 0}"
+def expect_torches(profile: Technique, resumed: bool = False) -> None:
+    """Refuse what does not go together with several torches.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    if profile.machine.torches.several and (why := unfit("torches", profile, None, resumed)):
+        text = f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}"
+        raise InputError(text, file=profile.file or None)
 
 
 # Whether bevels can be cut as a profile asks.
@@ -262,37 +357,5 @@ def expect_bevels(profile: Technique, nest: Nest | None = None, resumed: bool = 
             "as two nests, or take a head that tilts",
             file=(nest.file if nest is not None else "") or None,
         )
-    if (why := next(_no_bevels(profile, nest, resumed), None)) is not None:
+    if why := unfit("bevels", profile, nest, resumed):
         raise InputError(f"{contours[0].id} has a bevel: {why}", file=profile.file or None)
-
-
-def _no_bevels(profile: Technique, nest: Nest | None, resumed: bool) -> Iterator[str]:
-    cuts, limit = profile.cuts, profile.temperature_limit()
-    if profile.tabs() is not None:
-        yield "a tilted torch leaves no tabs: turn off the rule that leaves them"
-    if cuts.pierce_pass is not None:
-        yield "holes are not pierced for a tilted torch beforehand: say cuts.pierce_pass: off"
-    if profile.machine.torches.several:
-        yield "one head tilts: say machine: {torches: {count: 1}}"
-    if cuts.links.longest_mm > 0:
-        yield "the torch does not stay on from a bevel to the next contour: say cuts: {links: {longest: 0 mm}}"
-    if profile.common_options() is not None:
-        yield "an edge with a bevel is no common edge: say cuts: {common: {shortest: off}}"
-    if cuts.in_stretches:
-        yield f"a contour with a bevel is cut in whole rounds: leave cuts.{cuts.in_stretches} out"
-    if cuts.narrow == "slit":
-        yield "slots of parts with bevels are not opened by one pass: say cuts.narrow: refuse, or leave"
-    if cuts.scrap.grid_mm is not None or cuts.scrap.remnant is not None or (nest is not None and nest.scrap):
-        yield "loops lie where scrap lines are cut: leave these out"
-    if nest is not None and nest.bridges:
-        yield "parts with bevels are not joined by bridges: leave the bridges out"
-    if profile.corner_feed() is not None:
-        yield "slower corners are counted for upright torches: say corners.corner_feed: 1"
-    if limit is not None:
-        yield f"{limit.rule} simulates upright torches: turn it off"
-    if profile.prices_overheats:
-        yield "the price of heat is simulated for upright torches: say objective: {heat: 0}"
-    if profile.objective.distortion:
-        yield "the price of distortion is simulated for upright torches: say objective: {distortion: 0}"
-    if resumed:
-        yield "a nest with bevels is not gone on with after a stop: cut it from the old program"

@@ -7,6 +7,7 @@ from typing import cast
 
 from kerfwise.encoder.candidates.candidate import CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.snake import SnakeOptions
+from kerfwise.encoder.candidates.split_rounds import SplitOptions
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.narrow_features import Narrow
@@ -64,12 +65,26 @@ class Profile(Technique):
 
     def snake_options(self) -> SnakeOptions | None:
         """Which rows of neighbours are cut as snakes; None where none are."""
-        snake, strict = self.cuts.snake, self.rules_of_direction("outer")
+        snake = self.cuts.snake
         if snake.gap_mm is None:
             return None
-        shared = CommonOptions(0.0, self.cuts.common.gap_tolerance_mm, self.machine.kerf_start)
-        one_way = bool(strict) and self.cuts.common.good_side == "part"
-        return SnakeOptions(snake.gap_mm, snake.parts, shared, may_share=not one_way, rows=snake.rows)
+        return SnakeOptions(snake.gap_mm, snake.parts, self.shared_edges, may_share=self._may_share, rows=snake.rows)
+
+    def split_options(self) -> SplitOptions:
+        """Which rounds are cut in two stretches."""
+        split = self.cuts.split
+        shared = self.shared_edges if split.shared_last and self._may_share else None
+        return SplitOptions(split.halves, split.last_mm, shared)
+
+    @property
+    def shared_edges(self) -> CommonOptions:
+        """Which edges two parts share that are cut along stretches."""
+        return CommonOptions(0.0, self.cuts.common.gap_tolerance_mm, self.machine.kerf_start)
+
+    @property
+    def _may_share(self) -> bool:
+        """Whether two parts may share an edge: one direction for all gives one of them the bad side of the kerf."""
+        return not self.rules_of_direction("outer") or self.cuts.common.good_side != "part"
 
     def as_answered(self) -> Profile:
         """The profile with what `drawing.answers` says of slots narrower than the kerf, small holes and shared edges.

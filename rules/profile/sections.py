@@ -151,6 +151,13 @@ class Split:
             "so much of each part is cut last, when all of its zone hang by such a stretch",
         ),
     )
+    shared_last: bool = field(
+        default=False,
+        metadata=option(
+            Flag(),
+            "two parts a kerf apart are cut round together, the edge that they share when all of the zone hang so",
+        ),
+    )
 
 
 PiercePass = Literal["zone", "sheet"]

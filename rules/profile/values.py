@@ -12,8 +12,8 @@ import shapely
 from kerfwise.encoder.bevels.block import Block
 from kerfwise.encoder.bevels.cut_nest import BevelOptions
 from kerfwise.encoder.candidates.candidate import CommonOptions
-from kerfwise.encoder.candidates.split_rounds import SplitOptions
 from kerfwise.encoder.geometry.segment import Box, Point
+from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import CornerFeed
 from kerfwise.rules.lock import Lock
@@ -119,10 +119,6 @@ class ProfileValues:
             return None
         return CommonOptions(common.shortest_mm, common.gap_tolerance_mm, self.machine.kerf_start, self.corner_feed())
 
-    def split_options(self) -> SplitOptions:
-        """Which rounds are cut in two stretches."""
-        return SplitOptions(self.cuts.split.halves, self.cuts.split.last_mm)
-
     @property
     def kerf_starts(self) -> bool:
         """Whether cuts may begin in the kerf of an older one, without a wait for a pierce."""
@@ -131,8 +127,9 @@ class ProfileValues:
 
     @property
     def longest_link_mm(self) -> float:
-        """The longest way through waste with the torch on: a link, or one in a snake; 0 where there are none."""
-        return max(self.cuts.links.longest_mm, self.cuts.snake.gap_mm or 0.0)
+        """The longest way through waste with the torch on: a link, or one in a way; 0 where there are none."""
+        over_mm = self.material.kerf_mm + tolerance_mm(self.material.kerf_mm) if self.cuts.split.shared_last else 0.0
+        return max(self.cuts.links.longest_mm, self.cuts.snake.gap_mm or 0.0, over_mm)
 
     def bevel_options(self) -> BevelOptions | None:
         """How bevels are cut; None where the machine has no head that tilts."""

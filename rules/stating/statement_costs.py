@@ -221,7 +221,8 @@ def begun_first(facts: Facts) -> Iterator[Precede]:
     contours, index = facts.nest.contours, facts.nest.index
     held = [way for way in facts.nest.stretches if way.holds]
     for way in held:
-        for other in (one.along[0].contour for one in held if one is not way and one.along[0].contour in index):
+        others = (stretch.contour for one in held if one is not way for stretch in one.along)
+        for other in dict.fromkeys(name for name in others if name in index):
             one, last = index[way.id], index[other]
             if facts.zone[one] == facts.zone[last]:
                 sentence = f"{way.id} is cut before {other}: last stretches come when all of the zone hang by theirs"

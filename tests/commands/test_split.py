@@ -31,9 +31,9 @@ NEST = {
 }
 
 
-def planned(folder: Path, split: str) -> dict[str, Any]:
-    (folder / "nest.json").write_text(json.dumps(NEST), encoding="utf-8")
-    (folder / "plant.yaml").write_text(f"{PLASMA}cuts: {{split: {{{split}}}}}\n", encoding="utf-8")
+def planned(folder: Path, split: str, nest: dict[str, Any] = NEST, plant: str = PLASMA) -> dict[str, Any]:
+    (folder / "nest.json").write_text(json.dumps(nest), encoding="utf-8")
+    (folder / "plant.yaml").write_text(f"{plant}cuts: {{split: {{{split}}}}}\n", encoding="utf-8")
     words = ("solve", "nest.json", "-p", "plant.yaml", "--work", "1", "--plan", "plan.json", "-o", "out.nc")
     done = kerfwise(*words)
     assert done.code == 0, done.err
@@ -87,3 +87,57 @@ def test_work_goes_on_where_ways_are_still_to_be_begun(folder: Path) -> None:
     done = kerfwise("solve", "nest.json", "-p", "plant.yaml", *words)
     assert done.code == 0, done.err
     assert kerfwise("check", "nest.json", "rest.nc", "-p", "plant.yaml").code == 0
+
+
+LASER = "based_on: laser-st10kp-2mm\n"
+PAIR = {
+    "format": "kerfwise-nest/1",
+    "sheet": {"width": 360, "height": 160},
+    "parts": [
+        {"id": "A", "outer": rect(20, 40, 100, 80)},
+        {"id": "B", "outer": rect(120.2, 40, 100, 80)},
+        {"id": "C", "outer": rect(260, 40, 60, 60)},
+    ],
+}
+
+
+def test_the_edge_that_two_parts_share_is_cut_when_both_hang_by_a_last_stretch(folder: Path) -> None:
+    made = planned(folder, "last: 15 mm, shared_last: true", PAIR, LASER)
+    way = [row for row in made["cuts"] if row.get("stretch", {}).get("way") == "A.pair"]
+    assert {row["contour"] for row in way} == {"A.outer", "B.outer"}
+    orders = [row["order"] for row in made["cuts"] if "stretch" in row]
+    assert orders == [1, 1, 1], "all that hangs comes before all that is cut last"
+    last = {row["contour"]: row for row in made["cuts"] if "stretch" not in row and row["contour"] != "C.outer"}
+    begun_mm = sum(row["length_mm"] for row in way) - math.dist(*way[0]["lead_in"])
+    rest_mm = sum(row["length_mm"] for row in last.values())
+    # two sides of 200.2 mm, three of 80 mm, and a round of half a kerf at each of six corners, give or take two more
+    around_mm = 2 * 200.2 + 3 * 80 + 6 * math.pi / 2 * 0.1
+    assert begun_mm + rest_mm == pytest.approx(around_mm, abs=0.5)
+    first, second = sorted(last.values(), key=lambda row: row["order"])
+    assert first["length_mm"] > 80 > second["length_mm"], (
+        "whichever is cut first has the shared edge in its last stretch"
+    )
+    assert made["totals"]["pierces"] == 2
+
+
+def test_parts_whose_shared_edge_comes_last_must_hang_by_something(folder: Path) -> None:
+    (folder / "nest.json").write_text(json.dumps(PAIR), encoding="utf-8")
+    (folder / "plant.yaml").write_text(LASER + "cuts: {split: {shared_last: true}}\n", encoding="utf-8")
+    done = kerfwise("solve", "nest.json", "-p", "plant.yaml", "-o", "out.nc")
+    assert done.code == 2
+    assert "hang by a last stretch each (shared_last): say cuts: {split: {last: 25 mm}}" in done.err
+
+
+def test_a_last_stretch_no_longer_than_the_lead_is_not_taken_for_cut(folder: Path) -> None:
+    """The lead of the flame makes up the length that is left: the check took the first burn for the whole round."""
+    alone = {"format": "kerfwise-nest/1", "sheet": {"width": 300, "height": 200}, "parts": [NEST["parts"][2]]}  # type: ignore[index]
+    alone["parts"][0] = {"id": "E", "outer": rect(80, 60, 50, 50)}  # type: ignore[index]
+    made = planned(folder, "last: 12 mm", alone, "based_on: oxyfuel-thick-plate\nmachine: {edge_preheat: 1 s}\n")
+    assert [("stretch" in row) for row in made["cuts"]] == [True, False]
+
+
+def test_a_price_may_be_that_of_a_way(folder: Path) -> None:
+    """A plan that says what a way costs was taken for one of another nest."""
+    made = planned(folder, "last: 25 mm}, common: {good_side: any")
+    names = {name for row in made["prices"]["breaches"] for name in row["contours"]}
+    assert any(name.endswith(".most") for name in names)

@@ -299,7 +299,7 @@ REFUSED = [
         "common cuts are not planned together with several torches",
     ),
     ({"text": "cuts: {pierce_pass: zone}\n"}, "a pierce pass is not planned together with several torches"),
-    ({"text": "rules: {t-max: hard}\n"}, "t-max simulates the heat of one torch"),
+    ({"text": "rules: {t-max: hard}\n"}, "t-max simulates one torch"),
     ({"text": "rules: {zone-order: {zone_heat: 100 kJ}}\n"}, "the heat of zones is counted for one torch"),
     (
         {"text": "locks:\n  - {contour: A.outer, position: first}\n  - {contour: D.outer, before: S.outer}\n"},
