@@ -188,7 +188,7 @@ def _asked(nest: Nest, path: TimedPath, how: Cutting) -> _Asked:
     """Points of contours at the time the torch first passes them, evenly along each."""
     shaping = [k for k, contour in enumerate(nest.contours) if contour.shapes_part]
     lines = [nest.contours[k].line for k in shaping]
-    fine = sample_path(path, min(SPACING_MM / 8, how.grid_mm / 3))
+    fine = sample_path(path, 2.0)
     sample, line = points_of(lines, fine.xy, 0.75 * how.kerf_mm + 0.1)
     along = shapely.line_locate_point(np.array(lines, dtype=object)[line], shapely.points(fine.xy[sample]))
     rows: list[tuple[int, float, float, float]] = []

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 import pytest
 
-from kerfwise.benchmarks.distortion import literature, strips, zones
+from kerfwise.benchmarks.distortion import HELD, camber, literature, over_mm, strips, zones
 from kerfwise.benchmarks.distortion_limits import BRIDGE_MM, bridged, waiting
 from kerfwise.benchmarks.distortion_rules import BARE, PROCESSES, bare, last_first, made_nest, turned
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
@@ -74,6 +76,23 @@ def test_bridges_are_cut_at_the_end_and_nothing_is_left() -> None:
     assert burns[4].seconds == pytest.approx(20 * BRIDGE_MM / 100)
 
 
+def test_a_strip_cut_off_along_one_edge_bends_as_beam_theory_and_formulas_for_seams_say() -> None:
+    row = next(islice(camber(), 2, None))  # oxyfuel
+    ours, hot, beam, okerblom, tendon, eccs = (float(cell) for cell in row.split("|")[2:8])
+    assert ours == pytest.approx(beam, rel=0.01)
+    assert ours == pytest.approx(hot, rel=0.05)
+    assert tendon < okerblom < 1.2 * ours
+    assert eccs > 1.4 * ours
+
+
 def test_a_flame_heats_deeper_than_an_arc_and_a_beam() -> None:
-    flame, arc, beam = (float(row.split("|")[3]) for row in list(zones())[2:])
-    assert flame > 2 * arc > 4 * beam > 0
+    flame, more, arc, beam = (float(row.split("|")[3]) for row in list(zones())[2:])
+    assert more > flame > 2 * arc > 4 * beam > 0
+
+
+def test_heat_that_is_spread_is_as_hot_as_the_normal_law_says() -> None:
+    """At the edge of a spread s: 1 / (√2π s) of the heat over the capacity at first, 1 / √e of it at a depth of s."""
+    first_k = 30.0 / HELD.capacity_j_mm3 / np.sqrt(2 * np.pi) / 5.0
+    assert over_mm(30.0, first_k / np.sqrt(np.e), 5.0) == pytest.approx(5.0)
+    assert over_mm(30.0, 1.01 * first_k, 5.0) == 0.0
+    assert over_mm(30.0, first_k / 4, 5.0) == over_mm(30.0, first_k / 4)

@@ -1,0 +1,30 @@
+"""What pieces of a mesh learn of the heat in the sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kerfwise.apps.distortion.mesh import make_mesh
+from kerfwise.apps.distortion.warmth import Warmth
+from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.rules.profile.plant_sections import MATERIALS
+
+from .sheets import HEAT, centroids, rectangle, sheet_of
+
+
+@pytest.mark.parametrize("h_mm", [12.0, 15.0, 20.0, 24.0, 28.0])
+def test_a_web_between_two_cuts_keeps_the_heat_that_both_put_in(h_mm: float) -> None:
+    """27 mm wide, however many points of the heat simulation that is: half of each cut's energy, and all of both."""
+    nest = sheet_of(rectangle(0, 0, 600, 300))
+    ways = [(np.array([[0.0, y], [600.0, y]]), float(k)) for k, y in enumerate((101.0, 130.0))]
+    path = in_order([torch_on("", way, begin_s, begin_s + 1) for way, begin_s in ways], 2.0)
+    mesh = make_mesh(nest, path, h_mm, 2.0)
+    excess, _ = Warmth(nest, path, HEAT, 10.0, mesh).at(10.0)
+    joules = excess * mesh.moments[:, 0] * MATERIALS[HEAT.material].capacity_j_mm3 * 10.0
+    y = centroids(mesh)[:, 1]
+    web = (y > 102) & (y < 129)
+    assert mesh.moments[web, 0].sum() == pytest.approx(27 * 600)
+    one = HEAT.absorbed_power_w * 1.0
+    assert joules[web].sum() == pytest.approx(one, rel=0.06)
+    assert joules.sum() == pytest.approx(2 * one, rel=0.06)
