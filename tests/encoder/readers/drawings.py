@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import ezdxf
+import pytest
+import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Note
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.drawing import DrawnCurve
+from kerfwise.encoder.readers.reading import Reading
 
 Draw = Callable[[Any], object]
 
@@ -64,3 +67,20 @@ def texts(notes: Sequence[Note], severity: str | None = None) -> list[str]:
 def areas(nest: Nest) -> dict[str, float]:
     """Contour id → area, mm² to a thousandth."""
     return {c.id: round(abs(c.curve.signed_area_mm2), 3) for c in nest.contours if c.kind != "mark"}
+
+
+def box(nest: Nest) -> tuple[float, ...]:
+    """What all marks of a nest reach: xmin, ymin, xmax, ymax."""
+    bounds = shapely.total_bounds([mark.line for part in nest.parts for mark in part.marks])
+    return tuple(round(float(side), 3) for side in bounds)
+
+
+def near(*sides: float) -> Any:
+    """What equals a box of these sides but for letters' rounding."""
+    return pytest.approx(sides, abs=2e-3)
+
+
+def reading(nest: Nest) -> Reading:
+    """What the readers told of a drawing."""
+    assert nest.reading is not None
+    return nest.reading
