@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from dataclasses import fields
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,28 @@ def unique_pairs(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
     """
     over = int(pairs[:, 1].max(initial=0)) + 1
     return np.column_stack(np.divmod(unique(pairs[:, 0] * over + pairs[:, 1]), over))
+
+
+class Rows:
+    """Arrays of a dataclass that belong together row by row, and other such groups among them."""
+
+    __slots__ = ()
+
+    def _columns(self) -> Iterator[Any]:
+        return (getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+
+    def __len__(self) -> int:
+        return len(next(self._columns()))
+
+    def take(self, rows: Bools | Ints) -> Self:
+        """Some of the rows."""
+        return type(self)(*(c.take(rows) if isinstance(c, Rows) else c[rows] for c in self._columns()))
+
+    @classmethod
+    def joined(cls, several: Sequence[Self]) -> Self:
+        """All rows of several, of one at the least, in order."""
+        columns = zip(*(one._columns() for one in several), strict=True)
+        return cls(*(type(c[0]).joined(c) if isinstance(c[0], Rows) else np.concatenate(c) for c in columns))
 
 
 # Runs of consecutive numbers laid end to end: how a list of (where, how many) becomes an index array.

@@ -113,7 +113,7 @@ def plan_of(nest: Nest) -> Plan:
     planned, now_s, here, idle_mm = [], 0.0, (0.0, 0.0), 0.0
     for place, part in enumerate(parts):
         for contour in part:
-            x, y = contour.curve.vertices[0, :2].tolist()
+            x, y = contour.curve.start
             travel_mm = math.dist(here, (x, y))
             begin_s = now_s + travel_mm / 300
             now_s, idle_mm, here = begin_s + contour.curve.length_mm / 50, idle_mm + travel_mm, (x, y)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from types import TracebackType
-from typing import Self
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.jobs.progress import Listener
 from kerfwise.models.jit import counted_s
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.statements import EXEMPTION_MM
+
+from .terminal import status_line
 
 
 def first_told(seconds: float, first_mm: float, last_mm: float) -> str:
@@ -35,39 +34,19 @@ class ProgressLine(Listener):
     """Listens to the engines and shows what they have reached; answers False once the user has pressed Ctrl-C."""
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(shown=status_line("starting"))
         self._first: tuple[float, float] | None = None
-        self.status = None
-        if sys.stderr.isatty():
-            from rich.console import Console
-
-            from .terminal import bare
-
-            self.status = Console(file=bare(sys.stderr)).status("starting")
 
     def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         if self._first is None and cost_um is not None:
             self._first = counted_s(), cost_um / UM_PER_MM
-        if self.status is not None:
-            self.status.update(self._line(engine, cost_um, bound_um))
+        if self.shown is not None:
+            self.shown.update(self._line(engine, cost_um, bound_um))
         return super().__call__(engine, cost_um, bound_um)
-
-    def __enter__(self) -> Self:
-        super().__enter__()
-        if self.status is not None:
-            self.status.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self.status is not None:
-            self.status.__exit__(kind, error, trace)
-        super().__exit__(kind, error, trace)
 
     def first_line(self, objective_mm: float, began_s: float) -> str:
         """When the first plan was there since `began_s`, and how far from the last; "" where nobody has watched."""
-        if self.status is None or self._first is None:
+        if self.shown is None or self._first is None:
             return ""
         return first_told(self._first[0] - began_s, self._first[1], objective_mm)
 

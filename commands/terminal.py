@@ -7,10 +7,13 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from typing import Any, TextIO, cast
+from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from kerfwise.encoder.errors import Advice, InputError
 from kerfwise.encoder.text import escape_lines
+
+if TYPE_CHECKING:
+    from rich.status import Status
 
 
 class Stream:
@@ -106,6 +109,15 @@ def _show_advice(err: Stream) -> None:
 def bare(stream: TextIO) -> TextIO:
     """The stream itself, for whoever draws with a terminal's own signs."""
     return cast(TextIO, stream.stream) if isinstance(stream, Stream) else stream
+
+
+def status_line(text: str) -> Status | None:
+    """A line on the terminal that moves while work goes on; None where nobody sits before standard error."""
+    if not sys.stderr.isatty():
+        return None
+    from rich.console import Console
+
+    return Console(file=bare(sys.stderr)).status(text)
 
 
 def expect_printed() -> None:

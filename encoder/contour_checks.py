@@ -122,7 +122,7 @@ def sheet_ring_problems(sheet: Sheet) -> list[str]:
 
 def place(curve: Curve) -> str:
     """Where a curve starts, for messages."""
-    x, y = curve.vertices[0, :2].tolist()
+    x, y = curve.start
     return f"at ({x:.3f}, {y:.3f})"
 
 

@@ -93,12 +93,16 @@ class Cut:
     way: str = ""
 
     @property
+    def join(self) -> Point:
+        """Where the torch joins the contour's ring: the end of the lead-in, else where it is switched on."""
+        return self.pierce if self.lead_in is None else self.lead_in.end
+
+    @property
     def end(self) -> Point:
         """Where the torch is switched off: the end of the lead-out, else the entry."""
         if self.lead_out is None:
             return self.entry
-        x, y = self.lead_out.vertices[-1, :2].tolist()
-        return x, y
+        return self.lead_out.end
 
 
 @dataclass(frozen=True, slots=True)

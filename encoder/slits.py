@@ -267,7 +267,7 @@ def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[
         elif any(rest.dwithin(wall, NEAR_MM) for _, rest in left):
             unfit.append(LostFeature(walls[wall], "it forks or bends: one pass would leave some of it"))
         else:
-            at_mm = contour.curve.project(fit.line.vertices[-1, :2].tolist())[0]
+            at_mm = contour.curve.project(fit.line.end)[0]
             slits.append((at_mm, fit))
     return tuple(slit for _, slit in sorted(slits, key=lambda row: row[0])), tuple(unfit)
 

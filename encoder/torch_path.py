@@ -40,7 +40,7 @@ def compensated(contour: Contour, kerf_mm: float) -> Curve:
     try:
         return offset_curve(contour.curve, _outwards_mm(contour, kerf_mm))
     except ValueError as error:
-        x, y = contour.curve.vertices[0, :2].tolist()
+        x, y = contour.curve.start
         raise InputError(
             f"{contour.id} at ({x:.1f}, {y:.1f}) cannot be cut with a kerf of {kerf_mm:g} mm: {error}; "
             "it needs another process, or another drawing"

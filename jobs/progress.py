@@ -6,8 +6,9 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any, Self
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
@@ -46,12 +47,19 @@ class CtrlC:
         Whether the user pressed Ctrl-C.
     stopped
         Whether the work was asked to stop, for whatever reason.
+    signals
+        Those that ask to stop.
+    shown
+        What a terminal shows meanwhile: a context; None in a pipe.
     """
 
-    def __init__(self) -> None:
+    signals: tuple[signal.Signals, ...] = (signal.SIGINT,)
+
+    def __init__(self, shown: Any = None) -> None:
         self.interrupted = self.stopped = False
         self.started = time.monotonic()
-        self._before: Any = None
+        self.shown = shown
+        self._held = ExitStack()
 
     def stop(self, signum: int, frame: FrameType | None) -> None:
         """The first Ctrl-C asks to stop; a second one aborts."""
@@ -62,15 +70,14 @@ class CtrlC:
     def __enter__(self) -> Self:
         self.started = time.monotonic()
         if threading.current_thread() is threading.main_thread():
-            self._before = signal.signal(signal.SIGINT, self.stop)
+            for number in self.signals:
+                self._held.callback(signal.signal, number, signal.signal(number, self.stop))
+        if self.shown is not None:
+            self._held.enter_context(self.shown)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
-            self._before = None
+    def __exit__(self, *error: object) -> None:
+        self._held.close()
 
 
 class Listener(CtrlC):
@@ -80,8 +87,8 @@ class Listener(CtrlC):
     as Ctrl-C, everything else comes out at the end of the context.
     """
 
-    def __init__(self, on_progress: OnProgress | None = None) -> None:
-        super().__init__()
+    def __init__(self, on_progress: OnProgress | None = None, shown: Any = None) -> None:
+        super().__init__(shown)
         self._on_progress = on_progress
         self._failure: BaseException | None = None
 
@@ -99,10 +106,8 @@ class Listener(CtrlC):
                 self.stopped = self.stopped or going is False
         return not self.stopped
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        super().__exit__(kind, error, trace)
+    def __exit__(self, *error: object) -> None:
+        super().__exit__(*error)
         if self._failure is not None:
             raise self._failure
 

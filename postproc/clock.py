@@ -80,12 +80,12 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Technique) -> Job:
             path = one.curve if one.tilt_deg or one.aside_mm is not None else toolpath.path
             share = one.feed_share if one.aside_mm is None else min(torch.feed_share for torch in toolpath.passes)
             share *= toolpath.small_hole_share
-            runs.append(Run(path, travels_mm=(math.dist(at, _start(path)),), feed_share=share))
-            at = _end(path)
+            runs.append(Run(path, travels_mm=(math.dist(at, path.start),), feed_share=share))
+            at = path.end
         if toolpath.passes:
             order += 1
             continue
-        travels_mm = () if toolpath.linked else (math.dist(at, _start(toolpath.path)),)
+        travels_mm = () if toolpath.linked else (math.dist(at, toolpath.path.start),)
         runs.append(
             Run(
                 toolpath.path,
@@ -99,7 +99,7 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Technique) -> Job:
                 unlit_mm=sum(high - low for low, high in toolpath.unlit),
             )
         )
-        at = _end(toolpath.path)
+        at = toolpath.path.end
         order += not toolpath.planned.cut.way
     return Job(tuple(runs), (math.dist(at, home),), blocks_of_plan(plan, nest, profile, paths))
 
@@ -113,7 +113,7 @@ def job_of_program(
     profile's machine does it for, where its dialect leaves that to the machine. With `kerf_starts` nothing is pierced
     where an earlier path has run.
     """
-    starts = [_start(burn.path) for burn in program.burns]
+    starts = [burn.path.start for burn in program.burns]
     edge_starts = [False] * len(starts) if nest is None else outside(nest, starts)
     if kerf_starts:
         edge_starts = [a or b for a, b in zip(edge_starts, _starts_in_older_kerfs(program, starts), strict=True)]
@@ -182,16 +182,6 @@ def _starts_in_older_kerfs(program: NcProgram, starts: Sequence[Point]) -> list[
     later, earlier = tree.query(shapely.points(np.array(starts).reshape(-1, 2)), "dwithin", distance=TOLERANCE_MM)
     found = {k for k, row in zip(later.tolist(), earlier.tolist(), strict=True) if burnt[row] < k}
     return [k in found for k in range(len(starts))]
-
-
-def _start(path: Curve) -> Point:
-    x, y = path.vertices[0, :2].tolist()
-    return x, y
-
-
-def _end(path: Curve) -> Point:
-    x, y = path.vertices[-1, :2].tolist()
-    return x, y
 
 
 # The heat that cutting each contour leaves in the sheet, known before anything is planned: zones may have a budget.

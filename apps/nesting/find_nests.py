@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import signal
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from types import TracebackType
-from typing import Any, Literal, Self, get_args
+from typing import Literal, get_args
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
@@ -256,22 +254,7 @@ class Watching(CtrlC):
     As a context it listens to Ctrl-C while parts are laid, and to SIGTERM, by which schedulers end a job.
     """
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._ended_by: Any = None
-
-    def __enter__(self) -> Self:
-        if threading.current_thread() is threading.main_thread():
-            self._ended_by = signal.signal(signal.SIGTERM, self.stop)
-        return super().__enter__()
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        super().__exit__(kind, error, trace)
-        if self._ended_by is not None:
-            signal.signal(signal.SIGTERM, self._ended_by)
-            self._ended_by = None
+    signals = (signal.SIGINT, signal.SIGTERM)
 
     def __call__(self, number: int, best: Layout) -> bool:
         """After a round."""

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,7 +21,7 @@ from kerfwise.commands.shared_options import (
     length_or_zero,
     print_note,
 )
-from kerfwise.commands.terminal import expect_printed
+from kerfwise.commands.terminal import expect_printed, status_line
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_there
 from kerfwise.encoder.text import escape_text
@@ -45,41 +43,21 @@ class NestProgress(Watching):
     """Told after each round; answers False once the user has pressed Ctrl-C. In a pipe it is silent."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self._status: Any = None
-        if sys.stderr.isatty():
-            from rich.console import Console
-
-            from kerfwise.commands.terminal import bare
-
-            self._status = Console(file=bare(sys.stderr)).status("laying parts")
+        super().__init__(shown=status_line("laying parts"))
 
     def __call__(self, number: int, best: Layout) -> bool:
         """Show the best so far; whether to go on."""
-        if self._status is not None:
+        if self.shown is not None:
             spent = time.monotonic() - self.started
             line = f"{spent:5.1f} s  round {number}  {len(best.sheets)} sheets, {best.use:.1%} used"
-            self._status.update(f"{line}  (Ctrl-C keeps the best so far)")
+            self.shown.update(f"{line}  (Ctrl-C keeps the best so far)")
         return super().__call__(number, best)
 
     def going(self, doing: str) -> bool:
         """Show what is being done; whether to go on."""
-        if self._status is not None:
-            self._status.update(f"{time.monotonic() - self.started:5.1f} s  {doing}  (Ctrl-C keeps the best so far)")
+        if self.shown is not None:
+            self.shown.update(f"{time.monotonic() - self.started:5.1f} s  {doing}  (Ctrl-C keeps the best so far)")
         return super().going(doing)
-
-    def __enter__(self) -> Self:
-        super().__enter__()
-        if self._status is not None:
-            self._status.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._status is not None:
-            self._status.__exit__(kind, error, trace)
-        super().__exit__(kind, error, trace)
 
 
 # What a person says of parts, sheets and how to lay them: the options of `nest` and `make`.

@@ -16,7 +16,6 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.graphs import strong_components
@@ -136,10 +135,10 @@ def _candidate(cut: Cut, nest_of_burns: NestOfBurns, job: OldJob, length_mm: flo
     nest, contour = nest_of_burns.nest, nest_of_burns.nest.contour(cut.contour)
     path = job.program.burns[nest_of_burns.burn_of[cut.contour]].path
     ring = nest_of_burns.round_of[cut.contour].line() if contour.encloses else path.line()
-    pierce, end = cut.pierce, cut.end if contour.encloses else _last(path)
+    pierce, end = cut.pierce, cut.end if contour.encloses else path.end
     lead_in = None if cut.linked else cut.lead_in
     if cut.linked and cut.lead_in is not None:  # the way to it, not of it
-        pierce, length_mm = _last(cut.lead_in), length_mm - cut.lead_in.length_mm
+        pierce, length_mm = cut.lead_in.end, length_mm - cut.lead_in.length_mm
     outside = nest.sheet.stated and not bool(shapely.contains_xy(nest.sheet.polygon, *pierce))
     return Candidate(
         contour=nest.index[cut.contour],
@@ -155,11 +154,6 @@ def _candidate(cut: Cut, nest_of_burns: NestOfBurns, job: OldJob, length_mm: flo
         leaves=bool(shapely.distance(ring, shapely.Point(end)) > _ON_RING_MM),
         tabs=cut.tabs,
     )
-
-
-def _last(path: Curve) -> Point:
-    x, y = path.vertices[-1, :2].tolist()
-    return x, y
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -248,7 +248,7 @@ def _candidates(
         if left is not None and left.stop is not None:
             tail_i_mm, leads_out = float(tail_mm[i]), False
             tail = Curve(np.array([[*left.stop, 0.0]]), closed=False)
-        (px, py), (x, y), (ex, ey) = leads.pierce[i].tolist(), joints.entry[i].tolist(), tail.vertices[-1, :2].tolist()
+        (px, py), (x, y), (ex, ey) = leads.pierce[i].tolist(), joints.entry[i].tolist(), tail.end
         candidates.append(
             Candidate(
                 contour=number,

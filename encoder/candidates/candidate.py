@@ -122,6 +122,11 @@ class Candidate:
         return contour.corner_mm if self.corner_mm is None else self.corner_mm
 
     @property
+    def join(self) -> Point:
+        """Where the torch joins the contour's ring."""
+        return self.pierce if self.lead_in is None else self.lead_in.end
+
+    @property
     def unpierced(self) -> bool:
         """Whether the torch begins where there is no metal to pierce: off the sheet's edge, or in an old kerf."""
         return self.edge_start or self.kerf_start

@@ -165,15 +165,9 @@ def _junctions(
         begin_mm, gap_mm = low + mm, (after - low - mm) % ring.length_mm
         if other not in edges.get(one, {}) or not 0 < gap_mm <= _MOST_KERFS * kerf_mm:
             continue
-        begin, end = point_on(ring, begin_mm), point_on(ring, begin_mm + gap_mm)
+        begin, end = ring.point_at(begin_mm), ring.point_at(begin_mm + gap_mm)
         if math.dist(begin, end) > gap_mm - _ROUNDING_MM:
             yield Junction(one, other, (begin_mm, gap_mm), begin, end)
-
-
-def point_on(curve: Curve, at_mm: float) -> Point:
-    """The point of a curve so far along it."""
-    x, y = curve.point_at(at_mm)
-    return float(x), float(y)
 
 
 def rounds_at_corners(ring: Curve, kerf_mm: float) -> Stretches:
@@ -241,7 +235,7 @@ def _until_apart(row: tuple[float, float], contour: Contour, other: Contour, ker
     within_mm = _COVERED * tolerance_mm(kerf_mm)
 
     def apart(at_mm: float) -> bool:
-        return bool(line.distance(shapely.Point(point_on(ring, at_mm))) > within_mm)
+        return bool(line.distance(shapely.Point(ring.point_at(at_mm))) > within_mm)
 
     def within_a_kerf(begin_mm: float) -> bool:
         beyond = shapely.segmentize(ring.between(begin_mm, kerf_mm).line(_CHORD_MM), _STEP_MM)

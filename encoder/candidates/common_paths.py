@@ -15,7 +15,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import TabOptions, compensated
 
 from .candidate import Candidate, CommonOptions, LeadOptions
-from .common_edges import CommonEdges, Junction, Stretches, common_edges, point_on, rounds_at_corners
+from .common_edges import CommonEdges, Junction, Stretches, common_edges, rounds_at_corners
 
 _MOST_ORDERS = 4000
 """So many sets of parts that are out are tried, to see whether a group with common edges can be cut at all."""
@@ -259,7 +259,7 @@ def along_the_rest(
         way: Direction = "ccw" if drawn.is_ccw == onwards else "cw"
         if way not in options.directions[contour.kind]:
             continue
-        join, leave = (point_on(ring, mm) for mm in ((low, high) if onwards else (high, low)))
+        join, leave = (ring.point_at(mm) for mm in ((low, high) if onwards else (high, low)))
         begin, end = (first, last) if onwards else (last, first)
         entry_mm = first_mm if onwards else last_mm
         stretch = ring.between(low, high - low)
@@ -267,7 +267,7 @@ def along_the_rest(
         yield Candidate(
             contour=number,
             entry_mm=entry_mm,
-            entry=point_on(drawn, entry_mm),
+            entry=drawn.point_at(entry_mm),
             direction=way,
             pierce=join if begin is None else begin,
             lead_in=None if begin is None else Curve.of([begin, join], closed=False),
@@ -309,7 +309,7 @@ def _straight_ends(
     ]
     for begin_mm, length_mm in rounds_at_corners(ring, kerf_mm):
         for near, far in ends:
-            before, after = (math.dist(point_on(ring, mm), near) for mm in (begin_mm, begin_mm + length_mm))
+            before, after = (math.dist(ring.point_at(mm), near) for mm in (begin_mm, begin_mm + length_mm))
             if _apart(begin_mm, run[0], ring) <= within_mm and after <= within_mm:
                 low, first = run[0] + length_mm, far
             if _apart(begin_mm + length_mm, run[0] + run[1], ring) <= within_mm and before <= within_mm:

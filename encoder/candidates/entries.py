@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints, Rows
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
@@ -62,7 +62,7 @@ class Outline:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Joints:
+class Joints(Rows):
     """Parallel arrays, one row a joint.
 
     `contour` the number of the contour, `entry_mm` and `entry` (m, 2) where on it as drawn, `join_mm` and `join`
@@ -76,35 +76,10 @@ class Joints:
     join: Floats
     out: Floats
 
-    def __len__(self) -> int:
-        return len(self.contour)
 
-    def take(self, rows: Bools | Ints) -> Joints:
-        """Some of the rows."""
-        return Joints(
-            self.contour[rows],
-            self.entry_mm[rows],
-            self.entry[rows],
-            self.join_mm[rows],
-            self.join[rows],
-            self.out[rows],
-        )
-
-    @staticmethod
-    def joined(several: Sequence[Joints]) -> Joints:
-        """All rows of several, in order."""
-        empty = Joints(
-            np.zeros(0, np.int64), np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2))
-        )
-        all_of = [empty, *several]
-        return Joints(
-            np.concatenate([j.contour for j in all_of]),
-            np.concatenate([j.entry_mm for j in all_of]),
-            np.concatenate([j.entry for j in all_of]),
-            np.concatenate([j.join_mm for j in all_of]),
-            np.concatenate([j.join for j in all_of]),
-            np.concatenate([j.out for j in all_of]),
-        )
+NO_JOINTS = Joints(
+    np.zeros(0, np.int64), np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2))
+)
 
 
 def joints_at(outlines: Sequence[Outline], at_mm: Floats, of: Ints) -> tuple[Joints, Bools]:
@@ -114,7 +89,7 @@ def joints_at(outlines: Sequence[Outline], at_mm: Floats, of: Ints) -> tuple[Joi
     corners, where it cannot come as close to the contour as elsewhere; they are joined at the nearest place.
     """
     if not outlines:
-        return Joints.joined([]), np.zeros(0, np.bool_)
+        return NO_JOINTS, np.zeros(0, np.bool_)
     drawn = SegmentArrays.joined([outline.drawn for outline in outlines])
     paths = SegmentArrays.joined([outline.path_drawn for outline in outlines])
     right = np.array([outline.right for outline in outlines])[of][:, None]
@@ -272,27 +247,13 @@ class LeadShape:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Leads:
+class Leads(Rows):
     """Parallel arrays: `pierce` and `join` (m, 2), the bulge from one to the other and the length, mm."""
 
     pierce: Floats
     join: Floats
     bulge: Floats
     length_mm: Floats
-
-    def take(self, rows: NDArray[np.bool_] | Ints) -> Leads:
-        """Some of the rows."""
-        return Leads(self.pierce[rows], self.join[rows], self.bulge[rows], self.length_mm[rows])
-
-    @staticmethod
-    def joined(several: Sequence[Leads]) -> Leads:
-        """All rows of several, in order."""
-        return Leads(
-            np.concatenate([a.pierce for a in several]),
-            np.concatenate([a.join for a in several]),
-            np.concatenate([a.bulge for a in several]),
-            np.concatenate([a.length_mm for a in several]),
-        )
 
     def points(self, left_out_mm: float = 0.0, most: float = 0.5) -> Floats:
         """Array (m, q, 2) of points along the leads, without the last `left_out_mm` before joining.
@@ -341,19 +302,12 @@ def shaped(shape: LeadShape, joints: Joints, along: Floats, longest_mm: Floats, 
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Ways:
+class Ways(Rows):
     """Joints with a direction each: `ccw`, and the unit vector `along` (m, 2) that the torch leaves the joint in."""
 
     joints: Joints
     ccw: Bools
     along: Floats
-
-    def __len__(self) -> int:
-        return len(self.ccw)
-
-    def take(self, rows: Bools | Ints) -> Ways:
-        """Some of the rows."""
-        return Ways(self.joints.take(rows), self.ccw[rows], self.along[rows])
 
 
 def ways(joints: Joints, outlines: Mapping[int, Outline], directions: Mapping[Kind, tuple[Direction, ...]]) -> Ways:
@@ -377,29 +331,17 @@ def ways(joints: Joints, outlines: Mapping[int, Outline], directions: Mapping[Ki
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Approaches:
+class Approaches(Rows):
     """Ways with the lead of each; `edge` where it comes in from the edge of the sheet."""
 
     ways: Ways
     leads: Leads
     edge: Bools
 
-    def take(self, rows: Bools | Ints) -> Approaches:
-        """Some of the rows."""
-        return Approaches(self.ways.take(rows), self.leads.take(rows), self.edge[rows])
-
-    @staticmethod
-    def joined(several: Sequence[Approaches]) -> Approaches:
-        """All rows of several, in order of contour, entry, direction and kind."""
-        ways = Ways(
-            Joints.joined([a.ways.joints for a in several]),
-            np.concatenate([a.ways.ccw for a in several]),
-            np.concatenate([a.ways.along for a in several]),
-        )
-        leads = Leads.joined([a.leads for a in several])
-        together = Approaches(ways, leads, np.concatenate([a.edge for a in several]))
-        joints = ways.joints
-        return together.take(np.lexsort((together.edge, ways.ccw, joints.entry_mm, joints.contour)))
+    def in_order(self) -> Approaches:
+        """The same in order of contour, entry, direction and kind."""
+        joints = self.ways.joints
+        return self.take(np.lexsort((self.edge, self.ways.ccw, joints.entry_mm, joints.contour)))
 
 
 # The keys of a profile that set the options of leads, for messages.

@@ -318,7 +318,7 @@ def reasons(tried: LeadAttempt, around: Surroundings, options: LeadOptions) -> d
         for k, (cause, why, gap_mm) in _why(joints, tried.outlines, around, options, tried.bare).items():
             if k in burnt:
                 cause, why, gap_mm = "burnt", BURNT, None
-            x, y = tried.outlines[k].contour.curve.vertices[0, :2].tolist()
+            x, y = tried.outlines[k].contour.curve.start
             small[k] = Reason(f"{tried.outlines[k].contour.id} at ({x:.1f}, {y:.1f}): {why}", cause, gap_mm)
     for i in tried.unmet:
         k = int(tried.locked.contour[i])

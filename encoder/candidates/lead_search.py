@@ -25,6 +25,7 @@ from .candidate import Candidate, LeadOptions
 from .entries import (
     ANYWHERE,
     IN_PROFILE,
+    NO_JOINTS,
     TIED_MM,
     Approaches,
     Joints,
@@ -127,9 +128,11 @@ def approaches_to(
     taken(tried(locked, patient=True, from_edge=True))
     for round_ in range(ROUNDS):
         taken(tried(pools.draw(), patient=False, from_edge=round_ == 0))
-    last = tried(Joints.joined([dense(outline) for outline in pools.bare()]), patient=True, from_edge=True)
+    last = tried(
+        Joints.joined([NO_JOINTS, *(dense(outline) for outline in pools.bare())]), patient=True, from_edge=True
+    )
     taken(last.take(_spread(last, outlines, options.entries)))
-    return Approaches.joined(found)
+    return Approaches.joined(found).in_order()
 
 
 def _too_narrow(outline: Outline, options: LeadOptions) -> bool:
@@ -294,7 +297,7 @@ def _small_holes(nest: Nest, contours: Iterable[int], limits: HoleLimits) -> dic
 
 def _locked(outlines: Mapping[int, Outline], nest: Nest, options: LeadOptions) -> Joints:
     """The joints at the entries that an operator asks for."""
-    found = []
+    found = [NO_JOINTS]
     for name, point in sorted(options.entry_points.items()):
         outline = outlines.get(nest.index[name])
         if outline is not None:
@@ -317,7 +320,7 @@ def slit_candidates(index: int, around: Surroundings, options: LeadOptions) -> l
     """
     contour = around.contours[index]
     curve = contour.curve
-    start, end, ahead = curve.point_at(0.0), curve.point_at(curve.length_mm), np.array([curve.tangent_at(0.0)])
+    start, end, ahead = curve.start, curve.end, np.array([curve.tangent_at(0.0)])
     at, aside = np.array([start]), np.column_stack([-ahead[:, 1], ahead[:, 0]])
     joint = Joints(np.array([index]), np.zeros(1), at, np.zeros(1), at, -ahead)
     off = Curve(np.array([[*end, 0.0]]), closed=False)
@@ -343,7 +346,7 @@ def slit_candidates(index: int, around: Surroundings, options: LeadOptions) -> l
 def no_slit_room_message(index: int, around: Surroundings, options: LeadOptions) -> str:
     """Why a slit has no candidate, as a sentence."""
     contour = around.contours[index]
-    x, y = contour.curve.point_at(0.0)
+    x, y = contour.curve.start
     clearance_mm = least_clearance_mm(options)
     return (
         f"{contour.slot_of}: the slot with its mouth at ({x:z.1f}, {y:z.1f}) cannot be opened by a slit: the waste "

@@ -12,7 +12,6 @@ import shapely
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Direction, Span, Stretch
-from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Contour, Nest
@@ -20,7 +19,7 @@ from kerfwise.encoder.torch_path import compensated
 
 from .candidate import Candidate, CommonOptions, LeadOptions
 from .common_edges import FacingEdge, facing_edges
-from .stretches import joined_at, way_of
+from .stretches import way_of
 
 # A row runs along the normals of the edges by which its parts face each other. The way out begins at one end of it,
 # follows the side of each part that lies to the right of the row (or to the left), and crosses each gap straight: in
@@ -354,11 +353,7 @@ def _link(nest: Nest, edge: FacingEdge, along: Floats, right: bool, apart: _Apar
     if met.is_empty:
         return None
     to = shapely.get_coordinates(shapely.shortest_line(shapely.Point(at), met))[-1]
-    own = compensated(one, kerf_mm)
-    link = own.point_at(own.project(at.tolist())[0]), (float(to[0]), float(to[1]))
-    ring = compensated(other, kerf_mm)
-    link = (float(link[0][0]), float(link[0][1])), ring.point_at(ring.project(link[1])[0])
-    link = link[0], (float(link[1][0]), float(link[1][1]))
+    link = compensated(one, kerf_mm).nearest(at.tolist()), compensated(other, kerf_mm).nearest(to.tolist())
     return link if math.dist(*link) >= kerf_mm - _CHORD_MM and apart.free(link, joined) else None
 
 
@@ -386,23 +381,17 @@ def snake_of(nest: Nest, row: Row, candidates: Sequence[Candidate], options: Lea
     """
     kerf_mm, directions = options.kerf_mm, options.directions["outer"]
     back: Direction = "cw" if row.direction == "ccw" else "ccw"
-    first = _end(row, row.contours[0], row.links[0][0], candidates, nest, row.direction, -1, kerf_mm)
-    last = _end(row, row.contours[-1], row.links[-1][1], candidates, nest, back, 1, kerf_mm)
-    if not (row.direction in directions and first.led) and not (back in directions and last.led):
+    first, first_led = _end(row, row.contours[0], row.links[0][0], candidates, nest, row.direction, -1, kerf_mm)
+    last, last_led = _end(row, row.contours[-1], row.links[-1][1], candidates, nest, back, 1, kerf_mm)
+    if not (row.direction in directions and first_led) and not (back in directions and last_led):
         return None
-    joins = [first.at, *(to for _, to in row.links)]
-    leaves = [*(at for at, _ in row.links), last.at]
+    joins = [first, *(to for _, to in row.links)]
+    leaves = [*(at for at, _ in row.links), last]
     along = [
         Stretch(contour.id, Span(begin, end), row.direction)
         for contour, begin, end in zip(row.contours, joins, leaves, strict=True)
     ]
     return way_of(nest, row.name, along, kerf_mm)
-
-
-@dataclass(frozen=True, slots=True)
-class _End:
-    at: Point
-    led: bool
 
 
 def _end(
@@ -414,8 +403,11 @@ def _end(
     direction: Direction,
     sign: int,
     kerf_mm: float,
-) -> _End:
-    """Where the way begins, or ends: where a candidate joins, as near as may be to the corner at the end of the row."""
+) -> tuple[Point, bool]:
+    """Where the way begins, or ends: where a candidate joins, as near as may be to the corner at the end of the row.
+
+    And whether one does.
+    """
     ring = compensated(contour, kerf_mm).towards(row.direction)
     along = np.array(row.along if sign < 0 else row.last_along)
     aside = np.array([along[1], -along[0]]) * (1 if row.right else -1)
@@ -431,12 +423,5 @@ def _end(
     wanted_mm, number = length_mm(corner.tolist()), nest.index[contour.id]
     lead = [c for c in candidates if c.contour == number and c.direction == direction and c.span is None and not c.tabs]
     low, high = _LEAST_SHARE * ring.length_mm, (1 - _LEAST_SHARE) * ring.length_mm
-    fit = [(abs(mm - wanted_mm), k) for k, c in enumerate(lead) if low <= (mm := length_mm(joined_at(c))) <= high]
-    if not fit:
-        return _End(_on(ring, corner.tolist()), False)
-    return _End(joined_at(lead[min(fit)[1]]), True)
-
-
-def _on(ring: Curve, at: Sequence[float]) -> Point:
-    x, y = ring.point_at(ring.project(at)[0])
-    return float(x), float(y)
+    fit = [(abs(mm - wanted_mm), k) for k, c in enumerate(lead) if low <= (mm := length_mm(c.join)) <= high]
+    return (lead[min(fit)[1]].join, True) if fit else (ring.nearest(corner.tolist()), False)

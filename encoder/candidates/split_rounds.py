@@ -21,7 +21,7 @@ from .candidate import Candidate, CommonOptions
 from .common_edges import common_edges, point_on, rounds_at_corners
 from .common_paths import Run
 from .older_kerfs import OlderKerfs
-from .stretches import joined_at, way_of
+from .stretches import way_of
 
 # Half of a strip's round runs from the middle of one long side round a short side to the middle of the other, so that
 # both long sides are begun, and the strip does not bend to one side. A last stretch is a straight piece of the round
@@ -137,7 +137,7 @@ def split_ways(
         if name in begun:
             continue
         leads = [c for _, c in own]
-        rooms_mm = [min(float(edge.distance(shapely.Point(joined_at(c)))), _FAR_MM) for c in leads]
+        rooms_mm = [min(float(edge.distance(shapely.Point(c.join))), _FAR_MM) for c in leads]
         worth = [(meets[k], -round(room_mm, 3)) for (k, _), room_mm in zip(own, rooms_mm, strict=True)]
         if how == HALF:
             along = _half(contour, leads, worth, kerf_mm)
@@ -168,12 +168,12 @@ def _round_both(
         ends = [point_on(drawn, shared[0]), point_on(drawn, shared[0] + shared[1])] if shared is not None else []
         first, second = ends if (lead.direction == "ccw") == contour.curve.is_ccw else ends[::-1]
         ring, far = (compensated(one, kerf_mm).towards(lead.direction) for one in (contour, other))
-        left_mm = (ring.project(joined_at(lead))[0] - ring.project(second)[0]) % ring.length_mm
+        left_mm = (ring.project(lead.join)[0] - ring.project(second)[0]) % ring.length_mm
         if _LEAST_KERFS * kerf_mm <= left_mm <= ring.length_mm / _ROUNDS:
             leave, join = _over(ring, far, first, kerf_mm)
             end = point_on(far, (far.project(second)[0] - last_mm) % far.length_mm)
             along = [
-                Stretch(contour.id, Span(joined_at(lead), leave), lead.direction),
+                Stretch(contour.id, Span(lead.join, leave), lead.direction),
                 Stretch(other.id, Span(join, end), lead.direction),
             ]
             found.append((worth[k][0], round(abs(left_mm - last_mm), 3), k, along))
@@ -204,17 +204,17 @@ def _half(
     corners = _box(contour)
     sides = [(corners[k], corners[(k + 1) % 4]) for k in range(4)]
     middles = [(np.array(a) + np.array(b)) / 2 for a, b in sorted(sides, key=lambda s: -math.dist(*s))[:2]]
-    places = [ring.point_at(ring.project(middle.tolist())[0]) for middle in middles]
+    places = [ring.nearest(middle.tolist()) for middle in middles]
     near_mm = _NEAR_SHARE * math.dist(*sides[0]) + _NEAR_SHARE * math.dist(*sides[1])
     found = [
-        (int(math.dist(joined_at(lead), here) / near_mm), worth[k], k, (float(there[0]), float(there[1])))
+        (int(math.dist(lead.join, here) / near_mm), worth[k], k, there)
         for k, lead in enumerate(leads)
         for here, there in (places, places[::-1])
     ]
     if not found:
         return []
     _, _, k, there = min(found)
-    return [Stretch(contour.id, Span(joined_at(leads[k]), there), leads[k].direction)]
+    return [Stretch(contour.id, Span(leads[k].join, there), leads[k].direction)]
 
 
 def _all_but(
@@ -224,12 +224,11 @@ def _all_but(
     found = []
     for k, lead in enumerate(leads):
         ring = compensated(contour, kerf_mm).towards(lead.direction)
-        at_mm = ring.project(joined_at(lead))[0]
+        at_mm = ring.project(lead.join)[0]
         left = ring.between((at_mm - last_mm) % ring.length_mm, last_mm)
-        ends = (left.point_at(0.0), left.point_at(left.length_mm))
-        bent_mm = left.length_mm - math.dist(*ends)
-        found.append((worth[k][0], round(bent_mm, 3), worth[k][1], k, (float(ends[0][0]), float(ends[0][1]))))
+        bent_mm = left.length_mm - math.dist(left.start, left.end)
+        found.append((worth[k][0], round(bent_mm, 3), worth[k][1], k, left.start))
     if not found:
         return []
     *_, k, end = min(found)
-    return [Stretch(contour.id, Span(joined_at(leads[k]), end), leads[k].direction)]
+    return [Stretch(contour.id, Span(leads[k].join, end), leads[k].direction)]

@@ -153,7 +153,7 @@ def way_candidates(
         if any(stretch.direction not in allowed for stretch in along):
             continue
         curve = way.curve if onwards else way.curve.reversed()
-        begin, end = curve.point_at(0.0), curve.point_at(curve.length_mm)
+        begin, end = curve.start, curve.end
         for k, lead in leads:
             if lead.direction == along[0].direction and _joins(lead, nest.index[along[0].contour], begin):
                 lead_mm = 0.0 if lead.lead_in is None else lead.lead_in.length_mm
@@ -173,16 +173,8 @@ def way_candidates(
     return sorted(found, key=lambda row: row[0])
 
 
-def joined_at(candidate: Candidate) -> Point:
-    """Where the torch joins the ring."""
-    if candidate.lead_in is None:
-        return candidate.pierce
-    x, y = candidate.lead_in.vertices[-1, :2].tolist()
-    return x, y
-
-
 def _joins(lead: Candidate, contour: int, at: Point) -> bool:
-    x, y = joined_at(lead)
+    x, y = lead.join
     return lead.contour == contour and lead.span is None and max(abs(x - at[0]), abs(y - at[1])) <= _MEETS_MM
 
 

@@ -165,7 +165,7 @@ class TabPlaces:
             half_mm = unlit_length_mm(tabs[0], self.kerf_mm) / 2
             curve = outline.contour.curve
             at_ring = ring.point_at(ring.project(join)[0] - half_mm)
-            tabs = (Tab(curve.point_at(curve.project(at_ring)[0]), tabs[0].width_mm),)
+            tabs = (Tab(curve.nearest(at_ring), tabs[0].width_mm),)
         gaps = unlit(ring, join, tabs, self.kerf_mm)
         stop = ring.point_at(ring.project(join)[0] + gaps[-1][0]) if self.at_end else None
         return CandidateTabs(tabs, sum(high - low for low, high in gaps), stop)

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints, Rows
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
@@ -119,17 +119,9 @@ def _leaving(candidate: Candidate) -> tuple[Point, object]:
 
 
 def _joining(candidate: Candidate) -> tuple[Point, object]:
-    at = join_of(candidate)
+    at = candidate.join
     lead_mm = 0.0 if candidate.lead_in is None else candidate.lead_in.length_mm
     return at, (at, candidate.end, round(lead_mm, 6), candidate.edge_start)
-
-
-def join_of(candidate: Candidate) -> Point:
-    """Where the torch joins the contour, on the line that it follows."""
-    if candidate.lead_in is None:
-        return candidate.pierce
-    x, y = candidate.lead_in.vertices[-1, :2].tolist()
-    return x, y
 
 
 def _alone(facts: Facts, kerf_mm: float) -> frozenset[int]:
@@ -315,15 +307,12 @@ class Places:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class LinkLines:
+class LinkLines(Rows):
     """k links from the places `one` (k,) to the places `other` (k,), each along `points` (k, p, 2), p 2 or 3."""
 
     one: Ints
     other: Ints
     points: Floats
-
-    def __len__(self) -> int:
-        return len(self.one)
 
     @staticmethod
     def straight(leave: Places, one: Ints, reach: Places, other: Ints) -> LinkLines:
@@ -333,10 +322,6 @@ class LinkLines:
     def round(self, corner: Floats) -> LinkLines:
         """The same by way of a corner each, (k, 2)."""
         return LinkLines(self.one, self.other, np.stack([self.points[:, 0], corner, self.points[:, -1]], axis=1))
-
-    def take(self, rows: Ints | Bools) -> LinkLines:
-        """Some of them."""
-        return LinkLines(self.one[rows], self.other[rows], self.points[rows])
 
     @property
     def bent(self) -> bool:

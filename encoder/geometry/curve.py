@@ -66,6 +66,18 @@ class Curve:
         ends = points[1:] + points[:1] if self.closed else points[1:]
         return (s for s in map(Segment, points, ends, bulges) if s.length_mm > SHORTEST_MM)
 
+    @property
+    def start(self) -> Point:
+        """The first vertex."""
+        x, y = self.vertices[0, :2].tolist()
+        return x, y
+
+    @property
+    def end(self) -> Point:
+        """The last vertex: where an open curve ends."""
+        x, y = self.vertices[-1, :2].tolist()
+        return x, y
+
     @cached_property
     def starts_mm(self) -> Floats:
         """Array (segments + 1,): path length from the start to the start of each segment, then the total."""
@@ -96,7 +108,7 @@ class Curve:
         s = s_mm % total if self.closed else min(max(s_mm, 0.0), total)
         k = int(self.starts_mm.searchsorted(s, side="right")) - 1
         k = min(max(k, 0), len(self.segments) - 1)
-        return k, min(max((s - self.starts_mm[k]) / self.segments[k].length_mm, 0.0), 1.0)
+        return k, float(min(max((s - self.starts_mm[k]) / self.segments[k].length_mm, 0.0), 1.0))
 
     def point_at(self, s_mm: float) -> Point:
         """The point at path length `s_mm`."""
@@ -116,6 +128,10 @@ class Curve:
             if d < best[1] - 1e-12:
                 best = (start + f * seg.length_mm, d)
         return best
+
+    def nearest(self, point: Sequence[float]) -> Point:
+        """The point of the curve nearest to `point`."""
+        return self.point_at(self.project(point)[0])
 
     def reversed(self) -> Curve:
         """The same path the other way round (a closed curve keeps its first vertex)."""

@@ -58,7 +58,7 @@ class DrawnCurve:
     @property
     def place(self) -> str:
         """Where it is, for messages: its first vertex and its layer."""
-        x, y = self.curve.vertices[0, :2].tolist()
+        x, y = self.curve.start
         return f"at ({x:.3f}, {y:.3f}) on layer '{self.layer}'"
 
 

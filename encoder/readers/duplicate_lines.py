@@ -203,7 +203,7 @@ def thin_parts(parts: Sequence[Part], options: ReadOptions) -> list[Part]:
 def thin_question(thin: Sequence[Part], options: ReadOptions) -> Question:
     """What outlines are for between which there is no metal once they are cut."""
     limit_mm = max(options.kerf_mm, LEAST_MM)
-    x, y = thin[0].outer.curve.vertices[0, :2].tolist()
+    x, y = thin[0].outer.curve.start
     count = len(thin)
     which = "1 closed line encloses" if count == 1 else f"{count} closed lines enclose"
     return Question(

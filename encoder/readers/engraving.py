@@ -170,8 +170,7 @@ def with_marks(
             continue
         if len(names) < len(text.strokes):
             partly.append(f"the {text.place}: {len(text.strokes) - len(names)} of {len(text.strokes)} strokes")
-        x, y = text.look.curve.vertices[0, :2].tolist()
-        writings.append(Writing(text.text, text.look.layer, (x, y), text.height_mm, tuple(names)))
+        writings.append(Writing(text.text, text.look.layer, text.look.curve.start, text.height_mm, tuple(names)))
     notes += _on_no_part(off)
     if partly:
         listed = "; ".join(partly[:FIRST]) + ("; …" if len(partly) > FIRST else "")

@@ -192,7 +192,7 @@ def _as_filled(
 def _fill_question(unseen: Sequence[tuple[list[Curve], list[int], str]]) -> Question:
     own, [k, *_], layer = unseen[0]
     count = sum(len(rings) for _, rings, _ in unseen)
-    x, y = own[k].vertices[0, :2].tolist()
+    x, y = own[k].start
     which = "a ring lies" if count == 1 else f"{count} rings lie"
     return Question(
         "fill",

@@ -339,7 +339,7 @@ def _begun(nest: Nest, burn: Burn, row: Iterable[Stretch], rings: Rings) -> Iter
         join, followed = path.point_at(low_mm), _between(path, low_mm, high_mm)
         lead_in = _between(path, at_mm, low_mm) if low_mm > at_mm else None
         yield Cut(
-            contour.id, contour.curve.point_at(contour.curve.project(join)[0]),
+            contour.id, contour.curve.nearest(join),
             _direction(contour, followed, rings[stretch.ring], False), path.point_at(min(at_mm, low_mm)), lead_in,
             Curve.of([path.point_at(high_mm)], closed=False), 0, _when_s(burn, min(at_mm, low_mm)),
             _when_s(burn, high_mm), linked=k > 0, span=Span(join, path.point_at(high_mm)),
@@ -447,7 +447,7 @@ def _cut(
     path, since_mm = burn.path, piece.since_mm
     join, leave = path.point_at(since_mm), path.point_at(piece.leave_mm)
     followed = piece_of(since_mm, piece.leave_mm)
-    entry = contour.curve.point_at(contour.curve.project(join)[0])
+    entry = contour.curve.nearest(join)
     lead_in = piece_of(begin_mm, since_mm)
     return Cut(
         contour.id, entry, _direction(contour, followed, rings[piece.ring], alone), path.point_at(begin_mm),

@@ -100,7 +100,7 @@ def _rebuilt(
         program.burns if tabs_asked is None or not tabs_asked.at_end else extend_to_tabs(program.burns, nest, matcher)
     )
     drawn = every_line_of([burn.path for burn in burns])
-    paths = [_dot(burn) if line is None else line for burn, line in zip(burns, drawn, strict=True)]
+    paths = [line or shapely.LineString([burn.path.end] * 2) for burn, line in zip(burns, drawn, strict=True)]
     told = [_CUT.search(burn.comment) if burn.torch == 1 else None for burn in burns]
     ids = ids_by_name(nest, program.comments)
     names = [ids.get(normalize_name(words["contour"])) if words else None for words in told]
@@ -235,12 +235,6 @@ def _excused(program: NcProgram, ids: Mapping[str, str]) -> Mapping[str, tuple[s
         if found and (name := ids.get(normalize_name(found["contour"]))) is not None:
             rules_of[name] += (found["rule"].lower(),)
     return rules_of
-
-
-def _dot(burn: Burn) -> shapely.LineString:
-    """A burn that does not move, as a line of no length."""
-    x, y = burn.path.vertices[-1, :2].tolist()
-    return shapely.LineString([(x, y), (x, y)])
 
 
 def _stray(burn: Burn, path: shapely.LineString) -> Violation:

@@ -256,7 +256,7 @@ def with_tabs(
     tabs, off = [], []
     for low, high in burn.unlit:
         middle = burn.path.point_at((low + high) / 2)
-        at = curve.point_at(curve.project(middle)[0])
+        at = curve.nearest(middle)
         width_mm = high - low - kerf_mm
         nearest_mm = min(widths_mm, key=lambda asked_mm: abs(asked_mm - width_mm), default=width_mm)
         tabs.append(Tab(at, nearest_mm if abs(nearest_mm - width_mm) <= 2 * step_mm() else width_mm))

@@ -57,16 +57,8 @@ def _completed(cut: Cut, planned: Cut | None) -> Cut:
     if planned is None:
         return cut
     excused = tuple(dict.fromkeys((*cut.excused, *planned.excused)))
-    joins = planned.lead_in is not None and math.dist(_join(cut), _join(planned)) <= 2 * tolerance_mm()
+    joins = planned.lead_in is not None and math.dist(cut.join, planned.join) <= 2 * tolerance_mm()
     return replace(cut, zone=cut.zone or planned.zone, excused=excused, entry=planned.entry if joins else cut.entry)
-
-
-def _join(cut: Cut) -> Point:
-    """Where the torch joins its ring: the end of the lead-in."""
-    if cut.lead_in is None:
-        return cut.pierce
-    x, y = cut.lead_in.vertices[-1, :2].tolist()
-    return x, y
 
 
 def strays_from(planned: PlanClaims, nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[Violation]:
@@ -221,12 +213,8 @@ def end_of(nest: Nest, cut: Cut) -> Point:
         return cut.end
     contour = nest.contours[nest.index[cut.contour]] if cut.contour in nest.index else None
     if contour is not None and not contour.curve.closed:
-        x, y = contour.curve.vertices[-1 if cut.direction == "ccw" else 0, :2].tolist()
-        return x, y
-    if cut.lead_in is not None:
-        x, y = cut.lead_in.vertices[-1, :2].tolist()
-        return x, y
-    return cut.entry
+        return contour.curve.end if cut.direction == "ccw" else contour.curve.start
+    return cut.entry if cut.lead_in is None else cut.lead_in.end
 
 
 def _pierces(nest: Nest, cuts: CutSequence, unpierced: Collection[int]) -> tuple[int, int]:

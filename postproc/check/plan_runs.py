@@ -72,7 +72,7 @@ def _ends_at_tab(cut: Cut, off: Sequence[Tab], ring: shapely.LineString, kerf_mm
     """Whether the torch goes off where a tab begins, without a lead-out."""
     if not off or cut.lead_out is None or cut.lead_out.length_mm > 0:
         return False
-    end_mm = ring.project(shapely.Point(_xy(cut.lead_out, 0)))
+    end_mm = ring.project(shapely.Point(cut.lead_out.start))
     ends = tab_intervals(ring, off, 0.0).ravel()
     apart = np.abs((ends - end_mm + ring.length / 2) % ring.length - ring.length / 2)
     return bool(len(ends) and apart.min() <= tolerance_mm(kerf_mm))
@@ -128,12 +128,10 @@ def _join(cut: Cut, ring: shapely.LineString) -> Point:
 
     A link that goes nowhere, and a stretch without a lead-in, begin where the torch is.
     """
-    if cut.lead_in is not None:
-        return _xy(cut.lead_in, -1)
-    if cut.linked or cut.span is not None or cut.tabs:
-        return cut.pierce
+    if cut.lead_in is not None or cut.linked or cut.span is not None or cut.tabs:
+        return cut.join
     if cut.lead_out is not None:
-        return _xy(cut.lead_out, 0)
+        return cut.lead_out.start
     x, y = ops.nearest_points(ring, shapely.Point(cut.entry))[0].coords[0]
     return x, y
 
@@ -150,18 +148,19 @@ def _faults(
     off_mm = contour.curve.project(cut.entry)[1]
     if off_mm > allowed:
         geometry(f"the entry is {off_mm:.3f} mm off the contour")
-    if cut.lead_in is not None and math.dist(_xy(cut.lead_in, 0), cut.pierce) > allowed:
+    if cut.lead_in is not None and math.dist(cut.lead_in.start, cut.pierce) > allowed:
         geometry("the lead-in does not start at the pierce")
     if not contour.shapes_part:
         if cut.lead_in is not None and cut.lead_in.segments:
             geometry(f"a {contour.kind if contour.kind == 'mark' else 'scrap line'} has no lead-in")
-        begins = cut.entry if contour.curve.closed else _xy(contour.curve, 0 if cut.direction == "ccw" else -1)
+        curve = contour.curve
+        begins = cut.entry if curve.closed else curve.start if cut.direction == "ccw" else curve.end
         if math.dist(cut.pierce, begins) > allowed:
             geometry(f"{'marking' if contour.kind == 'mark' else 'the torch'} does not start where the line does")
         return found
     if contour.kind == "slit":
-        begins = cut.pierce if cut.lead_in is None else _xy(cut.lead_in, -1)
-        if cut.direction != "ccw" or math.dist(begins, _xy(contour.curve, 0)) > allowed:
+        begins = cut.join
+        if cut.direction != "ccw" or math.dist(begins, contour.curve.start) > allowed:
             geometry("a slit is cut from its mouth on")
         return found
     start = cut.pierce if cut.lead_in is None else join
@@ -176,14 +175,9 @@ def _faults(
     if math.dist(join, cut.entry) > kerf_mm + allowed:
         geometry(f"the torch joins {math.dist(join, cut.entry):.3f} mm from the entry")
     at_tab = _ends_at_tab(cut, unlit_tabs(cut, kerf_mm), ring, kerf_mm)
-    if cut.lead_out is not None and cut.span is None and not at_tab and math.dist(_xy(cut.lead_out, 0), join) > allowed:
+    if cut.lead_out is not None and cut.span is None and not at_tab and math.dist(cut.lead_out.start, join) > allowed:
         geometry("the lead-out does not start where the round ends")
     return found
-
-
-def _xy(curve: Curve, k: int) -> Point:
-    x, y = curve.vertices[k, :2].tolist()
-    return x, y
 
 
 # What a program that goes on after a stop says is already cut: comments such as `OUT 3 P1.outer ZONE 1 CW PIERCE 8
@@ -255,9 +249,9 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
             continue
         lead_in, lead_out = (_lead(leads.get((how, order, which), [])) for which in ("IN", "OUT"))
         pierce = (float(found["x"]), float(found["y"]))
-        join = pierce if lead_in is None else (float(lead_in.vertices[-1, 0]), float(lead_in.vertices[-1, 1]))
+        join = pierce if lead_in is None else lead_in.end
         curve = nest.contour(name).curve
-        entry = curve.point_at(curve.project(join)[0])
+        entry = curve.nearest(join)
         way = "cw" if found["way"].upper() == "CW" else "ccw"
         cut = Cut(name, entry, "cw" if way == "cw" else "ccw", pierce, lead_in, lead_out, int(found["zone"]))
         cut = replace(cut, linked=(how, order, "IN") in linked, tabs=tabs[how, order])
@@ -276,8 +270,8 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
         begin, end = ((float(found[f"x{k}"]), float(found[f"y{k}"])) for k in (0, 1))
         lead_in, curve = _lead(leads.get(("BEGUN", order, "IN"), [])), nest.contour(name).curve
         cut = Cut(
-            name, curve.point_at(curve.project(begin)[0]), "cw" if found["way"].upper() == "CW" else "ccw",
-            begin if lead_in is None else _xy(lead_in, 0), lead_in, Curve.of([end], closed=False), int(found["zone"]),
+            name, curve.nearest(begin), "cw" if found["way"].upper() == "CW" else "ccw",
+            begin if lead_in is None else lead_in.start, lead_in, Curve.of([end], closed=False), int(found["zone"]),
             linked=("BEGUN", order, "IN") in linked, span=Span(begin, end),
         )  # fmt: skip
         begun.append((int(found["before"]), cut))
@@ -343,9 +337,7 @@ def slit_ends(comments: Iterable[str]) -> Iterator[tuple[str, Point, Point]]:
         lead_in, lead_out = (_lead(leads.get((head, which), [])) for which in ("IN", "OUT"))
         if found["how"].upper() == "OUT" and _SLIT.search(name) and lead_out is not None:
             pierce = (float(found["x"]), float(found["y"]))
-            start = pierce if lead_in is None else lead_in.vertices[-1, :2].tolist()
-            x, y = lead_out.vertices[-1, :2].tolist()
-            yield name, (start[0], start[1]), (x, y)
+            yield name, pierce if lead_in is None else lead_in.end, lead_out.end
 
 
 def _lead(numbers: list[float]) -> Curve | None:

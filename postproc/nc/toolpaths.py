@@ -179,7 +179,7 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
         line = contour.curve if cut.direction == "ccw" else contour.curve.reversed()
         return line if cut.lead_in is None else _joined((cut.lead_in, line))
     ring = compensated(contour, kerf_mm).towards(cut.direction)
-    way, _ = torch_way(ring, _join(cut), cut.span, cut.tabs, kerf_mm)
+    way, _ = torch_way(ring, cut.join, cut.span, cut.tabs, kerf_mm)
     return _joined(path for path in (cut.lead_in, way, cut.lead_out) if path is not None)
 
 
@@ -188,7 +188,7 @@ def unlit_on(contour: Contour, cut: Cut, kerf_mm: float) -> tuple[tuple[float, f
     if not cut.tabs:
         return ()
     ring = compensated(contour, kerf_mm).towards(cut.direction)
-    _, gaps = torch_way(ring, _join(cut), cut.span, cut.tabs, kerf_mm)
+    _, gaps = torch_way(ring, cut.join, cut.span, cut.tabs, kerf_mm)
     before_mm = 0.0 if cut.lead_in is None else cut.lead_in.length_mm
     return tuple((before_mm + low, before_mm + high) for low, high in gaps)
 
@@ -201,11 +201,3 @@ def _joined(paths: Iterable[Curve]) -> Curve:
         rows[-1][2] = 0.0
     kept = [a for a, b in pairwise(rows) if math.dist(a[:2], b[:2]) > _SPECK_MM]
     return Curve(np.array([*kept, rows[-1]]), closed=False)
-
-
-def _join(cut: Cut) -> Point:
-    """Where the torch joins the contour: the end of the lead-in, else where it is switched on."""
-    if cut.lead_in is None:
-        return cut.pierce
-    x, y = cut.lead_in.vertices[-1, :2].tolist()
-    return x, y

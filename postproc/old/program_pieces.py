@@ -144,7 +144,7 @@ def _piece(
     comments = () if ours else tuple(_for_people(texts[since:body_from]))
     body_texts = _said_motion(texts, [rows[k] for k in own if k >= begin])
     body = tuple(text for text in body_texts[body_from : rows[own.stop - 1].line] if not (ours and is_comment(text)))
-    (x0, y0), (x1, y1) = burn.path.vertices[0, :2].tolist(), burn.path.vertices[-1, :2].tolist()
+    (x0, y0), (x1, y1) = burn.path.start, burn.path.end
     after = rows[own.stop - 1].state
     moving = next((k for k in own if rows[k].line > burn.line and (rows[k].moves or rows[k].implied)), own.start + 1)
     sets = frozenset(key for key, words in rows[moving - 1].state.items() if before.get(key) != words)

@@ -153,7 +153,7 @@ def _items(panel: Panel, place: _Place) -> Iterator[Item]:
             yield Shape((way,), style, closed=False, cut=min(k + 1, len(burns)))
     size = min(max(90.0 / math.sqrt(len(burns)), _NUMBER_PX[0]), _NUMBER_PX[1])
     for k, burn in enumerate(burns, 1):
-        x, y = place.at(burn.path.vertices[0, :2].tolist())
+        x, y = place.at(burn.path.start)
         yield Dot(x, y, size / 5, Style(fill=PIERCE), cut=k)
         if len(burns) <= _MOST_NUMBERS:
             yield TextLine(x + size / 3, y - size / 2, str(k + panel.first - 1), size, INK, "start", halo=PAGE, cut=k)

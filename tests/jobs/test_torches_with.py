@@ -100,7 +100,7 @@ def test_a_tab_that_only_a_second_torch_leaves_out_is_missed(tmp_path: Path) -> 
     off = next(k for k in range(at, len(rows)) if rows[k].endswith("M5"))
     joined = next(planned.cut for planned in found.plan.cuts if planned.cut.contour == "A.outer")
     assert joined.lead_in is not None
-    x, y = joined.lead_in.vertices[-1, :2].tolist()
+    x, y = joined.lead_in.end
     closed = "\n".join([*rows[:off], f"G1 X{x:.4f} Y{y:.4f}", *rows[off:]])
     judged = check_program(sheet, closed, profile)
     assert "hold-small-parts" in judged.broken()

@@ -314,7 +314,7 @@ def nest_dxf(nest: Nest) -> str:
         return dxf_in_mm(_section("ENTITIES", sheet + _polylines(_drawn(nest.contours))) + _tags((0, "EOF")))
     blocks, inserts = "", ""
     for part in nest.parts:
-        (x, y), contours = part.outer.curve.vertices[0, :2].tolist(), (part.outer, *part.holes, *part.marks)
+        (x, y), contours = part.outer.curve.start, (part.outer, *part.holes, *part.marks)
         at = ((10, 0.0), (20, 0.0), (30, 0.0))
         blocks += _tags((0, "BLOCK"), (8, "0"), (2, part.id), (70, 2), *at, (3, part.id))
         blocks += _polylines(_drawn(contours)) + _tags((0, "ENDBLK"), (8, "0"))

@@ -189,9 +189,7 @@ class RoutePaths:
             contour = self._facts.nest.contours[candidate.contour]
             if contour.curve.closed:
                 ring = compensated(contour, self._kerf_mm).towards(candidate.direction)
-                joins = candidate.pierce if candidate.lead_in is None else candidate.lead_in.vertices[-1, :2].tolist()
-                x, y = joins
-                way, _ = torch_way(ring, (x, y), candidate.span, candidate.tabs, self._kerf_mm)
+                way, _ = torch_way(ring, candidate.join, candidate.span, candidate.tabs, self._kerf_mm)
             else:
                 way = contour.curve if candidate.direction == "ccw" else contour.curve.reversed()
             paths = (candidate.lead_in, way, candidate.lead_out)

@@ -14,7 +14,6 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.facts.links import join_of
 from kerfwise.encoder.text import join_names
 from kerfwise.models.engines.solution import Incumbent, Solution
 from kerfwise.models.physics.time_and_cost import feeds_of
@@ -171,7 +170,7 @@ def _candidate_of(facts: Facts, problem: Problem, cut: Cut) -> tuple[int, str]:
     begins = cut.pierce if link is None else link.segments[-1].end
 
     def away_mm(c: int) -> tuple[float, float]:
-        begin = facts.candidates[c].pierce if link is None else join_of(facts.candidates[c])
+        begin = facts.candidates[c].pierce if link is None else facts.candidates[c].join
         return math.dist(begin, begins), math.dist(facts.candidates[c].end, cut.end)
 
     span = facts.candidates_of(facts.nest.index[cut.contour])

@@ -80,8 +80,7 @@ class Burn:
     @property
     def start(self) -> Point:
         """Where the tool goes on."""
-        x, y = self.path.vertices[0, :2].tolist()
-        return x, y
+        return self.path.start
 
     @property
     def pierces_only(self) -> bool:

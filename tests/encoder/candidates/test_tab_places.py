@@ -66,7 +66,7 @@ def test_at_the_end_the_torch_stops_before_its_tab(direction: str) -> None:
     for way in found:
         (tab,) = way.tabs
         assert way.lead_in is not None
-        join = way.lead_in.vertices[-1, :2].tolist()
+        join = way.lead_in.end
         assert math.dist(way.end, join) == pytest.approx(1.0, abs=1e-6)
         assert math.dist(way.entry, tab.at) == pytest.approx(0.5, abs=1e-6)
         assert not way.leaves

@@ -17,7 +17,7 @@ from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.facts import FactOptions, compute_facts, links
 from kerfwise.encoder.facts.facts import Facts, LinkPath
-from kerfwise.encoder.facts.links import LinkOptions, join_of, with_links
+from kerfwise.encoder.facts.links import LinkOptions, with_links
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
@@ -77,7 +77,7 @@ def test_neighbours_are_linked_both_ways_from_end_to_join() -> None:
     assert pairs(found) == {("A.outer", "B.outer"), ("B.outer", "A.outer")}
     for link in found.links:
         assert all(math.dist(found.candidates[c].end, link.path[0]) < 1e-9 for c in link.leave)
-        assert all(math.dist(join_of(found.candidates[c]), link.path[-1]) < 1e-9 for c in link.reach)
+        assert all(math.dist(found.candidates[c].join, link.path[-1]) < 1e-9 for c in link.reach)
         assert link.length_mm <= 30
 
 

@@ -33,7 +33,7 @@ def changed(name: str, change: Callable[[Cut], Cut]) -> Callable[[Cuts], Cuts]:
 def pierced_at(x: float, y: float) -> Callable[[Cut], Cut]:
     def change(cut: Cut) -> Cut:
         assert cut.lead_in is not None
-        join = cut.lead_in.vertices[-1, :2].tolist()
+        join = cut.lead_in.end
         return replace(cut, pierce=(x, y), lead_in=Curve.of([(x, y), join], closed=False))
 
     return change

@@ -27,7 +27,7 @@ def one(sheet: Nest, name: str, pierce: tuple[float, float], **changes: object) 
     """The check of the first part of a nest, joined at a tenth of its outline from this pierce."""
     cut: Cut = cut_of(sheet.contour(name), 0.1, "cw")
     assert cut.lead_in is not None
-    lead_in = Curve.of([pierce, cut.lead_in.vertices[-1, :2].tolist()], closed=False)
+    lead_in = Curve.of([pierce, cut.lead_in.end], closed=False)
     return check_cuts(sheet, CutSequence((replace(cut, pierce=pierce, lead_in=lead_in),), "left"), profile(**changes))
 
 

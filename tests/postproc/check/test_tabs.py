@@ -79,7 +79,7 @@ def test_a_missing_tab_at_the_end() -> None:
     (tab,) = made(PLASMA).plan.cuts[0].cut.tabs
     cut = made(PLASMA).plan.cuts[0].cut
     assert cut.lead_in is not None
-    x, y = cut.lead_in.vertices[-1, :2].tolist()
+    x, y = cut.lead_in.end
     closed = program.replace("M5 $0\n", f"G1 X{x:.4f} Y{y:.4f}\nM5 $0\n", 1).replace("N130 G1 X", "G1 X", 1)
     closed = re.sub(r"(?m)^N\d+ (G1 X[\d.]+ Y[\d.]+)$", r"\1", closed)
     result = judged(PLASMA, re.sub(r"N\d+ (G1 X[\d.]+ Y[\d.]+\nM5)", r"\1", closed))

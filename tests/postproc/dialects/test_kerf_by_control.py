@@ -113,7 +113,7 @@ def test_a_square_by_hand() -> None:
     burn = read_nc(SQUARE, control=control).burns[0]
     assert burn.path.length_mm == pytest.approx(4 + 49 + 50 + 300 + 2 * math.pi)
     assert burn.start == (-5.0, 51.0)
-    assert burn.path.vertices[-1, :2].tolist() == pytest.approx([-1.0, 50.0])
+    assert burn.path.end == pytest.approx([-1.0, 50.0])
     inside = read_nc(SQUARE.replace("G41", "G42"), control=control).burns[0]
     assert inside.path.line().bounds == pytest.approx((-5.0, 1.0, 99.0, 99.0))
     with pytest.raises(InputError, match="a line of at least half the kerf"):

@@ -38,7 +38,7 @@ def cut(moves: str, control: str = "essi") -> Curve:
 def test_the_published_square() -> None:
     path = cut(SQUARE)
     assert path.length_mm == pytest.approx(400)
-    assert path.vertices[-1, :2].tolist() == path.vertices[0, :2].tolist()
+    assert path.end == path.start
 
 
 def test_the_published_hook_bulges_upward_going_right() -> None:
