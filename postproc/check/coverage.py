@@ -218,8 +218,7 @@ def burnt_twice(found: BurntRings, allowed_mm: float) -> Iterator[Violation]:
     for k, (again_mm, name, (x, y)) in sorted(worst.items()):
         run = found.burnt[k].run
         assert run is not None
-        text = f"{run.where}: {again_mm:.1f} mm of {name} are burnt again, at ({x:z.1f}, {y:z.1f})"
-        yield Violation("burnt-twice", (name,), text, (run.position,) if run.position else ())
+        yield run.wrong("burnt-twice", f"{again_mm:.1f} mm of {name} are burnt again, at ({x:z.1f}, {y:z.1f})", name)
 
 
 def _round_another(burnt: _Burnt, run: TorchRun) -> bool:

@@ -258,10 +258,10 @@ def _of_run(
         else:
             why = "a slot, notch or neck that is too narrow for it"
         text = (
-            f"{run.where}: {stretch.length:.1f} mm of {name} are left uncut, at ({at.x:z.1f}, {at.y:z.1f}) up to "
+            f"{stretch.length:.1f} mm of {name} are left uncut, at ({at.x:z.1f}, {at.y:z.1f}) up to "
             f"{beyond_mm[worst]:.2f} mm beside the kerf: {why}"
         )
-        yield Violation("features-kept", (name,), text, (run.position,) if run.position else ())
+        yield run.wrong("features-kept", text, name)
 
 
 def _reach(contour: Contour, path: shapely.Geometry, half_mm: float) -> shapely.Geometry:

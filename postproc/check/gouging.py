@@ -162,13 +162,11 @@ def _gouge(burn: _Burn, part: str, depth_mm: float, burnt_mm2: float, place: Poi
     run = burn.run
     contours = () if run.contour is None else (run.contour.id,)
     what = "a lead" if burn.lead else "the kerf"
-    return Violation(
-        "no-gouging",
-        (*contours, f"{part}.outer"),
-        f"{run.where}: {what} of {run.name} reaches {depth_mm:.3f} mm into the metal of {part} at "
-        f"({place[0]:z.1f}, {place[1]:z.1f}) and burns {burnt_mm2:.1f} mm² of it",
-        (run.position,) if run.position else (),
+    text = (
+        f"{what} of {run.name} reaches {depth_mm:.3f} mm into the metal of {part} at "
+        f"({place[0]:z.1f}, {place[1]:z.1f}) and burns {burnt_mm2:.1f} mm² of it"
     )
+    return run.wrong("no-gouging", text, *contours, f"{part}.outer")
 
 
 def paths_off_sheet(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, run_up_mm: float = 0.0) -> list[Violation]:
@@ -191,10 +189,8 @@ def paths_off_sheet(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, run_up
                 if shapely.distance(begin, sheet) <= run_up_mm:
                     off = off[shapely.distance(off, begin) > SLACK_MM]
             if not shapely.covers(allowed, off).all():
-                contours = () if run.contour is None else (run.contour.id,)
                 out_mm = float(shapely.length(off).sum())
-                text = f"{run.where}: {out_mm:.1f} mm of the path of {run.name} lie off the sheet"
-                found.append(Violation("on-sheet", contours, text, (run.position,) if run.position else ()))
+                found.append(run.wrong("on-sheet", f"{out_mm:.1f} mm of the path of {run.name} lie off the sheet"))
                 break
     return found
 

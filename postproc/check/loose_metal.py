@@ -67,11 +67,10 @@ def _violation(run: TorchRun, face: Face, runs: Sequence[TorchRun | None], over_
     closed = runs[face.since]
     since = "what was cut before the stop" if closed is None else closed.where
     text = (
-        f"{run.where}: {run.name} is cut in metal that is loose since {since}: the piece at ({x:z.1f}, {y:z.1f}) holds "
+        f"{run.name} is cut in metal that is loose since {since}: the piece at ({x:z.1f}, {y:z.1f}) holds "
         f"to nothing any more, and {over_mm:.1f} mm are burnt in it"
     )
-    contours = () if run.contour is None else (run.contour.id,)
-    return Violation(_RULE, contours, text, (run.position,) if run.position else ())
+    return run.wrong(_RULE, text)
 
 
 # Burns in pieces of the skeleton that scrap lines have cut off, seen from the kerfs themselves.
@@ -80,8 +79,6 @@ def _violation(run: TorchRun, face: Face, runs: Sequence[TorchRun | None], over_
 # that the kerfs of all lines leave of the largest piece that those of all parts leave; leads do not tell which is
 # larger. Before each burn the frame is part of some larger piece of metal, and only in that may be cut, or where the
 # metal is narrower than the kerf and holds nothing anyway.
-
-_SKELETON_RULE = "loose-metal"
 
 
 def cuts_in_loose_skeleton(
@@ -116,11 +113,8 @@ def cuts_in_loose_skeleton(
             continue
         if run.contour is not None and not is_in_frame(line, metal, inside, kerf_mm):
             x, y = shapely.line_interpolate_point(run.loop, 0.5, normalized=True).coords[0]
-            text = (
-                f"{run.where}: {run.contour.id} is cut at ({x:z.1f}, {y:z.1f}) in metal that is cut off the skeleton, "
-                "and loose"
-            )
-            yield Violation(_SKELETON_RULE, (run.contour.id,), text, (run.position,) if run.position else ())
+            text = f"{run.name} is cut at ({x:z.1f}, {y:z.1f}) in metal that is cut off the skeleton, and loose"
+            yield run.wrong(_RULE, text)
         metal -= shapely.union(kerf, leads[k])
 
 
@@ -219,9 +213,8 @@ def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iter
         for k in sorted(tree.query(strip, "dwithin", distance=max(reach_mm, 0.0)).tolist()):
             run, line = paths[k]
             x, y = shapely.get_coordinates(shapely.shortest_line(line, strip))[0].tolist()
-            text = f"{run.where}: the kerf of {run.name} enters {bridge.name} at ({x:z.1f}, {y:z.1f})"
-            names = () if run.contour is None else (run.contour.id,)
-            yield Violation(_BRIDGE_RULE, names, text, (run.position,) if run.position else ())
+            text = f"the kerf of {run.name} enters {bridge.name} at ({x:z.1f}, {y:z.1f})"
+            yield run.wrong(_BRIDGE_RULE, text)
             break
 
 

@@ -41,8 +41,7 @@ def paths_beyond_travel(
         points = by_position.setdefault(run.position, [])
         points += [(x, y) for line in (run.loop, *run.leads) for x, y in shapely.get_coordinates(line).tolist()]
         if (text := _beyond(points, reach, corner)) is not None:
-            contours = () if run.contour is None else (run.contour.id,)
-            yield Violation(_RULE, contours, f"{run.where}: the path of {run.name} is {text}", (run.position,))
+            yield run.wrong(_RULE, f"the path of {run.name} is {text}")
 
 
 def rapids_beyond_travel(nest: Nest, program: NcProgram, profile: ProfileValues) -> Iterator[Violation]:
@@ -82,9 +81,8 @@ def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: ProfileValues) ->
     beyond_mm = shapely.distance(sheet, shapely.points(starts))
     for k in np.flatnonzero(beyond_mm > tolerance_mm()).tolist():
         run, at, off_mm = torch[k], starts[k].tolist(), beyond_mm[k]
-        contours = () if run.contour is None else (run.contour.id,)
-        text = f"{run.where}: {run.name} begins {off_mm:.1f} mm off the sheet, at ({at[0]:.2f}, {at[1]:.2f}): {why}"
-        yield Violation(_EDGE_START_RULE, contours, text, (run.position,) if run.position else ())
+        text = f"{run.name} begins {off_mm:.1f} mm off the sheet, at ({at[0]:.2f}, {at[1]:.2f}): {why}"
+        yield run.wrong(_EDGE_START_RULE, text)
 
 
 def forbidden(nest: Nest, profile: ProfileValues) -> str | None:
@@ -237,14 +235,13 @@ def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> It
         if link is None:
             continue
         length_mm = float(link.length)
-        way = f"{run.where}: the link from {before.name} to {run.name}"
+        way = f"the link from {before.name} to {run.name}"
         place = f"at ({link.coords[0][0]:z.1f}, {link.coords[0][1]:z.1f})"
-        at = (run.position,) if run.position else ()
         names = tuple(dict.fromkeys(r.contour.id for r in (before, run) if r.contour is not None))
         if length_mm > longest_mm + within_mm:
             text = f"{way} {place} is {length_mm:.1f} mm long: the profile allows "
             text += f"{longest_mm:g} mm" if longest_mm > 0 else "no links"
-            yield Violation(_LINK_RULE, names, f"{text} (cuts.links.longest)", at)
+            yield run.wrong(_LINK_RULE, f"{text} (cuts.links.longest)", *names)
             continue
         ends = shapely.buffer(shapely.points([link.coords[0], link.coords[-1]]), kerf_mm)
         left = [before.loop, *(() if before.linked else before.leads)]  # as a lead-out may, beside its own lead-in
@@ -257,7 +254,7 @@ def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> It
             if other < k and all(line is not one for one in left):
                 x, y = shapely.get_coordinates(shapely.shortest_line(free, line))[0].tolist()
                 text = f"{way} crosses the kerf of {runs[other].name} ({runs[other].where}), at ({x:z.1f}, {y:z.1f})"
-                yield Violation(_LINK_RULE, names, text, at)
+                yield run.wrong(_LINK_RULE, text, *names)
                 break
 
 
@@ -281,10 +278,7 @@ def long_leads(
             if lead is None or lead.length <= most_mm or (what == "before" and run.linked):
                 continue
             again_mm = float(lead.intersection(shapely.buffer(run.loop, within_mm)).length)
-            at = (run.position,) if run.position else ()
-            text = f"{run.where}: the torch is lit for {lead.length:.1f} mm {what} {run.name}"
+            text = f"the torch is lit for {lead.length:.1f} mm {what} {run.name}"
             if again_mm > most_mm:
                 text += f", {again_mm:.1f} mm of them once more along it"
-            yield Violation(
-                _LINK_RULE, (run.contour.id,), f"{text}; the profile's leads and overcuts ask for {most_mm:.1f} mm", at
-            )
+            yield run.wrong(_LINK_RULE, f"{text}; the profile's leads and overcuts ask for {most_mm:.1f} mm")

@@ -263,8 +263,8 @@ def with_tabs(
         off.append(Tab(middle, high - low))
         away_mm = run.loop.distance(shapely.Point(middle))
         if away_mm > tolerance_mm(kerf_mm):
-            text = f"{run.where}: the torch goes off for {high - low:.2f} mm beside {cut.contour}, where no tab can be"
-            wrong.append(Violation("contour-geometry", (cut.contour,), text, (run.position,)))
+            text = f"the torch goes off for {high - low:.2f} mm beside {cut.contour}, where no tab can be"
+            wrong.append(run.wrong("contour-geometry", text))
     lead_out = cut.lead_out
     if burn.unlit[-1][1] >= burn.path.length_mm - 1e-6:
         lead_out = Curve.of([burn.path.point_at(burn.unlit[-1][0])], closed=False)

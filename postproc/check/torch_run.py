@@ -54,6 +54,11 @@ class TorchRun:
         """The contour's id, or a stand-in where the path matches none."""
         return self.contour.id if self.contour is not None else "an unknown path"
 
+    def wrong(self, rule: str, text: str, *contours: str) -> Violation:
+        """What is wrong with it, behind where it is; these contours are named, else its own."""
+        named = contours or (() if self.contour is None else (self.contour.id,))
+        return Violation(rule, named, f"{self.where}: {text}", (self.position,) if self.position else ())
+
     @property
     def leads(self) -> tuple[shapely.LineString, ...]:
         """Lead-in and lead-out, where there are any."""
