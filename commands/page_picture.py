@@ -37,16 +37,9 @@ LEAST_CORES = 2
 class DrawnBeside:
     """A picture of a plan that is going to be made and judged; its process begins and ends with the context.
 
-    Where it does not pay, nothing is drawn beside: see `pays`.
-
-    Parameters
-    ----------
-    nest
-        What is drawn; of what was found out about it nothing is handed on.
-    suffix
-        Of the picture: ".svg", ".png" or ".pdf"; of anything else, or None, there is no drawing.
-    home
-        Where the torch starts and ends, mm.
+    Where it does not pay, nothing is drawn beside: see `pays`. `nest`: what is drawn; of what was found out about it
+    nothing is handed on. `suffix`: of the picture: ".svg", ".png" or ".pdf"; of anything else, or None, there is no
+    drawing. `home`: where the torch starts and ends, mm.
     """
 
     def __init__(self, nest: Nest, suffix: str | None, home: Point) -> None:

@@ -145,16 +145,8 @@ ALONG_MM = 1.0
 def bridge_problem(bridge: Bridge, parts: Mapping[str, Part], earlier: Sequence[Bridge], sheet: Sheet) -> Bridge:
     """The bridge, its start in the first of its parts.
 
-    Parameters
-    ----------
-    bridge
-        One whose parts are among these.
-    parts
-        Parts that are sound, by id, as they are drawn.
-    earlier
-        The bridges before it.
-    sheet
-        A sheet that is sound.
+    `bridge`: one whose parts are among these. `parts`: parts that are sound, by id, as they are drawn. `earlier`: the
+    bridges before it. `sheet`: a sheet that is sound.
 
     Raises
     ------

@@ -141,10 +141,7 @@ def _crossing(polygon: shapely.Polygon) -> str:
 def hole_problems(parts: Sequence[Part]) -> tuple[list[str], list[Note]]:
     """Holes that reach out of their part or overlap each other, and notes on those that touch.
 
-    Parameters
-    ----------
-    parts
-        Parts whose rings are proper each.
+    `parts`: parts whose rings are proper each.
     """
     holes = [h for p in parts for h in p.holes]
     if not holes:

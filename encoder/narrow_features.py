@@ -295,14 +295,8 @@ ALIKE_RAD = 1.0
 def paths_keep_distance(curves: Sequence[Curve], paths: Sequence[Curve], half_mm: float, most_mm: float) -> Bools:
     """Which closed curves surely lie nowhere farther than `most_mm` from their paths; False says nothing yet.
 
-    Parameters
-    ----------
-    curves, paths
-        One path for each curve, beginning beside the curve's first line or arc.
-    half_mm
-        Half the kerf: the radius of what goes round a corner.
-    most_mm
-        What is asked.
+    `curves` and `paths`: one path for each curve, beginning beside the curve's first line or arc. `half_mm`: half the
+    kerf: the radius of what goes round a corner. `most_mm`: what is asked.
 
     Examples
     --------

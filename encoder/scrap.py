@@ -220,14 +220,8 @@ def severed_lines(
 ) -> dict[int, list[float]]:
     """Lines that others cut in two or more, and where: mm along each, in order.
 
-    Parameters
-    ----------
-    lines
-        All scrap lines of a nest. None crosses another; they end at each other.
-    metal
-        The skeleton, without the kerfs of the parts.
-    kerf_mm
-        Width of the kerf.
+    `lines`: all scrap lines of a nest. None crosses another; they end at each other. `metal`: the skeleton, without the
+    kerfs of the parts.
 
     Examples
     --------

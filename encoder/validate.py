@@ -78,13 +78,7 @@ MOST_NOTES = 100
 
 
 def overlap_problems(parts: Sequence[Part]) -> tuple[list[str], list[Note]]:
-    """Parts that overlap, and notes on pairs that touch.
-
-    Parameters
-    ----------
-    parts
-        Parts whose rings are proper each.
-    """
+    """Parts that overlap, and notes on pairs that touch. `parts`: parts whose rings are proper each."""
     metal = metal_of(parts)
     i, j = shapely.STRtree(metal).query(metal, predicate="dwithin", distance=TOUCH_MM)
     i, j = i[i < j], j[i < j]
@@ -138,14 +132,7 @@ OVERSHOOT_MM = 1.0
 def scrap_problems(scrap: Sequence[Contour], parts: Sequence[Part], sheet: Sheet) -> list[str]:
     """A sentence for each scrap line that cannot be cut where it is drawn.
 
-    Parameters
-    ----------
-    scrap
-        The lines.
-    parts
-        Parts whose rings are proper each.
-    sheet
-        A sheet whose rings are proper.
+    `parts`: parts whose rings are proper each. `sheet`: a sheet whose rings are proper.
 
     Examples
     --------

@@ -113,20 +113,10 @@ def better_zones(
     """The cheapest plan by any zones that are tried, proven or not, and the best plan known without zones.
 
     Of plans that cost the same, one that is proven is better. So more time makes no worse plan only because it is
-    enough for a proof within worse zones.
-
-    Parameters
-    ----------
-    request, solution
-        What was asked of a plan by zones, and the plan.
-    further
-        What geometry has found missing of it.
-    limits
-        Of the whole job: each step takes a share of it.
-    ends_s
-        When a limit in seconds ends, by `running_s`.
-    may_move
-        Whether the plan may be another; else zones stay as they are.
+    enough for a proof within worse zones. `request` and `solution`: what was asked of a plan by zones, and the plan.
+    `further`: what geometry has found missing of it. `limits`: of the whole job: each step takes a share of it.
+    `ends_s`: when a limit in seconds ends, by `running_s`. `may_move`: whether the plan may be another; else zones stay
+    as they are.
     """
     contours = request.facts.n
     moves = may_move and movable(request.facts)

@@ -107,18 +107,8 @@ class SimulatedOrders(Protocol):
 class CoolerOrders:
     """Routes of a nest that are simulated and remembered: what was simulated for one price is known for the next.
 
-    Parameters
-    ----------
-    facts
-        Of the nest.
-    problem
-        Made of the facts and the rules' statements, without prices of heat.
-    heat
-        The profile's section `heat`.
-    thickness_mm
-        Of the sheet.
-    paths
-        The torch's paths of the candidates.
+    `problem`: made of the facts and the rules' statements, without prices of heat. `heat`: the profile's section
+    `heat`. `paths`: the torch's paths of the candidates.
     """
 
     def __init__(

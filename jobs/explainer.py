@@ -180,21 +180,9 @@ class Mover:
     ) -> tuple[MovePreview, tuple[int, ...]]:
         """Contours moved together, the first of them to a place (from 1), and the route along the new order.
 
-        Parameters
-        ----------
-        contours
-            Their ids.
-        place
-            Of the first; the others follow it in the order that they have.
-        given_up
-            Why locks are there (`Lock.because`) that do not count: the move takes their place.
-        look
-            Also look for what only geometry finds, which takes longer.
-
-        Raises
-        ------
-        InputError
-            If the plan does not cut a contour of that name, or has no such place.
+        `place`: that of the first; the others follow it in the order that they have. `given_up`: why locks are there
+        (`Lock.because`) that do not count: the move takes their place. `look`: also look for what only geometry finds,
+        which takes longer. Raises InputError if the plan does not cut a contour of that name, or has no such place.
         """
         setting = self._setting(frozenset(given_up))
         index = setting.facts.nest.index

@@ -244,14 +244,8 @@ def look_for(
 ) -> SolveOptions | None:
     """How long a plan without zones is looked for; None for not at all.
 
-    Parameters
-    ----------
-    ends_s
-        When a limit in seconds ends, by `running_s`.
-    first
-        The plan by the zones of geometry.
-    stated_s
-        How long it took to state the rules.
+    `ends_s`: when a limit in seconds ends, by `running_s`. `first`: the plan by the zones of geometry. `stated_s`: how
+    long it took to state the rules.
     """
     if contours <= FEW:
         return _share(contours, limits, ends_s)

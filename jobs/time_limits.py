@@ -87,18 +87,8 @@ class JobLimit:
 class CommandLimit(JobLimit):
     """A limit in seconds for a command, from its beginning to its last file: it counts all but compiling.
 
-    Parameters
-    ----------
-    limit_s
-        The limit, s.
-    began_s
-        When the command began, by `clock`; None for now.
-    drawn
-        The suffixes of the pictures that it draws of the plan.
-    beside
-        Whether they are drawn beside the check, not after it.
-    clock
-        Seconds, for tests.
+    `began_s`: when the command began, by `clock`; None for now. `drawn`: the suffixes of the pictures that it draws of
+    the plan. `beside`: whether they are drawn beside the check, not after it. `clock`: seconds, for tests.
 
     Examples
     --------

@@ -274,12 +274,7 @@ NEAR = 0.02
 def comparable_layouts(groups: Sequence[Sequence[Layout]], most: int) -> list[Layout]:
     """The best layout, and others that lay as many parts on sheets worth about the same: of each group the best first.
 
-    Parameters
-    ----------
-    groups
-        Layouts of each way to lay parts, the best of each first.
-    most
-        How many at most.
+    `groups`: layouts of each way to lay parts, the best of each first.
     """
     every = sorted((layout for group in groups for layout in group), key=lambda layout: layout.score)
     missing, worth, _ = every[0].score

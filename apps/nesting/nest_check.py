@@ -33,16 +33,9 @@ def nest_faults(
 ) -> list[str]:
     """Every fault of a set of nests, a sentence each; none where all is as it was asked for.
 
-    Parameters
-    ----------
-    written
-        The content of each nest file (kerfwise-nest/1), by the name that is told.
-    parts
-        What was asked for. Each part of a nest says under `of` which of them it is.
-    sheets
-        What there is to cut from.
-    spacing
-        Least distances.
+    `written`: the content of each nest file (kerfwise-nest/1), by the name that is told. `parts`: what was asked for.
+    Each part of a nest says under `of` which of them it is. `sheets`: what there is to cut from. `spacing`: least
+    distances.
     """
     faults: list[str] = []
     nests: dict[str, Nest] = {}

@@ -74,29 +74,12 @@ def request_list(
 ) -> ListRequest:
     """The groups of an order, each with its profile; what cannot be cut is found here, before anything is laid.
 
-    Parameters
-    ----------
-    order
-        Parts and stock.
-    plants
-        The profiles that there are, the first for parts of which nothing is said.
-    request
-        What is to be laid of a group under its profile.
-    skip_bad
-        Whether parts that cannot be cut are left out.
-    answers
-        To questions about material.
-    date
-        The day that every program says at its top, as 2026-12-24; "" for none.
-    settings
-        What the profiles have been set to besides: the job files say it, too.
-
-    Raises
-    ------
-    ListQuestions
-        If no profile or row is for some material.
-    InputError
-        If parts cannot be cut, or there is no sheet for some, and they may not be left out: all of them, with reasons.
+    `order`: parts and stock. `plants`: the profiles that there are, the first for parts of which nothing is said.
+    `request`: what is to be laid of a group under its profile. `skip_bad`: whether parts that cannot be cut are left
+    out. `answers`: to questions about material. `date`: the day that every program says at its top, as 2026-12-24; ""
+    for none. `settings`: what the profiles have been set to besides: the job files say it, too. Raises ListQuestions if
+    no profile or row is for some material; InputError if parts cannot be cut, or there is no sheet for some, and they
+    may not be left out: all of them, with reasons.
     """
     bad: list[BadRow] = list(order.bad)
     cuttings, left_out = cuttings_of(plants, groups_of(order.wanted), answers)

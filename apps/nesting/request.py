@@ -54,27 +54,12 @@ def order_of(
 ) -> Order:
     """Read everything that the command line names.
 
-    Parameters
-    ----------
-    parts
-        Files of parts, each with its quantity behind it (`bracket.dxf=12`), folders of them, and lists of parts.
-    sheets
-        Sizes such as `3000x1500`, or files, each with how many there are behind it (`3000x1500=4`), and lists of stock.
-    remnants
-        The same, of remnants.
-    reading
-        How drawings are read.
-    tell
-        Told what the readers had to say.
-    skip_bad
-        Whether parts that cannot be read are left out, each with its reason.
-    name_pattern
-        What the names of files say, such as `{part}_{quantity}x`: see `NamePattern`.
-
-    Raises
-    ------
-    InputError
-        For all that cannot be read or used, unless it may be left out.
+    `parts`: files of parts, each with its quantity behind it (`bracket.dxf=12`), folders of them, and lists of parts.
+    `sheets`: sizes such as `3000x1500`, or files, each with how many there are behind it (`3000x1500=4`), and lists of
+    stock. `remnants`: the same, of remnants. `reading`: how drawings are read. `tell`: told what the readers had to
+    say. `skip_bad`: whether parts that cannot be read are left out, each with its reason. `name_pattern`: what the
+    names of files say, such as `{part}_{quantity}x`: see `NamePattern`. Raises InputError for all that cannot be read
+    or used, unless it may be left out.
     """
     names = None if name_pattern is None else NamePattern(name_pattern)
     rows: list[tuple[PartRow, Path]] = []

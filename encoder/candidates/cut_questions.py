@@ -45,10 +45,7 @@ def cut_questions(
 ) -> list[Question]:
     """What is asked of contours that cannot be cut, where answers free all of them; nothing where they do not.
 
-    Parameters
-    ----------
-    of_each
-        For every contour at fault what frees it alone.
+    `of_each`: for every contour at fault what frees it alone.
     """
     narrow = [k for k in of_each if k in tried.narrow and _asks_of_slots(tried, k, options)]
     holes = [k for k in of_each if options.holes.under == "ask" and any(r.key == "under" for r in of_each[k])]

@@ -34,25 +34,11 @@ def compute_facts(
 ) -> Facts:
     """The facts of a nest and of the candidates of its contours.
 
-    Parameters
-    ----------
-    nest
-        A validated nest.
-    options
-        Thresholds, and what a profile fixes.
-    candidates
-        Sorted by contour index; may be empty.
-    heat_kj
-        The most heat that cutting each contour leaves in the sheet, (n,), which the machine and the material decide.
-    met
-        What the candidates meet of cuts made before them under the same options, where that is known already.
-
-    Raises
-    ------
-    InputError
-        If `options` name contours or parts that the nest does not have, or zones that contradict each other.
-    ValueError
-        If `options` give a zone a budget of heat, but `heat_kj` is missing.
+    `nest`: a validated nest. `options`: thresholds, and what a profile fixes. `candidates`: sorted by contour index;
+    may be empty. `heat_kj`: the most heat that cutting each contour leaves in the sheet, (n,), which the machine and
+    the material decide. `met`: what the candidates meet of cuts made before them under the same options, where that is
+    known already. Raises InputError if `options` name contours or parts that the nest does not have, or zones that
+    contradict each other; ValueError if `options` give a zone a budget of heat, but `heat_kj` is missing.
 
     Examples
     --------

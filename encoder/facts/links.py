@@ -384,16 +384,9 @@ def round_corners(
 ) -> LinkLines:
     """The shortest free ways round one corner, between contours that have no straight link.
 
-    Parameters
-    ----------
-    lines, straight
-        All straight lines, and those that are free.
-    leave, reach
-        The places that they join.
-    longest_mm, kerf_mm
-        The longest link, and the width of the kerf.
-    free
-        Leaves out the links that something is in the way of.
+    `lines` and `straight`: all straight lines, and those that are free. `leave` and `reach`: the places that they join.
+    `longest_mm` and `kerf_mm`: the longest link, and the width of the kerf. `free`: leaves out the links that something
+    is in the way of.
     """
     pairs = lines.take(_nearest(lines, straight, leave, reach))
     corners = _corners(pairs.points[:, 0], pairs.points[:, 1], kerf_mm)

@@ -35,20 +35,10 @@ def offset_curve(curve: Curve, distance_mm: float) -> Curve:
     arc about the corner (those that turn by a few degrees only stay pointed, within 0.001 mm); the others are
     trimmed to where the neighbouring offsets meet. The result lies within 0.01 mm of the true offset.
 
-    The area that the offset bounds is found first, in fine chords and robustly; each stretch of its boundary is
-    then traced back to the line, arc or corner it is offset from, and those are joined exactly.
-
-    Parameters
-    ----------
-    curve
-        Closed; it may touch itself.
-    distance_mm
-        Outwards (towards a larger area) where positive, mm.
-
-    Raises
-    ------
-    ValueError
-        If the curve is open or has no area, or if nothing is left.
+    The area that the offset bounds is found first, in fine chords and robustly; each stretch of its boundary is then
+    traced back to the line, arc or corner it is offset from, and those are joined exactly. `curve`: closed; it may
+    touch itself. `distance_mm`: outwards (towards a larger area) where positive, mm. Raises ValueError if the curve is
+    open or has no area, or if nothing is left.
 
     Examples
     --------

@@ -48,16 +48,8 @@ def closings(
 ) -> list[Closing]:
     """The ways to close open lines of one layer, the likeliest first.
 
-    Parameters
-    ----------
-    chains
-        The open lines of the layer.
-    broken
-        Those of them that may be contours which were meant to close.
-    outers
-        The outer contours of parts.
-    tolerance_mm
-        The join tolerance.
+    `chains`: the open lines of the layer. `broken`: those of them that may be contours which were meant to close.
+    `outers`: the outer contours of parts.
     """
     found = [_along_parts(chains, broken, outers, tolerance_mm), _over_gaps(chains, broken, tolerance_mm)]
     return sorted((one for one in found if one is not None), key=lambda one: not one.likely)

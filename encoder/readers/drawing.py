@@ -171,19 +171,9 @@ MadeOf = Callable[[K], tuple[int, Iterable[tuple[K, int]]]]
 def check_copies(whole: K, made_of: MadeOf[K], word: str) -> None:
     """Refuse a drawing whose copies nobody could wait for: two dozen blocks of two blocks each are 16 million.
 
-    Every block is looked into once.
-
-    Parameters
-    ----------
-    whole
-        Key of the drawing itself; its own entities are no copies.
-    word
-        What the format calls a block, for the message.
-
-    Raises
-    ------
-    InputError
-        For over `MOST_COPIES` copies, or blocks in blocks over `DEEPEST` deep, as those that contain themselves are.
+    Every block is looked into once. `whole`: key of the drawing itself; its own entities are no copies. `word`: what
+    the format calls a block, for the message. Raises InputError for over `MOST_COPIES` copies, or blocks in blocks over
+    `DEEPEST` deep, as those that contain themselves are.
 
     Examples
     --------

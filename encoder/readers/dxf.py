@@ -60,19 +60,9 @@ logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | None = None) -> Drawing:
     """Every curve of the model space, in mm.
 
-    Parameters
-    ----------
-    path, data
-        The file and its bytes.
-    options
-        `units` overrides $INSUNITS; with `repair`, a file that breaks off is read as far as it goes.
-    asking
-        Takes the questions that the file raises; by default nobody answers but the options.
-
-    Raises
-    ------
-    InputError
-        When the file is no DXF, breaks off, or an entity in it cannot be understood.
+    `path` and `data`: the file and its bytes. `options`: `units` overrides $INSUNITS; with `repair`, a file that breaks
+    off is read as far as it goes. `asking`: takes the questions that the file raises; by default nobody answers but the
+    options. Raises InputError when the file is no DXF, breaks off, or an entity in it cannot be understood.
     """
     asking = Asking(dict(options.answers)) if asking is None else asking
     notes = _whole(data, options)

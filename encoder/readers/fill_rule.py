@@ -18,14 +18,9 @@ from .fit_arcs import FLATTEN_MM, fit_curve
 def filled_outlines(curves: Sequence[Curve], even_odd: bool) -> list[Curve] | None:
     """The lines round what a shape fills, where its lines cross or run on each other; None where none do.
 
-    Lines that are closed again as they were drawn stay exactly as they were.
-
-    Parameters
-    ----------
-    curves
-        The subpaths of one shape that is filled and has no line; open ones are closed, as a filling closes them.
-    even_odd
-        Whether its fill rule is evenodd; else it is nonzero.
+    Lines that are closed again as they were drawn stay exactly as they were. `curves`: the subpaths of one shape that
+    is filled and has no line; open ones are closed, as a filling closes them. `even_odd`: whether its fill rule is
+    evenodd; else it is nonzero.
 
     Examples
     --------

@@ -180,16 +180,9 @@ def endpoint_clusters(ends: Floats, lengths_mm: Floats, tolerance_mm: float) -> 
     """The number of the meeting point of every end.
 
     Ends within `SNAP_MM` meet, however many. An end still alone then meets the nearest other lone end within
-    `tolerance_mm`, closest pairs first. The two ends of one piece may meet if the piece is long beside the gap.
-
-    Parameters
-    ----------
-    ends
-        Array (2 n, 2): start and end of piece k in rows 2 k and 2 k + 1, mm.
-    lengths_mm
-        Array (n,): the length of each piece.
-    tolerance_mm
-        Widest gap between two ends that meet.
+    `tolerance_mm`, closest pairs first. The two ends of one piece may meet if the piece is long beside the gap. `ends`:
+    array (2 n, 2): start and end of piece k in rows 2 k and 2 k + 1, mm. `lengths_mm`: array (n,): the length of each
+    piece. `tolerance_mm`: widest gap between two ends that meet.
 
     Examples
     --------
@@ -237,14 +230,9 @@ class Trail:
 def trace(group: Sequence[int], nodes: Ints, twin: Mapping[int, int]) -> list[Trail]:
     """Every piece of the group in one ring or chain.
 
-    Parameters
-    ----------
-    group
-        Numbers of pieces, in the order of the file.
-    nodes
-        Array (n, 2): the meeting points at the start and the end of each piece.
-    twin
-        Piece → the first piece that runs along the same line; a trail never turns back along one.
+    `group`: numbers of pieces, in the order of the file. `nodes`: array (n, 2): the meeting points at the start and the
+    end of each piece. `twin`: piece → the first piece that runs along the same line; a trail never turns back along
+    one.
 
     Examples
     --------

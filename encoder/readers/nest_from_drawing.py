@@ -297,12 +297,7 @@ def attributes_of(outer: DrawnCurve) -> dict[str, object]:
 def with_quantities(nest: Nest, name: str, pattern: str) -> Nest:
     """Parts that the names of their blocks, of their layer or of the file say how many are wanted of, with that.
 
-    Parameters
-    ----------
-    name
-        Name of the file, without its suffix.
-    pattern
-        See `ReadOptions.quantity`.
+    `name`: name of the file, without its suffix. `pattern`: see `ReadOptions.quantity`.
 
     Examples
     --------

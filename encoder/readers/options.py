@@ -227,15 +227,10 @@ def dxf_units(
 ) -> tuple[str, str]:
     """The unit of a DXF file and why, from its header; asked about where that says nothing or contradicts itself.
 
-    Parameters
-    ----------
-    insunits, measurement, lunits
-        The header's $INSUNITS, $MEASUREMENT (0 imperial, 1 metric) and $LUNITS (3 and 4 are feet and inches), None
-        where the file does not have them.
-    longest
-        Longer side of all that is drawn, in units of the drawing.
-    in_inches
-        Whether the numbers are those of a drawing in inches, whole ones and fractions: see `are_inches`.
+    `insunits`, `measurement`, `lunits`: the header's $INSUNITS, $MEASUREMENT (0 imperial, 1 metric) and $LUNITS
+    (3 and 4 are feet and inches), None where the file does not have them. `longest`: longer side of all that is drawn,
+    in units of the drawing. `in_inches`: whether the numbers are those of a drawing in inches, whole ones and
+    fractions: see `are_inches`.
     """
     says_inches = (("LUNITS", lunits, (3, 4)), ("MEASUREMENT", measurement, (0,)))
     imperial = [f"${name} {value}" for name, value, says in says_inches if value in says]
@@ -277,12 +272,7 @@ def dxf_units(
 def doubts(sheet: Sheet, units: str) -> list[Note]:
     """A note on a sheet of a size that no plant would cut; nothing where it is plausible.
 
-    Parameters
-    ----------
-    sheet
-        The sheet as read.
-    units
-        What the file was read in.
+    `sheet`: the sheet as read. `units`: what the file was read in.
 
     Examples
     --------

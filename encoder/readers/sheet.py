@@ -29,21 +29,9 @@ def choose_sheet(
 ) -> tuple[Sheet, str, list[Note]]:
     """The sheet, why it is that, and what is to be said about the choice.
 
-    Parameters
-    ----------
-    drawn
-        The rings on the sheet's layer.
-    parts
-        The rings of the parts.
-    page
-        The drawing area, for a format that has one.
-    why
-        Why the drawn ones are the sheet, where no layer says so.
-
-    Raises
-    ------
-    InputError
-        When several sheets are drawn.
+    `drawn`: the rings on the sheet's layer. `parts`: the rings of the parts. `page`: the drawing area, for a format
+    that has one. `why`: why the drawn ones are the sheet, where no layer says so. Raises InputError when several sheets
+    are drawn.
     """
     size = options.sheet_size_mm
     if drawn:

@@ -53,17 +53,8 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) -> Drawing:
     """Every shape that is shown, in mm with y up, and what is written; images are passed over, and that is said.
 
-    Parameters
-    ----------
-    data
-        The file's bytes.
-    options
-        `units` says what a user unit (of the viewBox) is, `layers` what the groups are for.
-
-    Raises
-    ------
-    InputError
-        When the file is no SVG or a shape in it cannot be understood.
+    `data`: the file's bytes. `options`: `units` says what a user unit (of the viewBox) is, `layers` what the groups are
+    for. Raises InputError when the file is no SVG or a shape in it cannot be understood.
     """
     asking = Asking(dict(options.answers)) if asking is None else asking
     plain, seen = sound_svg(data)
@@ -338,12 +329,7 @@ ROUND = 1e-6
 def curves(shape: Any, to_mm: Any) -> list[Curve]:
     """The subpaths of a shape in mm, y up.
 
-    Parameters
-    ----------
-    shape
-        Any svgelements.Shape.
-    to_mm
-        The svgelements.Matrix from its coordinates to mm.
+    `shape`: any svgelements.Shape. `to_mm`: the svgelements.Matrix from its coordinates to mm.
     """
     found = []
     path = svgelements.Path(shape)

@@ -31,15 +31,8 @@ class _NotComputed(Exception):
 def computed(root: Element, matters: frozenset[str]) -> None:
     """Write into attributes and styles what the variables and sums in them come to.
 
-    Parameters
-    ----------
-    matters
-        The properties that decide whether and where something is seen.
-
-    Raises
-    ------
-    InputError
-        For one of these that cannot be computed, such as a sum of shares and lengths.
+    `matters`: the properties that decide whether and where something is seen. Raises InputError for one of these that
+    cannot be computed, such as a sum of shares and lengths.
     """
     _compute(root, {}, matters)
 

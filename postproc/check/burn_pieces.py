@@ -262,18 +262,11 @@ def find_shared_burns(
 ) -> SharedBurns:
     """Find the burns that one ring each does not account for.
 
-    Parameters
-    ----------
-    paths, lines
-        The torch's paths and the same as lines; None is one that is not asked about, such as a mark.
-    rings
-        The rings of all contours, None where the torch goes round nothing.
-    own
-        For each path the contour that it cuts all by itself. One without a ring, such as a slit, shares nothing.
-    within_mm
-        How far a burn may be from a ring that it runs along.
-    tabbed
-        Rings that are not to be covered all round, so that even one burn alone does not cover them.
+    `paths` and `lines`: the torch's paths and the same as lines; None is one that is not asked about, such as a mark.
+    `rings`: the rings of all contours, None where the torch goes round nothing. `own`: for each path the contour that
+    it cuts all by itself. One without a ring, such as a slit, shares nothing. `within_mm`: how far a burn may be from a
+    ring that it runs along. `tabbed`: rings that are not to be covered all round, so that even one burn alone does not
+    cover them.
     """
     own = [None if ring in tabbed else ring for ring in own]
     shared = _asked(paths, lines, rings, own, within_mm)

@@ -50,31 +50,13 @@ def nest_of(
     """The nest that burns cut, all of them, each a contour or a mark, or several contours with the torch on between.
 
     A round in no other, or in an even number of others, is the outline of a part; one in an odd number is a hole of the
-    part straight around it. The contours lie half a kerf beside the rounds.
-
-    Parameters
-    ----------
-    burns
-        In the drawing's coordinates.
-    kerf_mm
-        Width of the kerf; 0 for contours on the torch's path itself.
-    sheet_mm
-        The sheet, from `zero` on; None to lay one around the burns.
-    zero
-        The sheet's lower left corner, where the program says it; else (0, 0) for a sheet of a given size.
-    file
-        Of the program, for the nest's name.
-    tab_mm
-        A burn that stops no further than this from where it joined a contour has left a tab; 0 where there are none.
-    aside
-        The lines of burns that are no part of it.
-
-    Raises
-    ------
-    NoNest
-        If a burn is no contour, or none can be told from it.
-    InputError
-        If the sheet given does not hold the burns.
+    part straight around it. The contours lie half a kerf beside the rounds. `burns`: in the drawing's coordinates.
+    `kerf_mm`: width of the kerf; 0 for contours on the torch's path itself. `sheet_mm`: the sheet, from `zero` on; None
+    to lay one around the burns. `zero`: the sheet's lower left corner, where the program says it; else (0, 0) for a
+    sheet of a given size. `file`: of the program, for the nest's name. `tab_mm`: a burn that stops no further than this
+    from where it joined a contour has left a tab; 0 where there are none. `aside`: the lines of burns that are no part
+    of it. Raises NoNest if a burn is no contour, or none can be told from it; InputError if the sheet given does not
+    hold the burns.
     """
     contours, unclear = contours_of_burns(burns, tab_mm, aside)
     if unclear:

@@ -271,21 +271,9 @@ def reordered(
 ) -> str:
     """The program with its pieces in another order.
 
-    Parameters
-    ----------
-    apart
-        The program.
-    order
-        The numbers of its pieces, from 0, in the new order.
-    texts
-        Lines, comments of the control, for the program's top.
-    headings
-        Lines, comments of the control, before each piece, in the new order.
-
-    Raises
-    ------
-    InputError
-        With the line, where what holds for a burn cannot be put in force again.
+    `order`: the numbers of its pieces, from 0, in the new order. `texts`: lines, comments of the control, for the
+    program's top. `headings`: lines, comments of the control, before each piece, in the new order. Raises InputError
+    with the line, where what holds for a burn cannot be put in force again.
     """
     lines = [text for text in apart.head if text.strip() and not (apart.ours and is_comment(text))]
     at_top = 1 if lines and lines[0].strip() == "%" else 0

@@ -354,19 +354,8 @@ def plot_spot(
 ) -> None:
     """Draw the surroundings of the named contours, large, with these in red: where rules are in conflict, say.
 
-    Parameters
-    ----------
-    nest, plan, path, home
-        As for `plot`.
-    contours
-        Contour ids, at least one.
-    caption
-        A sentence for the title line.
-
-    Raises
-    ------
-    InputError
-        As for `plot`, and if no contour is named or the nest has none of that name.
+    `nest` and `plan` and `path` and `home`: as for `plot`. `contours`: contour ids, at least one. `caption`: a sentence
+    for the title line. Raises InputError as for `plot`, and if no contour is named or the nest has none of that name.
     """
     named = frozenset(contours)
     if not named:

@@ -69,14 +69,7 @@ class Panel:
 def draw_burns(panels: Sequence[Panel], suffix: str, title: str) -> str | bytes:
     """All panels in one picture, to one scale; below each other where the sheet is wide.
 
-    Parameters
-    ----------
-    panels
-        At least one, with at least one burn in all.
-    suffix
-        ".svg", or ".png".
-    title
-        Of the picture.
+    `panels`: at least one, with at least one burn in all. `suffix`: ".svg", or ".png".
     """
     scene = burns_scene(panels, title)
     return png_bytes(scene) if suffix.lower() == ".png" else svg_text(scene)
@@ -277,18 +270,9 @@ def reading_picture(
 ) -> bytes:
     """The picture as the content of a file.
 
-    Parameters
-    ----------
-    lines
-        Curves in mm, each with what it is taken for: a key of `STYLES`.
-    nest
-        What was made of them, for the sheet and its contours; None where nothing could be.
-    title
-        Stands above the drawing.
-    suffix
-        ".svg", ".png" or ".pdf".
-    bold
-        How many times as thick lines and letters are, for a picture that is shown small.
+    `lines`: curves in mm, each with what it is taken for: a key of `STYLES`. `nest`: what was made of them, for the
+    sheet and its contours; None where nothing could be. `title`: stands above the drawing. `suffix`: ".svg", ".png" or
+    ".pdf". `bold`: how many times as thick lines and letters are, for a picture that is shown small.
     """
     rows = list(lines) or ([(_of(c.kind), c.curve) for c in nest.contours] if nest is not None else [])
     if nest is not None:

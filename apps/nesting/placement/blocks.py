@@ -65,12 +65,7 @@ class Block:
 def pair_of(kind: PartType, taken: shapely.Polygon) -> Block | None:
     """How two copies lie best, by turns that the type allows; None where pairs do not pay, or would not hang together.
 
-    Parameters
-    ----------
-    kind
-        The part type.
-    taken
-        What one copy takes, half the gap around it included.
+    `taken`: what one copy takes, half the gap around it included.
     """
     if kind.quantity < 2:
         return None
@@ -85,16 +80,8 @@ def pair_of(kind: PartType, taken: shapely.Polygon) -> Block | None:
 def twice(kind: PartType, half: tuple[Member, ...], taken: shapely.Polygon, common: Common) -> Block | None:
     """Two blocks with common edges as one, a kerf apart along another straight edge; None where there is no such place.
 
-    Parameters
-    ----------
-    kind
-        The part type.
-    half
-        The copies of one of the two blocks.
-    taken
-        What one copy takes, half the gap around it included.
-    common
-        The distance, and how long the edge is at least.
+    `half`: the copies of one of the two blocks. `taken`: what one copy takes, half the gap around it included.
+    `common`: the distance, and how long the edge is at least.
     """
     if kind.quantity < 2 * len(half) or kind.held or kind.part.tabs or kind.part.marks:
         return None
@@ -284,12 +271,8 @@ def places_beside(
 ) -> list[PairPlacement]:
     """Places of the second part where the rectangle around both is small, the best of all first; they may touch.
 
-    Parameters
-    ----------
-    fixed, coming
-        Polygons, mm, arcs as chords; grown by half the gap where there is to be one.
-    turns_deg
-        The turns that are allowed; those of the method where it is not given.
+    `fixed` and `coming`: polygons, mm, arcs as chords; grown by half the gap where there is to be one. `turns_deg`: the
+    turns that are allowed; those of the method where it is not given.
 
     Examples
     --------

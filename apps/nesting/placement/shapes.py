@@ -31,18 +31,10 @@ class Shape:
 class Shapes:
     """Shapes by type and pose, and the shifts by which pairs overlap: each worked out once, when it is asked for.
 
-    Parameters
-    ----------
-    types
-        The part types; their numbers are those in this order.
-    gap_mm
-        Between any two parts.
-    common
-        How far edges lie apart that are cut once; without, blocks with such edges are not made.
-    more_mm
-        How much more than half the gap parts of some types take all round, by the number of the type.
-    doubled
-        How often blocks with common edges are doubled.
+    `types`: the part types; their numbers are those in this order. `gap_mm`: between any two parts. `common`: how far
+    edges lie apart that are cut once; without, blocks with such edges are not made. `more_mm`: how much more than half
+    the gap parts of some types take all round, by the number of the type. `doubled`: how often blocks with common edges
+    are doubled.
     """
 
     def __init__(
