@@ -18,7 +18,7 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.torch_path import compensated
 
 from .candidate import Candidate, CommonOptions
-from .common_edges import common_edges, point_on, rounds_at_corners
+from .common_edges import common_edges, rounds_at_corners
 from .common_paths import Run
 from .older_kerfs import OlderKerfs
 from .stretches import way_of
@@ -165,13 +165,13 @@ def _round_both(
     drawn = compensated(contour, kerf_mm)
     found = []
     for k, lead in enumerate(leads if shared is not None else ()):
-        ends = [point_on(drawn, shared[0]), point_on(drawn, shared[0] + shared[1])] if shared is not None else []
+        ends = [drawn.point_at(shared[0]), drawn.point_at(shared[0] + shared[1])] if shared is not None else []
         first, second = ends if (lead.direction == "ccw") == contour.curve.is_ccw else ends[::-1]
         ring, far = (compensated(one, kerf_mm).towards(lead.direction) for one in (contour, other))
         left_mm = (ring.project(lead.join)[0] - ring.project(second)[0]) % ring.length_mm
         if _LEAST_KERFS * kerf_mm <= left_mm <= ring.length_mm / _ROUNDS:
             leave, join = _over(ring, far, first, kerf_mm)
-            end = point_on(far, (far.project(second)[0] - last_mm) % far.length_mm)
+            end = far.point_at((far.project(second)[0] - last_mm) % far.length_mm)
             along = [
                 Stretch(contour.id, Span(lead.join, leave), lead.direction),
                 Stretch(other.id, Span(join, end), lead.direction),
@@ -186,10 +186,10 @@ def _over(ring: Curve, far: Curve, at: Point, kerf_mm: float) -> tuple[Point, Po
     before = next((b for b, mm in rounds_at_corners(ring, kerf_mm) if _is_at(ring, b + mm, at_mm)), None)
     after = next((b + mm for b, mm in rounds_at_corners(far, kerf_mm) if _is_at(far, b, far_mm)), None)
     if before is not None and after is not None:
-        leave, join = point_on(ring, before), point_on(far, after)
+        leave, join = ring.point_at(before), far.point_at(after)
         if abs(math.dist(leave, join) - kerf_mm) <= 2 * tolerance_mm(kerf_mm):
             return leave, join
-    return point_on(ring, at_mm), point_on(far, far_mm)
+    return ring.point_at(at_mm), far.point_at(far_mm)
 
 
 def _is_at(ring: Curve, at_mm: float, other_mm: float) -> bool:
