@@ -1,4 +1,4 @@
-"""The picture of a large plan, drawn in a process of its own while the program is written and judged.
+"""The picture of a plan of many contours, drawn in a process of its own while the program is written and judged.
 
 What takes long of a picture needs the nest and the cuts alone; what the check has to say of the rules stands in its
 header. So all but that is drawn meanwhile. The process sets out before there is a plan, and finds out what it needs of
@@ -28,8 +28,9 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import VerifiedPlan
 from kerfwise.postproc.report import PAGE, draw
 
-FROM_CONTOURS = 2000
-"""With fewer, drawing takes less than a process needs to set out."""
+FROM_CONTOURS = 300
+"""With fewer, drawing takes less than a process needs to set out. A first plan of 300 contours with its picture takes this
+process 2.8 processor s in place of 3.2, one of 1000 5.2 in place of 5.8; the other takes 0.8 and 1.3 s meanwhile."""
 LEAST_CORES = 2
 """With one, two processes take as long as one after the other."""
 
