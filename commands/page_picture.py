@@ -29,8 +29,8 @@ from kerfwise.pipeline import VerifiedPlan
 from kerfwise.postproc.report import PAGE, draw
 
 FROM_CONTOURS = 300
-"""With fewer, drawing takes less than a process needs to set out. A first plan of 300 contours with its picture takes this
-process 2.8 processor s in place of 3.2, one of 1000 5.2 in place of 5.8; the other takes 0.8 and 1.3 s meanwhile."""
+"""With fewer, drawing takes less than a process needs to set out. A first plan of 300 contours with its picture takes
+this process 2.8 processor s in place of 3.2, one of 1000 5.2 in place of 5.8; the other takes 0.8 and 1.3 s."""
 LEAST_CORES = 2
 """With one, two processes take as long as one after the other."""
 
