@@ -281,7 +281,8 @@ class Names:
             for one in _single(lock):
                 yield self._one(one)
         except InputError as error:
-            raise wrong_at(lock.place, f"lock {next(lines_of(lock))!r}: {error.message}") from None
+            of_plan_file = f"{error.file}: " if error.file else ""
+            raise wrong_at(lock.place, f"lock {next(lines_of(lock))!r}: {of_plan_file}{error.message}") from None
 
     def _one(self, lock: Lock) -> OnNest:
         if lock.zone is not None:

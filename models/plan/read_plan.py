@@ -393,10 +393,11 @@ def expect_named_alike(plan: Plan, nest: Nest) -> None:
 
 def _said_of_others(plan: Plan, nest: Nest) -> Iterator[str]:
     """What a plan says of contours that neither the nest has nor the plan cuts, or left out."""
-    left = {one.contour for one in plan.left_out} | {row.cut.way for _, row in plan.begun}
+    known = {*nest.index, *(one.contour for one in plan.left_out), *(row.cut.contour for row in plan.cuts)}
+    known |= {row.cut.way for _, row in plan.begun}  # a snake, or round in pieces, begins contours under its own name
     for what, names in _sayings(plan):
         for name in names:
-            if name not in nest.index and name not in left and not any(name == row.cut.contour for row in plan.cuts):
+            if name not in known:
                 yield f"it says of {name!r}, which is no contour of it, {what}"
 
 

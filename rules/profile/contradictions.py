@@ -346,8 +346,9 @@ def expect_bevels(profile: Technique, nest: Nest | None = None, resumed: bool = 
         return
     if section.head is None:
         first = contours[0]
+        named = " and ".join(sorted({str(bevel) for bevel in first.bevel_of_edge if bevel is not None}))
         raise InputError(
-            f"{first.id} has a bevel ({first.bevel}), and the profile has no head that tilts: say cuts: {{bevel: "
+            f"{first.id} has a bevel ({named}), and the profile has no head that tilts: say cuts: {{bevel: "
             "{head: tilting}}, or take the bevel out of the nest",
             file=(nest.file if nest is not None else "") or None,
         )

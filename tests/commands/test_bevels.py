@@ -235,6 +235,12 @@ def test_what_does_not_go_together_is_refused(tmp_path: Path, profile: str, says
     assert says in done.err, done.err
 
 
+def test_bevels_on_single_edges_are_named_where_nothing_cuts_them(tmp_path: Path) -> None:
+    nest, plant = write(tmp_path, {"kind": "V", "angle": 30, "edges": [1]}, "cuts: {bevel: {head: off}}\n")
+    done = kerfwise("solve", nest, "-p", plant)
+    assert "P.outer has a bevel (V 30 top), and the profile has no head that tilts" in done.err
+
+
 def test_eia_tilts_and_turns_by_the_words_of_its_manual(tmp_path: Path) -> None:
     nest, plant = write(
         tmp_path, {"kind": "Y", "angle": 30, "land": 4}, "cuts: {bevel: {lies_still: 0.5 kg, corner: turn}}\n"

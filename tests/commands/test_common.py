@@ -215,5 +215,7 @@ def test_an_order_that_leaves_two_stretches_is_a_conflict_with_a_way_out(folder:
     assert ended.code == 1
     assert "common-cuts: L.outer is cut all round with A.outer, B.outer still in" in ended.err
     assert "relax level-ahead: 1 statement" in ended.err
+    assert "note: cuts.common asks for common cuts; without them (cuts: {common: {shortest: off}})" in ended.err
+    assert kerfwise("solve", "nest.json", "-p", "laser-st10kp-2mm", "--set", "cuts.common.shortest=off").code == 0
     assert solve("--plan", "plan.json", "--relax").code == 0
     assert sum("span" in row for row in rows(folder)) == 2

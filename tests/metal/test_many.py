@@ -44,6 +44,12 @@ def test_parts_a_kerf_apart_make_no_scrap_nor_does_the_rest_after_a_stop(
     assert ("common" in cuts_with or "touch" in cuts_with) == (done[0].along_edges > 0)
 
 
+def test_a_plan_that_prices_a_way_of_a_snake_is_one_of_its_nest() -> None:
+    nest = nest_of(9, "oxyfuel-thick-plate", "snake, links")
+    done = tried(nest, "oxyfuel-thick-plate", ("--work", "0.1"), cuts_with="snake, links")
+    assert [(one.refused, one.broken, one.findings) for one in done] == [("", "", ())]
+
+
 def test_a_refusal_is_counted_by_its_reason() -> None:
     (done,) = tried(made(1), "plasma-carbon-steel", EFFORT)
     assert "N mm" in done.refused

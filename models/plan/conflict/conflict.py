@@ -26,6 +26,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import RELAXED_MM, About, Statement, by_kind
 from kerfwise.rules.stating.state_rules import HOPELESS, DroppedStatement, Stated, every_statement, hopeless, resolve
+from kerfwise.rules.stating.statement_costs import COMMON
 
 from .core import Core, Engines, find_core, find_whole_core
 from .groups import DEFAULT_WORK, LAST, Group, NotAnswered, hard_groups, moves_or_seconds, order_groups, solver_within
@@ -138,7 +139,7 @@ def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = No
     stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
     clashing = by_kind(s for group in core.groups for s in group.statements)
     forbidden = {s.candidate for s in clashing.forbid}
-    notes = tuple(_only_ways(facts, profile, forbidden))
+    notes = (*_only_ways(facts, profile, forbidden), *_without_common_cuts(clash))
     return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
 
 
@@ -276,6 +277,12 @@ def _only_ways(facts: Facts, profile: Profile, forbidden: set[int]) -> Iterator[
         if len(ways) == 1:
             rules = " and ".join(profile.rules_of_direction(contour.kind))
             yield f"{rules} offers no other way round {contour.id} than {ways[0]}"
+
+
+def _without_common_cuts(clash: Iterable[About]) -> Iterator[str]:
+    """Common cuts are a wish of the profile, which no rule asks for: without them their part of a conflict is gone."""
+    if any(about.rule == COMMON for about in clash):
+        yield "cuts.common asks for common cuts; without them (cuts: {common: {shortest: off}}) each part is cut whole"
 
 
 def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:
