@@ -33,7 +33,7 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "problem": (("kerfwise.models.engines.solve", "make_problem"), ("kerfwise.models.engines.solve", "simplify")),
     "planning": (("kerfwise.models.engines.solve", "run_portfolio"),),
     "looks at whole orders": (),
-    "plan and its reasons": (("kerfwise.pipeline", "make_plan"), ("kerfwise.pipeline", "with_times")),
+    "plan and its reasons": tuple(("kerfwise.pipeline", step) for step in ("make_plan", "with_reasons", "with_times")),
     "program": (("kerfwise.pipeline", "write_program"),),
     "check": (("kerfwise.pipeline", "judge"),),
     "picture": (("kerfwise.postproc.report", "draw"),),
@@ -173,13 +173,13 @@ def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
 
 def _around_looks(clock: Clock) -> None:
     """Count what rules that judge a whole order find wrong with those that are tried."""
-    place: Any = importlib.import_module("kerfwise.pipeline")
-    plain = place.lazy_statements
+    plain: Any = importlib.import_module("kerfwise.pipeline").lazy_statements
 
     def counted(*given: Any) -> Callable[..., Any]:
         return clock.around("looks at whole orders", plain(*given))
 
-    place.lazy_statements = counted
+    for name in ("kerfwise.pipeline", "kerfwise.jobs.plan_without_zones"):
+        vars(importlib.import_module(name))["lazy_statements"] = counted
 
 
 def main() -> None:
